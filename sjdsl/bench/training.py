@@ -104,7 +104,7 @@ def measure_split(setup: Setup, repeats: int) -> Split:
     rates = race(loops, [updates] * len(loops), repeats, lambda _: None)
     whole, idle_s, collect_s, learn_s = (tuple(1 / rate for rate in rounds) for rounds in rates)
     sizes = (setup.network, config.num_envs, config.num_steps)
-    return Split(env.name, env.num_agents, *sizes, compiled.seconds, whole, idle_s, collect_s, learn_s, flops, *setup.learning)
+    return Split(setup.name, env.num_agents, *sizes, compiled.seconds, whole, idle_s, collect_s, learn_s, flops, *setup.learning)
 
 
 def _repeated(part: Callable[[], Any], number: int) -> Array:

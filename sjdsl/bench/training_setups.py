@@ -1,7 +1,7 @@
 """What training is measured of: environments by network, algorithm and sharing of parameters, each with its configuration."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
@@ -20,6 +20,7 @@ ROLLOUT = {"ippo": (16, 128), "mappo": (16, 128)}  # environments and steps unle
 class Setup:
     """An environment and the configuration that it is trained with."""
 
+    name: str  # of the game, with its variant: `game+variant`
     env: "Environment"
     config: Config
 
@@ -33,11 +34,11 @@ class Setup:
         return self.config.algorithm, getattr(self.config, "sharing", "shared")
 
     def __str__(self) -> str:
-        return ", ".join((self.env.name, self.network, *self.learning))
+        return ", ".join((self.name, self.network, *self.learning))
 
 
 def training_setups(
-    envs: Sequence["Environment"],
+    envs: Mapping[str, "Environment"],
     networks: Sequence[Network],
     algorithms: Sequence[Algorithm] = ("ippo",),
     sharings: Sequence[Sharing] = ("shared",),
@@ -47,19 +48,19 @@ def training_setups(
     """Returns what can be measured, and a line for each that its game or its sizes refuse.
 
     Args:
-      envs: environments with tokens.
+      envs: environments with tokens, by what they are called.
       networks, algorithms, sharings: all combinations; vdn has one network for all agents, and is left out where `shared` is not asked for.
       num_envs, num_steps: of a rollout; None: 16 environments for 128 steps, of vdn what its configuration has.
     """
     from sjdsl.trainers import make_train
 
     setups, refused = [], []
-    for env, network, (algorithm, sharing) in product(envs, networks, _learners(algorithms, sharings)):
+    for (name, env), network, (algorithm, sharing) in product(envs.items(), networks, _learners(algorithms, sharings)):
         try:
-            setup = Setup(env, _config(network, algorithm, sharing, num_envs, num_steps))
+            setup = Setup(name, env, _config(network, algorithm, sharing, num_envs, num_steps))
             make_train(env, setup.config)
         except ConfigError as error:
-            refused.append(f"{env.name}, {network}, {algorithm}, {sharing}: {error}")
+            refused.append(f"{name}, {network}, {algorithm}, {sharing}: {error}")
         else:
             setups.append(setup)
     return tuple(setups), tuple(refused)

@@ -70,6 +70,22 @@ def other_numbers(described: Mapping[str, Any]) -> list[str]:
     return [f"{name}={params[name]}" for name in sorted(usual.keys() & params.keys()) if not _same(params[name], usual[name])]
 
 
+def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
+    """Returns whether a bundled game, with a variant of it, has this value of a parameter without being asked; False of another game.
+
+    Args:
+      param: as Python names it, or `num_agents`.
+      value: as it was asked for.
+    """
+    game = _game(name, variant)
+    if game is None:
+        return False
+    usual = {param_attribute(own.name): own.value for own in game.params} | {"num_agents": game.agents.number}
+    if param not in usual:
+        return False
+    return bool(value == usual[param]) if isinstance(usual[param], str) else _same(value, usual[param])
+
+
 def _same(value: Any, usual: Any) -> bool:
     """Returns whether numbers are the same to rounding; words of the language, which are encoded as numbers elsewhere, are not compared."""
     try:

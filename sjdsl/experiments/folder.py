@@ -32,9 +32,12 @@ class Folder:
         found = read_json(self.path / PARTS / f"{name}.json")
         if found is None or not all(isinstance(found.get(key), list) for key in ARRAYS):
             return None
-        events = {event: np.asarray(counts, np.int32) for event, counts in found.get("events", {}).items()}
-        played = Evaluation(np.asarray(found["returns"], np.float32), np.asarray(found["lengths"], np.int32), events, {}, {})
-        return played, np.asarray(found["order"], np.int32)
+        try:
+            events = {event: np.asarray(counts, np.int32) for event, counts in found.get("events", {}).items()}
+            played = Evaluation(np.asarray(found["returns"], np.float32), np.asarray(found["lengths"], np.int32), events, {}, {})
+            return played, np.asarray(found["order"], np.int32)
+        except (TypeError, ValueError):  # not of numbers, or not of one shape
+            return None
 
     def keep(self, name: str, played: Evaluation, order: np.ndarray) -> None:
         """Writes what was played. Raises OSError when there is no room; then nothing of it is there."""

@@ -29,7 +29,7 @@ def beside_table(name: str, title: str, columns: Sequence[str], lines: Sequence[
     No test is made: the number of seeds behind a published cell is not known.
     """
     rows = [row for line in lines for row in _rows(line, len(more))]
-    records = [record for line in lines for record in _records(line, columns)]
+    records = [record for line in lines for record in _records(line, columns, more)]
     return Table(name, title, ("game", "", *columns, *more, ORIGIN), tuple(rows), tuple(records), 2)
 
 
@@ -76,7 +76,9 @@ def _difference_text(found: tuple[float, bool | None] | None) -> str:
     return f"{'+' if difference > 0 else ''}{number(difference)}{where}"
 
 
-def _records(line: Line, columns: Sequence[str]) -> Iterator[dict[str, Any]]:
+def _records(line: Line, columns: Sequence[str], more: Sequence[str]) -> Iterator[dict[str, Any]]:
+    said = dict(zip(more, line.ours_more or ("",) * len(more), strict=True))
+    said |= {f"published {heading}": value for heading, value in zip(more, line.printed_more or ("",) * len(more), strict=True)}
     for column, cell, printed in zip(columns, line.cells, line.printed, strict=True):
         if cell is not None or printed is not None:
             difference, inside = _difference(cell, printed) or (None, None)
@@ -88,6 +90,7 @@ def _records(line: Line, columns: Sequence[str]) -> Iterator[dict[str, Any]]:
                 "published_deviation": printed and printed.deviation,
                 "difference": difference,
                 "published_inside": inside,
+                **said,
             }
 
 

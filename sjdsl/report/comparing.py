@@ -21,10 +21,10 @@ def compared_table(name: str, title: str, words: tuple[str, ...], columns: tuple
         difference = "" if found is None else bounded(found.difference, found.low, found.high)
         p = "" if found is None or found.p is None else _p(found.p)
         rows.append((*said, cell_text(first), cell_text(second), difference, p, "; ".join(origins)))
-        records += [_record(said, column, cell) for column, cell in zip(columns, (first, second), strict=True) if cell is not None]
+        records += [_record(words, said, column, cell) for column, cell in zip(columns, (first, second), strict=True) if cell is not None]
         if found is not None:
             difference_record = {"mean": found.difference, "low": found.low, "high": found.high, "p": found.p}
-            records.append(_record(said, f"{columns[1]} - {columns[0]}", None) | difference_record)
+            records.append(_record(words, said, f"{columns[1]} - {columns[0]}", None) | difference_record)
     headings = (*words, *columns, f"{columns[1]} - {columns[0]}", "p (Welch)", ORIGIN)
     return Table(name, title, headings, tuple(rows), tuple(records), len(words))
 
@@ -39,5 +39,5 @@ def _p(value: float) -> str:
     return "< 0.001" if value < 0.001 else number(value)
 
 
-def _record(said: tuple[str, ...], column: str, cell: Cell | None) -> dict[str, Any]:
-    return {"game": said[0], "of": said[1], "column": column, **cell_record(cell), "p": None}
+def _record(words: tuple[str, ...], said: tuple[str, ...], column: str, cell: Cell | None) -> dict[str, Any]:
+    return {**dict(zip(words, said, strict=True)), "column": column, **cell_record(cell), "p": None}

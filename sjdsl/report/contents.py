@@ -48,6 +48,11 @@ class Contents:
         found = {row.game for table in tables for row in getattr(self.evidence, table)}
         return tuple(_ordered(found | (set(suite()) if self.whole_suite else set())))
 
+    @property
+    def plain_names(self) -> tuple[str, ...]:
+        """The names without those of variants, which are games only in measurements of speed: commands are made for these."""
+        return tuple(name for name in self.names if "+" not in name)
+
     def form(self, row: DiagramRow | Meeting) -> str:
         """Returns what differs in the game that was played from the bundled game as it is now, in words; `""` where nothing does."""
         now = rules_now(row.game, "")

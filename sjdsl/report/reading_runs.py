@@ -9,14 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.experiments.bundled_rules import other_numbers
+from sjdsl.experiments.bundled_rules import is_usual, other_numbers
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
 from sjdsl.trainers.config import make_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
+from sjdsl.trainers.policy_file import POLICIES
 from sjdsl.trainers.resuming import RunError, read_manifest
 from sjdsl.trainers.run_folder import MANIFEST
 
+EPISODES = 30  # of the evaluation of a seed, at least: the default of `sjdsl train` and `sjdsl evaluate`
 POINTS = 40  # of the learning curve of a seed, at most
 RETURN = "collective return"  # its name in an evaluation
 # What does not make a way of training another: which seeds, and what is written when.
@@ -85,14 +87,15 @@ def _settings(way: Mapping[str, Any]) -> str:
 
 
 def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
-    """Returns what was asked for besides the game and a variant: numbers of the game, and of agents.
+    """Returns what was asked for besides the game and a variant: numbers of the game, and of agents, that it would not have otherwise.
 
     A run that was started from Python may not say what was asked for: then the numbers that a bundled game has otherwise.
     """
     if "game" not in made:
         return other_numbers(game)
     asked = {**(made.get("params") or {}), **({} if made.get("num_agents") is None else {"num_agents": made["num_agents"]})}
-    return [f"{name}={value}" for name, value in sorted(asked.items())]
+    variant = made.get("variant") or ""
+    return [f"{name}={value}" for name, value in sorted(asked.items()) if not is_usual(game["name"], variant, name, value)]
 
 
 def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
@@ -166,7 +169,15 @@ def _notes(path: Path, manifest: Mapping[str, Any], seeds: tuple[Seed, ...]) -> 
     for row in seeds:
         if row.status == "failed":
             notes.append(f"seed {row.seed} of `{path}` has failed, for its loss was not finite: nothing is averaged with it")
-    if any(row.status == "done" and row.collective_return is None for row in seeds):
+    wanting = {row.seed for row in seeds if row.status == "done" and row.collective_return is None}
+    damaged = [folder for seed, folder in _folders(path, manifest["config"]) if seed in wanting and not (folder / POLICIES).is_dir()]
+    notes += [f"`{folder}` is not whole, for it has no `{POLICIES}`: it is left out" for folder in damaged]
+    few = {row.episodes for row in seeds if row.collective_return is not None and row.episodes < EPISODES}
+    if few:
+        notes.append(
+            f"`{path}` was evaluated in {min(few)} episodes a seed, where other cells have {EPISODES}: `sjdsl evaluate {path}` does it so"
+        )
+    if len(wanting) > len(damaged):
         notes.append(
             f"`{path}` is not evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {path}` does it as the tables want it"
         )

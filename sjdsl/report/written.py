@@ -12,7 +12,7 @@ from sjdsl.report.markdown import FIGURES
 from sjdsl.report.page import Picture
 from sjdsl.report.refusals import ReportError
 from sjdsl.report.report import DATA, Report, make_report
-from sjdsl.trainers.run_files import write_whole
+from sjdsl.trainers.run_files import UNFINISHED, write_whole
 
 PAGE, LISTED, MARL_EVAL = "report.md", "report_files.json", "marl_eval.json"
 ENDINGS = ("png", "svg")
@@ -42,7 +42,7 @@ def place_of(output: Path) -> Place:
 
 
 def require_place(place: Place) -> None:
-    """Checks that a report may be written to a place: it is new or empty, or holds a report and nothing else.
+    """Checks that a report may be written to a place: it is new or empty, or holds a report and nothing else. What an interrupted command was writing does not count.
 
     Raises:
       ReportError: there are other files, which are named.
@@ -54,7 +54,11 @@ def require_place(place: Place) -> None:
     if place.page.exists() and listed is None:
         raise ReportError(f"`{place.page}` is there, and no report has written it; name another place")
     there = (
-        {path.relative_to(place.folder).as_posix() for path in place.folder.rglob("*") if path.is_file()}
+        {
+            path.relative_to(place.folder).as_posix()
+            for path in place.folder.rglob("*")
+            if path.is_file() and not path.name.endswith(UNFINISHED)
+        }
         if place.folder.is_dir()
         else set()
     )

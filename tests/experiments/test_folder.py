@@ -1,6 +1,7 @@
 """The folder of an experiment: one process at a time, nothing else in it, and nothing lost where the disk is full."""
 
 import errno
+import json
 import os
 from pathlib import Path
 from typing import Any
@@ -117,6 +118,19 @@ def test_an_experiment_that_ended_before_its_first_line_up_leaves_its_folder_to_
     assert files_of("schelling", folder) == files_of("schelling", tmp_path / "alone")
     with pytest.raises(ExperimentError, match="holds another experiment"), open_folder(folder, {"experiment": "mine"}):
         pass
+
+
+@pytest.mark.parametrize("returns", ["[[1.0], [2.0, 3.0]]", '[["much"]]'])
+def test_a_damaged_part_is_played_again(tmp_path: Path, played: list[Any], returns: str) -> None:
+    """Where it is JSON, too, but no table of numbers."""
+    play("schelling", tmp_path)
+    before = files_of("schelling", tmp_path)
+    part = next((tmp_path / "parts").glob("*.json"))
+    part.write_text(json.dumps({**json.loads(part.read_text()), "returns": json.loads(returns)}))
+    done = len(played)
+    play("schelling", tmp_path)
+    assert len(played) == done + 1
+    assert files_of("schelling", tmp_path) == before
 
 
 def test_a_half_written_folder(tmp_path: Path, played: list[Any]) -> None:

@@ -71,7 +71,7 @@ def write_run(
     write_json(folder / "manifest.json", manifest)
     for number, earned in enumerate(returns):
         own = folder if len(returns) == 1 else folder / f"seed_{first + number}"
-        own.mkdir(exist_ok=True)
+        (own / "policies").mkdir(parents=True, exist_ok=True)
         write_metrics(own, made.steps_per_update, earned or 0.0)
         if earned is not None and first + number not in diverged and status == "finished":
             figures = {

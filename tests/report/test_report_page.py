@@ -11,7 +11,10 @@ from report_folders import write_cross_play, write_diagram, write_run
 
 from sjdsl.cli import commands
 from sjdsl.report import Evidence, read_folders
+from sjdsl.report.contents import contents_of
+from sjdsl.report.evidence import SpeedRow
 from sjdsl.report.report import Report, make_report
+from sjdsl.report.sections.speed import speed
 
 GOLDEN = Path(__file__).parent / "golden"
 Golden = Callable[[Path, str], None]
@@ -166,6 +169,25 @@ def test_other_numbers_and_maps_are_other_games_without_published_figures(tmp_pa
     assert "| coins, harm=0 | ours |" in page
     assert "| coins, variant socialjax | ours |" in page
     assert page.split("## Returns")[1].split("## Social")[0].count("| published |") == 1
+
+
+def test_a_number_that_the_game_has_anyway_makes_no_other_game(tmp_path: Path) -> None:
+    """As it was typed, or as a run keeps it; also the number of agents."""
+    same = [{"params": {"harm": -2}}, {"params": {"harm": "-2.0"}, "num_agents": 2}]
+    runs = [
+        write_run(tmp_path / str(number), "coins", (10.0, 12.0), reward=reward, rules="c01", provenance=asked)
+        for number, (reward, asked) in enumerate(zip(("common", "individual"), same, strict=True))
+    ]
+    rows = [row for row in records(report_of(*runs), "own_and_common") if row["column"] == "common - individual"]
+    assert [row["game"] for row in rows] == ["coins"]
+
+
+def test_games_that_are_variants_in_measurements_of_speed_are_in_no_command() -> None:
+    speeds = tuple(SpeedRow(game, 2, False, "tokens", 1, 5.0, 4.0, 6.0, 3, "cpu") for game in ("coins+meltingpot", "pd_arena"))
+    contents = contents_of(Evidence(speeds=speeds), False)
+    assert contents.names == ("pd_arena", "coins+meltingpot")
+    assert contents.plain_names == ("pd_arena",)
+    assert "coins" not in " ".join(speed(contents).fill)
 
 
 def test_runs_of_other_rules_are_noted_and_never_pooled(tmp_path: Path) -> None:

@@ -82,6 +82,19 @@ def test_a_place_with_other_files_is_refused(tmp_path: Path, found: Evidence) ->
         write_report(found, tmp_path / "good", COMMAND)
 
 
+def test_a_report_that_was_interrupted_is_written_again(tmp_path: Path, found: Evidence) -> None:
+    """What was being written when the disk was full, or the process was killed, is no file of somebody else's."""
+    with (
+        mock.patch("sjdsl.report.written.write_whole", side_effect=OSError(28, "No space left on device")),
+        pytest.raises(OSError, match="space"),
+    ):
+        write_report(found, tmp_path / "out", COMMAND)
+    (tmp_path / "out/tables").mkdir(exist_ok=True)
+    (tmp_path / "out/tables/exchange.csv.7-vm.unfinished").write_text("half")
+    write_report(found, tmp_path / "out", COMMAND)
+    assert check_report(found, tmp_path / "out", COMMAND) == []
+
+
 def test_files_that_are_no_longer_part_of_it_are_removed(tmp_path: Path, found: Evidence) -> None:
     write_report(found, tmp_path / "out", COMMAND, nested=True)
     assert "marl_eval.json" in files(tmp_path / "out")

@@ -1,6 +1,7 @@
 """What a report reads of each kind of folder, and what it says of folders that are half written, failed, of other rules, or of no kind."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,20 @@ def test_actions_that_were_chosen_otherwise_are_no_result(tmp_path: Path) -> Non
     assert earned(found) == {0: 3.0, 1: None}
     assert found.notes == (
         f"`{folder}` is not evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {folder}` does it as the tables want it",
+    )
+
+
+def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (3.0, 5.0, 4.0))
+    shutil.rmtree(folder / "seed_1")
+    (folder / "seed_1").mkdir()
+    file = folder / "seed_2/evaluation.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"episodes": 2}))
+    found = read_folders([folder])
+    assert earned(found) == {0: 3.0, 1: None, 2: 4.0}
+    assert found.notes == (
+        f"`{folder}/seed_1` is not whole, for it has no `policies`: it is left out",
+        f"`{folder}` was evaluated in 2 episodes a seed, where other cells have 30: `sjdsl evaluate {folder}` does it so",
     )
 
 

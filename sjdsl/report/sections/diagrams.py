@@ -20,7 +20,7 @@ def diagrams(contents: Contents) -> Section:
     found = contents.evidence.diagrams
     own = [row for row in found if not contents.form(row)]
     trained = {row.game for row in own if row.unit == TRAINED}
-    missing = [name for name in contents.names if name not in trained]
+    missing = [name for name in contents.plain_names if name not in trained]
     rows = [row for name in contents.names for row in _rows(contents, name)]
     records = tuple(_record(contents, row) for row in found)
     text = [

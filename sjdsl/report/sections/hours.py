@@ -28,7 +28,7 @@ def hours(contents: Contents) -> Section:
         f"Published: {published.source('training')}.",
     )
     table = Table("hours", "Hours of training", headings, rows, tuple(_record(row) for row in found), 4)
-    missing = [name for name in contents.names if name not in {row.game for row in found}]
+    missing = [name for name in contents.plain_names if name not in {row.game for row in found}]
     fill = [
         f"sjdsl bench {called(missing)} --training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 "
         "--json runs/training.json"

@@ -24,7 +24,7 @@ def meetings(contents: Contents) -> Section:
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
     records = tuple(vars(row) for row in contents.evidence.meetings)
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, tuple(rows), records, 3)
-    game = next(iter(contents.names), "coins")
+    game = next(iter(contents.plain_names), "coins")
     pools = f"{REWARDS}/{game}_reward-common {REWARDS}/{game}_reward-individual"
     fill = rewards_sweep([game]), f"sjdsl crossplay {called([game])} --policies {pools} --mix pairs -o runs/{game}_pairs"
     return Section("Cross-play", (), (table,) if rows else (), fill=() if of_the_game else fill)

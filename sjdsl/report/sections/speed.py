@@ -32,7 +32,7 @@ def speed(contents: Contents) -> Section:
     table = Table("speed", "Environment steps a second", headings, tuple(lines), records, 2)
     plots = [plot for name in contents.names if (plot := _plot(contents, name)) is not None]
     draw = partial(draw_series, plots, "environments at once", "environment steps a second", logarithmic=True)
-    missing = [name for name in contents.names if not _complete(contents, name)]
+    missing = [name for name in contents.plain_names if not _complete(contents, name)]
     fill = [f"sjdsl bench {called(missing)} --envs 1,128,1024,4096 --agents own,20 --json runs/speed.json"] if missing else []
     pictures = (Picture("speed", "speed over environments", draw),) if plots else ()
     return Section("Speed", text, (table,) if lines else (), pictures, tuple(fill))
