@@ -138,6 +138,13 @@ def test_settings_that_differ_between_the_games_of_a_column_are_said(tmp_path: P
     assert not [line for line in report_of(*runs[:2]).page.splitlines() if "common_reward` is" in line]
 
 
+def test_settings_that_shared_and_separate_parameters_do_not_have_alike_are_said(tmp_path: Path) -> None:
+    for sharing, kind in (("shared", "mean"), ("per_agent", "sum")):
+        write_run(tmp_path / sharing, "coins", (10.0, 12.0), reward="common", sharing=sharing, common_reward=kind)
+    lines = report_of(tmp_path).page.splitlines()
+    assert '* coins, IPPO, common: `common_reward` is "mean" in shared; the default in separate.' in lines
+
+
 def test_the_angles_have_the_fresh_seeds_and_not_those_that_chose_the_weight(evidence: Evidence) -> None:
     report = make_report(evidence, "sjdsl report runs")
     weights = {row["column"]: row["mean"] for row in records(report, "svo_weights") if row["mean"]}

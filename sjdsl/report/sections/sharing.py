@@ -3,7 +3,7 @@
 from collections import defaultdict
 from dataclasses import replace
 
-from sjdsl.report.cells import Cell, Setting
+from sjdsl.report.cells import Cell, Setting, settings_between
 from sjdsl.report.comparing import Pair, compared_table
 from sjdsl.report.contents import Contents, called
 from sjdsl.report.page import Section
@@ -19,17 +19,19 @@ def sharing(contents: Contents) -> Section:
             ways[in_words(replace(run, sharing=SHARED))].add(run.sharing)
         for way in sorted(way for way, found in ways.items() if {SHARED, APART} <= found):
             lines.append(((game.label, way), _cell(contents, game.setting, way, SHARED), _cell(contents, game.setting, way, APART)))
-    text = (
+    text = [
         "Agents share one network, or each has its own, with its own initial weights. "
         "The paper says that both take about the same time and converge alike, and has no figures.",
-    )
+    ]
+    for (label, way), shared, separate in lines:
+        text += settings_between(f"{label}, {way}", {"shared": shared, "separate": separate})
     title = "Collective return with shared and with separate parameters"
     table = compared_table("sharing", title, ("game", "way of training"), ("shared", "separate"), lines)
     untried = [
         name for name in dict.fromkeys(game.name for game in contents.games) if name not in {words[0].split(",")[0] for words, *_ in lines}
     ]
     fill = (f"sjdsl sweep {called(untried)} --protocol sharing --preset two_cores --seeds 5 --run runs/sharing",) if untried else ()
-    return Section("Shared and separate parameters", text, (table,) if lines else (), fill=fill)
+    return Section("Shared and separate parameters", tuple(text), (table,) if lines else (), fill=fill)
 
 
 def _cell(contents: Contents, setting: Setting | None, way: str, sharing: str) -> Cell | None:
