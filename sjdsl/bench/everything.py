@@ -88,7 +88,7 @@ def _speed_parts(plan: Plan, tasks: Sequence[Task], observation: str, tell: Call
 
 def _training_part(plan: Plan, env: Environment, network: Any, tell: Callable[[str], object]) -> Part:
     def split() -> Training:
-        setups, refused = training_setups({env.name: env}, [network], num_envs=plan.training_envs, num_steps=plan.training_steps)
+        setups, refused = training_setups([(env.name, env)], [network], num_envs=plan.training_envs, num_steps=plan.training_steps)
         if refused:
             raise ValueError("; ".join(refused))
         return measure_training(setups, plan.repeats, tell)

@@ -1,7 +1,7 @@
 """What training is measured of: environments by network, algorithm and sharing of parameters, each with its configuration."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
@@ -38,7 +38,7 @@ class Setup:
 
 
 def training_setups(
-    envs: Mapping[str, "Environment"],
+    envs: Sequence[tuple[str, "Environment"]],
     networks: Sequence[Network],
     algorithms: Sequence[Algorithm] = ("ippo",),
     sharings: Sequence[Sharing] = ("shared",),
@@ -48,14 +48,14 @@ def training_setups(
     """Returns what can be measured, and a line for each that its game or its sizes refuse.
 
     Args:
-      envs: environments with tokens, by what they are called.
+      envs: environments with tokens, each behind what it is called; numbers of agents of one game are called alike.
       networks, algorithms, sharings: all combinations; vdn has one network for all agents, and is left out where `shared` is not asked for.
       num_envs, num_steps: of a rollout; None: 16 environments for 128 steps, of vdn what its configuration has.
     """
     from sjdsl.trainers import make_train
 
     setups, refused = [], []
-    for (name, env), network, (algorithm, sharing) in product(envs.items(), networks, _learners(algorithms, sharings)):
+    for (name, env), network, (algorithm, sharing) in product(envs, networks, _learners(algorithms, sharings)):
         try:
             setup = Setup(name, env, _config(network, algorithm, sharing, num_envs, num_steps))
             make_train(env, setup.config)

@@ -80,7 +80,7 @@ def plan_training(
     """Returns the section of a page and the measurement. Raises ClickException, now or when measuring, where nothing can be measured."""
     from sjdsl.bench import measure_training, training_setups
 
-    envs = {task.name: task.env for task in tasks if task.env is not None}
+    envs = [(task.name, task.env) for task in tasks if task.env is not None]
     learners = asked.algorithms or ("ippo",), asked.sharings or ("shared",)
     setups, refused = training_setups(envs, asked.networks, *learners, num_envs, num_steps)
 

@@ -83,7 +83,18 @@ def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
     usual = {param_attribute(own.name): own.value for own in game.params} | {"num_agents": game.agents.number}
     if param not in usual:
         return False
-    return bool(value == usual[param]) if isinstance(usual[param], str) else _same(value, usual[param])
+    if _is_numeric(value) and _is_numeric(usual[param]):
+        return _same(value, usual[param])
+    return bool(np.array_equal(np.asarray(value, object), np.asarray(usual[param], object)))  # words
+
+
+def _is_numeric(value: Any) -> bool:
+    """Returns whether a value is a number or a table of numbers, also as they are typed."""
+    try:
+        np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def _same(value: Any, usual: Any) -> bool:

@@ -90,17 +90,17 @@ def settings_apart(run: Run, other: Run) -> dict[str, tuple[str, str]]:
     return {name: (_said(own, name), _said(theirs, name)) for name in names if own.get(name) != theirs.get(name)}
 
 
-def settings_between(column: str, cells: Mapping[str, Cell | None]) -> list[str]:
-    """Returns what to say of the settings that the cells of a column, by game, do not have alike: a line for each setting."""
-    settings = {game: json.loads(cell.run.settings) for game, cell in cells.items() if cell is not None}
+def settings_between(what: str, cells: Mapping[str, Cell | None]) -> list[str]:
+    """Returns what to say of the settings that the cells of a column, by game, or of a row, by column, do not have alike: a line for each."""
+    settings = {place: json.loads(cell.run.settings) for place, cell in cells.items() if cell is not None}
     lines = []
     for name in sorted({name for own in settings.values() for name in own}):
-        games: dict[str, list[str]] = defaultdict(list)
-        for game, own in settings.items():
-            games[_said(own, name)].append(game)
-        if len(games) > 1:
-            said = (f"{value} in {', '.join(named)}" for value, named in games.items())
-            lines.append(f"* {column}: `{name}` is {'; '.join(said)}.")
+        places: dict[str, list[str]] = defaultdict(list)
+        for place, own in settings.items():
+            places[_said(own, name)].append(place)
+        if len(places) > 1:
+            said = (f"{value} in {', '.join(named)}" for value, named in places.items())
+            lines.append(f"* {what}: `{name}` is {'; '.join(said)}.")
     return lines
 
 

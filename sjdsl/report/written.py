@@ -42,7 +42,9 @@ def place_of(output: Path) -> Place:
 
 
 def require_place(place: Place) -> None:
-    """Checks that a report may be written to a place: it is new or empty, or holds a report and nothing else. What an interrupted command was writing does not count.
+    """Checks that a report may be written to a place: it is new or empty, or holds a report and nothing else.
+
+    What an interrupted command was writing does not count.
 
     Raises:
       ReportError: there are other files, which are named.

@@ -23,7 +23,7 @@ LEARNERS = [("ippo", "shared"), ("ippo", "per_agent"), ("mappo", "shared"), ("ma
 
 @pytest.fixture(scope="module")
 def training(meadow_env: Environment) -> Training:
-    setups, refused = training_setups({meadow_env.name: meadow_env}, ["mlp"], ["ippo", "vdn"], num_envs=ENVS, num_steps=STEPS)
+    setups, refused = training_setups([(meadow_env.name, meadow_env)], ["mlp"], ["ippo", "vdn"], num_envs=ENVS, num_steps=STEPS)
     return measure_training(setups, repeats=2, env_steps=10**6, left_out=refused)
 
 
@@ -54,7 +54,7 @@ def operations(samples: int, first: int, rest: int, gradient: bool) -> int:
 @pytest.mark.parametrize(("algorithm", "sharing"), LEARNERS)
 def test_operations_are_those_of_the_matrices(meadow_env: Environment, algorithm: str, sharing: str) -> None:
     """Who shares does not matter. Of mappo the critic is a network of its own that sees the windows of both agents."""
-    (setup,), _ = training_setups({meadow_env.name: meadow_env}, ["mlp"], [algorithm], [sharing], ENVS, STEPS)
+    (setup,), _ = training_setups([(meadow_env.name, meadow_env)], ["mlp"], [algorithm], [sharing], ENVS, STEPS)
     program = make_train(meadow_env, setup.config)
     parameters = program.parameters(jax.eval_shape(program.init, jax.random.key(0)))
     first, hidden = matrices(meadow_env)
@@ -79,7 +79,7 @@ def test_operations_are_those_of_the_matrices(meadow_env: Environment, algorithm
 
 @pytest.mark.parametrize("algorithm", ["ippo", "vdn"])
 def test_a_rollout_without_a_network_has_the_same_steps(meadow_env: Environment, algorithm: str) -> None:
-    (setup,), _ = training_setups({meadow_env.name: meadow_env}, ["mlp"], [algorithm], num_envs=ENVS, num_steps=STEPS)
+    (setup,), _ = training_setups([(meadow_env.name, meadow_env)], ["mlp"], [algorithm], num_envs=ENVS, num_steps=STEPS)
     key = jax.random.key(0)
     worlds = jax.eval_shape(make_train(meadow_env, setup.config).init, key).worlds
     assert jax.eval_shape(idle_rollout(meadow_env, setup.config), worlds, key).reward.shape == (STEPS, ENVS, meadow_env.num_agents)
@@ -87,7 +87,7 @@ def test_a_rollout_without_a_network_has_the_same_steps(meadow_env: Environment,
 
 def test_what_is_measured(meadow_env: Environment) -> None:
     """Every combination, vdn once; its rollouts are those of its configuration; a game without roles has no teams by role."""
-    setups, refused = training_setups({meadow_env.name: meadow_env}, ["mlp", "cnn"], ["ippo", "vdn"], ["shared", "per_agent", "by_role"])
+    setups, refused = training_setups([(meadow_env.name, meadow_env)], ["mlp", "cnn"], ["ippo", "vdn"], ["shared", "per_agent", "by_role"])
     assert [(setup.network, *setup.learning) for setup in setups] == [
         (network, *learner) for network in ("mlp", "cnn") for learner in (("ippo", "shared"), ("ippo", "per_agent"), ("vdn", "shared"))
     ]
@@ -95,16 +95,22 @@ def test_what_is_measured(meadow_env: Environment) -> None:
     assert sizes == {"ippo": (16, 128), "vdn": (32, 1)}
     assert [line.split(": ")[0] for line in refused] == ["meadow, mlp, ippo, by_role", "meadow, cnn, ippo, by_role"]
     assert "no lasting roles" in refused[0]
-    (odd,), refused = training_setups({meadow_env.name: meadow_env}, ["mlp"], ["ippo", "vdn"], num_envs=3, num_steps=5)
+    (odd,), refused = training_setups([(meadow_env.name, meadow_env)], ["mlp"], ["ippo", "vdn"], num_envs=3, num_steps=5)
     assert (odd.learning[0], odd.config.steps_per_update) == ("vdn", 15), "its buffer is rounded up to whole updates"
     assert "cannot be split into num_minibatches = 8" in refused[0]
 
 
 @pytest.mark.slow
 def test_a_variant_is_measured_under_its_own_name(meadow_env: Environment) -> None:
-    (setup,), _ = training_setups({"meadow+dry": meadow_env}, ["mlp"], num_envs=ENVS, num_steps=STEPS)
+    (setup,), _ = training_setups([("meadow+dry", meadow_env)], ["mlp"], num_envs=ENVS, num_steps=STEPS)
     (split,) = measure_training([setup], repeats=1).splits
     assert split.game == "meadow+dry"
+
+
+def test_forms_of_one_name_are_all_measured(meadow_env: Environment) -> None:
+    """A game with its own number of agents and with another has one name."""
+    setups, _ = training_setups([(meadow_env.name, meadow_env)] * 2, ["mlp"], num_envs=ENVS, num_steps=STEPS)
+    assert [setup.name for setup in setups] == ["meadow", "meadow"]
 
 
 def split_of(update: tuple[float, ...], **other: str) -> Split:

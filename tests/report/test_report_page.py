@@ -4,12 +4,14 @@ import csv
 import shlex
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 from report_folders import write_cross_play, write_diagram, write_run
 
 from sjdsl.cli import commands
+from sjdsl.experiments.bundled_rules import is_usual
 from sjdsl.report import Evidence, read_folders
 from sjdsl.report.contents import contents_of
 from sjdsl.report.evidence import SpeedRow
@@ -187,6 +189,21 @@ def test_a_number_that_the_game_has_anyway_makes_no_other_game(tmp_path: Path) -
     ]
     rows = [row for row in records(report_of(*runs), "own_and_common") if row["column"] == "common - individual"]
     assert [row["game"] for row in rows] == ["coins"]
+
+
+@pytest.mark.parametrize(
+    ("name", "param", "value", "usual"),
+    [
+        ("gift_refinement", "becomes", ["cut", "fine", "fine"], True),
+        ("gift_refinement", "becomes", ["fine", "fine", "fine"], False),
+        ("gift_refinement", "yields", [3, 3, 1], True),
+        ("gift_refinement", "yields", [3, 3, 2], False),
+        ("coins", "harm", "much", False),
+        ("coins", "harms", -2, False),
+    ],
+)
+def test_which_values_a_game_has_anyway(name: str, param: str, value: Any, usual: bool) -> None:
+    assert is_usual(name, "", param, value) is usual
 
 
 def test_games_that_are_variants_in_measurements_of_speed_are_in_no_command() -> None:
