@@ -20,7 +20,7 @@ from sjdsl.cli.stages import stages
     help="Where to write: a folder, or a page NAME.md with its files in a folder NAME.",
 )
 @click.option("--json", "nested", is_flag=True, help="Also write marl_eval.json, the results as the library marl-eval reads them.")
-@click.option("--suite", is_flag=True, help="Show all nine games of the suite's paper, also those of which nothing is known yet.")
+@click.option("--suite", is_flag=True, help="Show all nine games of the SocialJax paper, also those of which nothing is known yet.")
 @click.option("--check", is_flag=True, help="Write nothing; report what of OUT is not up to date.")
 def command(sources: tuple[str, ...], output: str, nested: bool, suite: bool, check: bool) -> int:
     """Makes a report of DIRs, beside the published figures: a page, a CSV for each table, pictures as PNG and SVG.

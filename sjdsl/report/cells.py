@@ -40,7 +40,7 @@ class Cell:
     @property
     def origins(self) -> tuple[str, str, str]:
         """Seeds, steps and hardware, in words."""
-        return f"{self.seeds} seed{'s' if self.seeds > 1 else ''}", f"{short(self.steps)} steps", self.hardware
+        return f"{self.seeds} seed{'s' if self.seeds > 1 else ''}", f"{short(self.steps)} steps", shown(self.hardware)
 
     @property
     def origin(self) -> str:
@@ -51,6 +51,11 @@ class Cell:
 def each_once(names: Iterable[str]) -> str:
     """Returns the hardware of several seeds or cells as one phrase."""
     return " and ".join(dict.fromkeys(names))
+
+
+def shown(hardware: str) -> str:
+    """Returns the hardware as pages show it: some runs know of theirs no more than that it is a CPU."""
+    return " and ".join("unnamed CPU" if name == "cpu" else name for name in hardware.split(" and "))
 
 
 def short(number: float) -> str:

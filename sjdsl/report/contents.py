@@ -8,7 +8,7 @@ from sjdsl.experiments.bundled_rules import rules_now, variant_now
 from sjdsl.games_folder import game_names
 from sjdsl.report.cells import Index, Setting
 from sjdsl.report.evidence import DiagramRow, Evidence, Meeting
-from sjdsl.report.published import suite
+from sjdsl.report.published import remarks, suite
 
 PAPERS_VARIANTS = ("", "socialjax")  # of the games that the paper has figures of: the game itself, and the rules of its released code
 
@@ -98,6 +98,13 @@ def _label(setting: Setting) -> str:
 def _forms(variant: str = "", map_name: str = "") -> list[str]:
     """Returns a variant and a map as labels name them, those that there are."""
     return [f"{word} {name}" for word, name in (("variant", variant), ("map", map_name)) if name]
+
+
+def remarks_of(contents: Contents, table: str) -> list[str]:
+    """Returns what is to be known of the paper's figures of the games shown, in one of its tables: a list, as one paragraph."""
+    shown = {game.published for game in contents.games}
+    lines = [f"* {game}: {note}." for game, note in remarks(table).items() if game in shown]
+    return ["\n".join(["Of the published figures:", "", *lines])] if lines else []
 
 
 def notes_of_rules(contents: Contents) -> list[str]:

@@ -10,6 +10,11 @@ def number(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value + 0.0:.{SHOWN}g}"
 
 
+def rough(value: float) -> str:
+    """Returns a figure in two digits: `110`, `1.5`."""
+    return number(float(f"{value:.2g}"))
+
+
 def bounded(mean: float, low: float | None, high: float | None) -> str:
     """Returns `163.2 [160.1, 166.3]`; one sample has no bounds."""
     if low is None or high is None or abs(low) == float("inf"):

@@ -1,4 +1,4 @@
-"""The published figures of the suite's paper, typed: `games/published.toml`, where each table has its source and notes."""
+"""The published figures of the SocialJax paper, typed: `games/published.toml`, where each table has its source and notes."""
 
 import tomllib
 from collections.abc import Mapping
@@ -49,6 +49,11 @@ def source(table: str) -> str:
 def remarks(table: str) -> dict[str, str]:
     """Returns what is to be known of single games of a table."""
     return {game: entry["note"] for game, entry in _content()[table]["games"].items() if entry.get("note")}
+
+
+def length() -> str:
+    """Returns how many environment steps the paper's seeds have learnt from, in words."""
+    return str(_content()["length"]["what"])
 
 
 def exchange(game: str) -> dict[float, Printed]:

@@ -9,6 +9,7 @@ from sjdsl.report.evidence import Evidence
 from sjdsl.report.evidence_files import evidence_files
 from sjdsl.report.markdown import TABLES, earlier_section, page_text, section_text, table_csv
 from sjdsl.report.marl_eval import marl_eval
+from sjdsl.report.opening import opening
 from sjdsl.report.page import Picture
 from sjdsl.report.sections import SECTIONS
 
@@ -49,24 +50,12 @@ def make_report(evidence: Evidence, command: str, folder: str = "", whole_suite:
     notes = [*_notes_of_seeds(contents), *notes_of_rules(contents), *contents.index.notes, *evidence.notes]
     stay = {section.title: text for section in sections if section.lacks and (text := earlier_section(earlier, section)) is not None}
     texts = [stay[section.title] if section.title in stay else section_text(section, folder) for section in sections]
-    page = page_text("Results", _opening(command, folder), texts, notes)
+    page = page_text("Results", opening(contents, command, f"{folder}{DATA}"), texts, notes)
     files = {f"{DATA}/{name}": text for name, text in evidence_files(evidence).items()}
     files |= {f"{TABLES}/{table.name}.csv": table_csv(table) for section in sections for table in section.tables}
     pictures = tuple(picture for section in sections for picture in section.pictures)
     lacks = tuple(section.lacks for section in sections if section.lacks and section.title not in stay)
     return Report(page, files, pictures, nested, (*notes, *unequal), stay, lacks)
-
-
-def _opening(command: str, folder: str) -> list[str]:
-    return [
-        f"Written by `{command}`; what is changed here by hand is lost when it is written again.",
-        "A cell is the mean over training seeds with its 95 % interval by Student's t, in brackets. One seed has no interval. "
-        "A cell with a seed whose loss was not finite has failed, and has no mean. "
-        "Returns are summed over agents, and are means over the episodes in which the last policy of a seed was evaluated.",
-        "How many seeds stand behind a published figure is not known. So nothing is tested against one: "
-        "the difference is given, and whether theirs lies in our interval.",
-        f"All that the page is made of is in [{folder}{DATA}]({folder}{DATA}): more rows there, and the same command, make it again.",
-    ]
 
 
 def _notes_of_seeds(contents: Contents) -> list[str]:

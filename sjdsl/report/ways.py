@@ -19,7 +19,7 @@ def individual(run: Run) -> bool:
 
 
 def common(run: Run) -> bool:
-    """IPPO, the sum of all rewards."""
+    """IPPO, the sum or the mean of all rewards (`common_reward`)."""
     return is_ippo(run) and run.reward == "common"
 
 

@@ -1,4 +1,4 @@
-"""Protocols: sweeps of the suite's paper by name, as lists of points."""
+"""Protocols: sweeps of the SocialJax paper by name, as lists of points."""
 
 import tomllib
 from collections.abc import Mapping

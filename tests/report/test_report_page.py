@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 import pytest
-from report_folders import write_cross_play, write_diagram, write_run
+from report_folders import random_returns, write_cross_play, write_diagram, write_run
 
 from sjdsl.cli import commands
 from sjdsl.experiments.bundled_rules import is_usual
@@ -107,6 +107,34 @@ def test_of_several_ways_of_training_the_longer_is_shown_and_the_other_named(tmp
     (note,) = (note for note in report.notes if "is shown in tables, not" in note)
     assert "800 steps" in note.split("not")[0]
     assert note.endswith("which differs in settings: num_envs 10, not 20")
+
+
+def test_the_opening_says_how_long_was_trained_and_what_common_reward_is(tmp_path: Path) -> None:
+    short = write_run(tmp_path / "short", "coins", (10.0, 12.0), reward="common", common_reward="mean")
+    long = write_run(tmp_path / "long", "harvest_open", (10.0, 12.0), reward="common", algorithm="mappo", total_timesteps=800, num_envs=20)
+    opening = report_of(short, long).page.split("\n## ")[0]
+    assert "learnt from 400 to 800 environment steps, one of the paper from 300M" in opening
+    assert "rewards: their mean in IPPO; their sum in MAPPO; in the paper their sum." in opening
+    both = write_run(tmp_path / "both", "pd_arena", (10.0, 12.0), reward="common")
+    assert "their mean in some runs of IPPO; their sum in some runs of IPPO, MAPPO;" in report_of(short, long, both).page
+    nothing = report_of(write_run(tmp_path / "other", "orchard", (10.0, 12.0), reward="individual")).page
+    assert "learnt from" not in nothing.split("\n## ")[0] and "Common reward" not in nothing.split("\n## ")[0]
+
+
+def test_cells_below_a_random_policy_are_named(tmp_path: Path) -> None:
+    random = tmp_path / "games.json"
+    random_returns(random, {"harvest_open": 60.0, "coins": 0.0})
+    runs = [
+        write_run(tmp_path / f"{game}_{reward}", game, returns, reward=reward)
+        for game, reward, returns in (
+            ("coins", "individual", (17.0, 14.0)),
+            ("harvest_open", "individual", (30.0, 40.0)),
+            ("harvest_open", "common", (59.0, 62.0)),
+        )
+    ]
+    page = report_of(random, *runs).page
+    assert "Less than a random policy earn: harvest_open (individual). " in page
+    assert "Less than a random policy" not in report_of(*runs).page
 
 
 def test_a_game_that_the_paper_did_not_play_so_is_in_no_table_of_its(tmp_path: Path) -> None:

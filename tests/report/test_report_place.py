@@ -122,7 +122,7 @@ def test_a_section_stays_where_its_extra_is_missing_and_nothing_has_changed(tmp_
     means = {"IPPO, common": (0.12345, 0.1, 0.2)}
     with mock.patch(INSTALLED, return_value=True), mock.patch("sjdsl.report.sections.over_games.interquartile_means", return_value=means):
         write_report(found, out, COMMAND)
-    assert "| IPPO, common | 0.1235 [0.1, 0.2] | 2 seeds, 2 games, 400 steps, cpu |" in (out / "report.md").read_text()
+    assert "| IPPO, common | 0.1235 [0.1, 0.2] | 2 seeds, 2 games, 400 steps, unnamed CPU |" in (out / "report.md").read_text()
     assert check_report(found, out, COMMAND) == []
     report = write_report(found, out, COMMAND)
     assert [*report.kept] == ["Over games"]

@@ -28,7 +28,7 @@ def exchange(contents: Contents) -> Section:
         tables.append(_frequency_table(frequencies, ratios))
     text = [
         "Ratio 0 is individual reward, 1 is common reward. "
-        "The 95 % rule chooses the smallest ratio whose mean is at least 0.95 of the best. It chooses none if the best is not above 0.",
+        "The 95 % rule chooses the smallest ratio whose mean is at least 0.95 of the best. It chooses none if the best is not above 0. Where all ratios earn alike it chooses the smallest.",
         f"Published: {published.source('exchange')}.",
     ]
     for ratio in ratios:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Y_TITLE = "collective return of an episode"
+EXPLORING = "The curves of VDN are of episodes in which it explores. The last policies, in the tables, are evaluated without exploring."
 
 
 def learning_curves(contents: Contents) -> Section:
@@ -39,6 +40,7 @@ def learning_curves(contents: Contents) -> Section:
     failed = [f"{in_words(run)} in {game.label}" for game in contents.games for run in _failed(contents, game)]
     text = (
         "Mean over seeds, with the band of its 95 % interval (Student's t). One seed has no band.",
+        *((EXPLORING,) if any(run.algorithm == "vdn" for run in contents.evidence.runs) else ()),
         *((f"Left out, for a seed has failed: {'; '.join(failed)}.",) if failed else ()),
     )
     tables = (Table("learning_curves", "", (), (), tuple(records)),) if records else ()

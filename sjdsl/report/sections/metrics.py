@@ -5,7 +5,7 @@ from dataclasses import replace
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
 from sjdsl.report.cells import Cell
-from sjdsl.report.contents import Contents, Game, called
+from sjdsl.report.contents import Contents, Game, called, remarks_of
 from sjdsl.report.page import Section
 from sjdsl.report.published import PaperMetric
 from sjdsl.report.sections.exchange import RATIOS
@@ -39,8 +39,13 @@ def metrics(contents: Contents) -> Section:
         "Beside each stands of how many: the paper tried four ratios and six weights.",
         f"Published: {published.source('metrics')}.",
     ]
-    text += [f"{game}: {note}." for game, note in published.remarks("metrics").items() if game in {game.name for game in contents.games}]
+    text += remarks_of(contents, "metrics")
     table = beside_table("metrics", "Cooperation metric", columns, lines, ("figure", "chosen"))
+    if empty:
+        text.append(
+            "The command below trains exchange at the ratio that the paper chose, and SVO at the weight of the configuration. "
+            "The best of several ratios and weights are found by the commands of the sections above."
+        )
     fill = [f"sjdsl sweep {called(empty)} --protocol algorithms --preset two_cores --seeds 5 --run runs/algorithms"] if empty else []
     return Section(TITLE, tuple(text), (table,), fill=tuple(fill))
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.report import published
-from sjdsl.report.cells import Cell, each_once, short
+from sjdsl.report.cells import Cell, each_once, short, shown
 from sjdsl.report.contents import Contents, Game, called
 from sjdsl.report.evidence import Run
 from sjdsl.report.figure_text import bounded
@@ -32,7 +32,7 @@ class Origin:
 
     def __str__(self) -> str:
         steps = short(self.most) if self.fewest == self.most else f"{short(self.fewest)} to {short(self.most)}"
-        return f"{steps} steps, {self.hardware}"
+        return f"{steps} steps, {shown(self.hardware)}"
 
 
 def over_games(contents: Contents) -> Section:
@@ -40,7 +40,7 @@ def over_games(contents: Contents) -> Section:
     games, scores, origins, remarks = _scores_of(contents)
     text = [
         "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper. "
-        "Intervals are of 95 %, by resampling the seeds of each game (stratified bootstrap). Within one game nothing of this is shown.",
+        "Intervals are of 95 %, by resampling the seeds of each game (stratified bootstrap). None of this says anything of a single game.",
         *(["\n".join(remarks)] if remarks else []),
     ]
     if len(scores) < 1:
@@ -86,7 +86,7 @@ def _scores_of(contents: Contents) -> tuple[list[str], Scores, dict[str, Origin]
         cells, values = zip(*(by_game[game] for game in games), strict=True)
         fewest = min(map(len, values))
         if max(map(len, values)) > fewest:
-            remarks.append(f"* Of {way} the first {fewest} seeds of each game are taken, for one game has no more.")
+            remarks.append(f"* Of {way} the first {fewest} seeds of each game are taken, for in some games there are no more.")
         scores[way] = np.stack([each[:fewest] for each in values], axis=1)
         steps = [cell.steps for cell in cells]
         origins[way] = Origin(min(steps), max(steps), each_once(cell.hardware for cell in cells))
@@ -154,5 +154,10 @@ def _improvement_table(found: Mapping[tuple[str, str], Interval]) -> Table:
     ]
     headings = ("way of training", "over", "probability")
     return Table(
-        "improvement", "Probability that a seed has more than one of the other way, in a game", headings, tuple(rows), tuple(records), 2
+        "improvement",
+        "Probability that a seed of the first way earns more than one of the second, on average over games",
+        headings,
+        tuple(rows),
+        tuple(records),
+        2,
     )

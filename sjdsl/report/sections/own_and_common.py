@@ -1,10 +1,11 @@
 """What common reward changes: individual against common reward in each game, by Welch's t-test."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from sjdsl.report.cells import settings_between
 from sjdsl.report.comparing import Pair, compared_table
 from sjdsl.report.contents import Contents, Game, called
+from sjdsl.report.evidence import RandomRow
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section
 from sjdsl.report.published import difficulty
@@ -18,7 +19,7 @@ def own_and_common(contents: Contents) -> Section:
     lines: list[Pair] = []
     for game in contents.games:
         own, shared = (None if game.setting is None else contents.index.returns(game.setting, way) for way in (individual, common))
-        lines.append(((game.label, difficulty(game.published), _random(contents, game)), own, shared))
+        lines.append(((game.label, difficulty(game.published), _random_text(_random(contents, game))), own, shared))
     table = compared_table(
         "own_and_common",
         "Collective return of IPPO",
@@ -26,7 +27,11 @@ def own_and_common(contents: Contents) -> Section:
         ("individual", "common"),
         lines,
     )
-    text = ["If common reward earns the group more than individual reward does, what is good for an agent is bad for the group."]
+    text = [
+        "Where common reward earns the group more, agents that learnt from their own reward ended worse for the group, after so many steps. "
+        "Whether the game is a dilemma is asked below, by Schelling diagrams. p is of each game alone, and not corrected for their number.",
+        *_below_random(contents, lines),
+    ]
     for column, cells in (("individual", [own for _, own, _ in lines]), ("common", [shared for _, _, shared in lines])):
         text += settings_between(column, {said[0]: cell for (said, _, _), cell in zip(lines, cells, strict=True)})
     missing = dict.fromkeys(game.name for game, line in zip(contents.games, lines, strict=True) if None in line[1:])
@@ -39,10 +44,28 @@ def rewards_sweep(games: Iterable[str]) -> str:
     return f"sjdsl sweep {called(games)} --axis reward=individual,common --preset two_cores --seeds 5 --run runs/rewards"
 
 
-def _random(contents: Contents, game: Game) -> str:
+def _random(contents: Contents, game: Game) -> RandomRow | None:
     """Returns what a random policy earns: under the same rules; of a game in which nothing was trained, under those it was measured with."""
     if game.setting is None:
-        found = next((row for row in contents.evidence.random if row.game == game.name), None)
-    else:
-        found = None if game.setting.params else contents.index.random(game.setting.game, game.setting.hash)
+        return next((row for row in contents.evidence.random if row.game == game.name), None)
+    return None if game.setting.params else contents.index.random(game.setting.game, game.setting.hash)
+
+
+def _random_text(found: RandomRow | None) -> str:
     return "" if found is None else bounded(found.mean, found.low, found.high)
+
+
+def _below_random(contents: Contents, lines: Sequence[Pair]) -> list[str]:
+    """Returns which cells have a smaller mean than a random policy, as a paragraph."""
+    below = []
+    for game, (_, *cells) in zip(contents.games, lines, strict=True):
+        random = _random(contents, game)
+        means = {name: None if cell is None else cell.estimate for name, cell in zip(("individual", "common"), cells, strict=True)}
+        names = [name for name, found in means.items() if random is not None and found is not None and found.mean < random.mean]
+        below += [f"{game.label} ({', '.join(names)})"] if names else []
+    if not below:
+        return []
+    return [
+        f"Less than a random policy earn: {'; '.join(below)}. "
+        "Where things grow again, agents that have only learnt to harvest fast can leave less than those that know nothing."
+    ]

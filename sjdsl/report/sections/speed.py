@@ -10,6 +10,7 @@ from sjdsl.bench.tables import thousands
 from sjdsl.report import published
 from sjdsl.report.contents import Contents, called
 from sjdsl.report.evidence import SpeedRow
+from sjdsl.report.figure_text import rough
 from sjdsl.report.page import Picture, Section, Table
 from sjdsl.report.small_multiples import Multiple, Series, draw_series
 
@@ -57,7 +58,7 @@ def _lines(contents: Contents, game: str, crowd: bool, numbers: list[int]) -> It
         yield ("", "published, Melting Pot", *(thousands(before) if number == 1 else "" for number in numbers), "")
     for kind in kinds if printed else ():
         rates = {row.num_envs: row for row in found if (row.num_agents, row.observation, row.hardware, row.rounds) == kind}
-        ratios = (f"{rates[n].rate / printed[n]:.2g}" if n in rates and n in printed else "" for n in numbers)
+        ratios = (rough(rates[n].rate / printed[n]) if n in rates and n in printed else "" for n in numbers)
         yield ("", f"ours / published, {kind[1]}", *ratios, "")
 
 

@@ -6,7 +6,7 @@ from functools import partial
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
 from sjdsl.report.cells import Cell
-from sjdsl.report.contents import Contents, Game, called
+from sjdsl.report.contents import Contents, Game, called, remarks_of
 from sjdsl.report.page import Picture, Section, Table
 from sjdsl.report.small_multiples import Series, draw_series, panel_of
 from sjdsl.report.ways import svo as way
@@ -21,12 +21,13 @@ def svo(contents: Contents) -> Section:
     weights = {game: _by_weight(contents, game) for game in contents.games}
     angles = {game: by_angle(contents, game) for game in contents.games}
     text = (
-        "Weights are compared at 90 degrees, angles at the weight shown: of several that were tried, the best. "
-        "Angles have fresh seeds: the weight that is best among a few seeds owes that partly to them.",
+        "The weight is chosen at 90 degrees, as the best of those in the first table. The angles are trained at that weight, with other seeds: "
+        "the best of several noisy means is too high on average.",
         "At 90 degrees an agent that alone is rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 on that is "
         "more than a reward of 1, so that earning does not pay, unless as much is deducted while nobody is rewarded. The released code does "
         "that; here it takes `svo_at_rest=selfish`.",
         f"Published: {published.source('svo')}.",
+        *remarks_of(contents, "svo"),
     )
     tables = [*_weight_table(weights), *_angle_table(contents, angles)]
     panels = []
