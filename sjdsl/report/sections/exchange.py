@@ -33,6 +33,10 @@ def exchange(contents: Contents) -> Section:
     ]
     for ratio in ratios:
         text += settings_between(_named(ratio), {game.label: cells.get(ratio) for game, cells in found.items()})
+    if frequencies:
+        text.append(
+            "The seeds that were trained are drawn again to see how often each ratio is chosen. Of few seeds that says little about others."
+        )
     panels = [panel_of(game.label, _ours(cells), _printed(game)) for game, cells in found.items() if cells]
     draw = partial(draw_series, panels, "exchange ratio", "collective return")
     wanted = [game.name for game, cells in found.items() if not set(RATIOS) <= cells.keys()]
