@@ -1,5 +1,6 @@
 """`sjdsl evaluate`: prints the returns of a policy, compared with a random policy in the same episodes."""
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,8 +120,16 @@ def evaluation_file(which: str | int) -> str:
 def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last") -> Any:
     """Returns the policy in the folder of a run or in a file; what is to be said about it is said in a line."""
     from sjdsl.trainers import load_policy
+    from sjdsl.trainers.run_state import run_state
 
     with warnings_as_notes():
+        state = run_state(source) if source.is_dir() and not isinstance(which, int) else None
+        for update in state.diverged.values() if state is not None else ():
+            warnings.warn(
+                f"{source} has failed: its loss was not finite in update {update}, and this is its policy of before", stacklevel=2
+            )
+        if state is not None and state.unfinished:
+            warnings.warn(f"{source} is not known to have ended its training: {state.unfinished}", stacklevel=2)
         return load_policy(source, env, greedy=greedy, which=which)
 
 

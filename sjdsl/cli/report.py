@@ -43,7 +43,7 @@ def command(sources: tuple[str, ...], output: str, nested: bool, suite: bool, ch
             return _told(check_report(evidence, path, call, suite))
         say("drawing and writing the report")
         report = write_report(evidence, path, call, suite, nested)
-    for note in (*report.notes, *report.lacks):
+    for note in (*report.notes, *(report.unequal if nested else ()), *report.lacks):
         click.echo(f"note: {note}", err=True)
     place = place_of(path)
     click.echo(f"{place.page}  {_counted(len(evidence.runs), 'way')} of training, {_counted(len(evidence.seeds), 'seed')}")

@@ -15,6 +15,7 @@ from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.trainers.estimates import Estimate, estimate
 
 FORMAT = 1  # of crossplay.json
+SEED, EPISODE = "training seed", "episode"  # units that intervals are over
 Mix = Literal["all", "pairs"]
 
 
@@ -33,8 +34,12 @@ class CrossPlay:
 
     @property
     def unit(self) -> str:
-        """What the intervals are over: training seeds where there are two at least, else episodes, of these policies only."""
-        return "training seed" if self.experiment.replicates > 1 else "episode"
+        """What intervals are over: training seeds where there are two at least, else episodes, of these policies only."""
+        return SEED if self.experiment.replicates > 1 else EPISODE
+
+    def unit_of(self, lineup: Lineup) -> str:
+        """Returns what the intervals of one mixture are over: of policies that were not trained episodes, whoever else plays."""
+        return self.unit if any(self.experiment.pools[number].is_trained for number in lineup) else EPISODE
 
     def mixture(self, lineup: Lineup) -> str:
         """Returns a line-up in words: `1 x runs/a, 2 x random`; one that was given slot by slot."""
@@ -49,7 +54,7 @@ class CrossPlay:
         for number in sorted(set(lineup)):
             members = [place for place, other in enumerate(lineup) if other == number]
             episodes = np.stack([part.returns[:, members].mean(axis=1) for part in parts])  # [R, E]
-            found[number] = estimate(episodes.mean(axis=1) if len(parts) > 1 else episodes[0])
+            found[number] = estimate(episodes.mean(axis=1) if self.unit_of(lineup) == SEED else episodes.ravel())
         return found
 
     def matrix(self) -> np.ndarray:
@@ -67,6 +72,7 @@ def report_of(found: CrossPlay) -> dict[str, Any]:
             "mixture": found.mixture(lineup),
             "slots": [found.names[number] for number in lineup],
             "policies": {found.names[number]: asdict(figure) for number, figure in found.estimates(lineup).items()},
+            "unit": found.unit_of(lineup),
             "episodes": found.experiment.episodes * found.experiment.replicates,
         }
         for lineup in found.experiment.lineups

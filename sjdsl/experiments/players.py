@@ -19,7 +19,8 @@ from sjdsl.trainers.extensions import file_of, name_of
 from sjdsl.trainers.policies import find_policy, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX, policy_path
 from sjdsl.trainers.policy_names import split_name
-from sjdsl.trainers.run_folder import MANIFEST, describe_game
+from sjdsl.trainers.run_folder import describe_game
+from sjdsl.trainers.run_state import run_state
 
 # Keys of a configuration that say how a policy learns and what is written of it: policies that differ in them alone are computed together.
 LEARNING = frozenset(
@@ -91,8 +92,8 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     Args:
       policy: what `find_policy` takes; or the folder of a run of several seeds, `RUN`, `RUN@best` or `RUN@UPDATE`, for all of them.
     Raises:
-      PolicyError: there is none of that name, or it cannot be read, or it does not fit `env`. ExperimentError: it was trained on another
-      game, or no seed of the run is left.
+      PolicyError: there is none of that name, or it or its run's manifest cannot be read, or it does not fit `env`. ExperimentError: it was
+      trained on another game, or its loss was not finite, or no seed of the run is left.
     """
     if not isinstance(policy, str | Path):
         own = name_of("policy", policy)
@@ -105,8 +106,8 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():
         return Pool(name, (_untrained(name, find_policy(name, env)),))
-    folders, diverged = _seed_folders(path)
-    notes = [f"seed {seed} of {path} is left out: its loss was not finite in update {update}" for seed, update in diverged.items()]
+    folders, diverged, notes = _seed_folders(path, which)
+    notes += [f"seed {seed} of {path} is left out: its loss was not finite in update {update}" for seed, update in diverged.items()]
     players = []
     for folder in folders:
         player, said = _stored(name, policy_path(folder, which), env)
@@ -123,30 +124,30 @@ def _untrained(name: str, policy: Policy) -> Player:
     return Player(name, None, digest, ("one of its own", name), lambda _: policy)
 
 
-def _seed_folders(path: Path) -> tuple[list[Path], dict[int, int]]:
-    """Returns the folders of the seeds of a run that did not diverge, and the updates in which the others did; else `path` alone."""
+def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, int], list[str]]:
+    """Returns the folders of the seeds of a run that did not diverge, the updates in which the others did, and notes; else `path` alone."""
+    state = run_state(path) if path.is_dir() else None
+    diverged = {} if state is None else dict(state.diverged)
+    named = isinstance(which, int)  # a policy of before may be meant
+    notes = (
+        [] if named or state is None or not state.unfinished else [f"{path} is not known to have ended its training: {state.unfinished}"]
+    )
     folders = sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number) if path.is_dir() else []
     if not folders or (path / POLICIES).is_dir():
-        return [path], {}
-    diverged = _diverged(path)
+        if diverged and not named:
+            (update,) = diverged.values()
+            raise ExperimentError(f"{path} has failed: its loss was not finite in update {update}; {path}@UPDATE is a policy of before")
+        return [path], {}, notes
     left = [folder for folder in folders if _number(folder) not in diverged]
     if not left:
         raise ExperimentError(f"the loss of every seed of {path} was not finite at some point: there is no policy to play")
-    return left, diverged
+    return left, diverged, notes
 
 
 def _number(folder: Path) -> int:
     """Returns the seed that a folder `seed_N` is of."""
     number = folder.name.removeprefix("seed_")
     return int(number) if number.isdigit() else -1
-
-
-def _diverged(path: Path) -> dict[int, int]:
-    try:
-        listed = json.loads((path / MANIFEST).read_text(encoding="utf-8")).get("diverged", [])
-    except (OSError, ValueError):
-        return {}
-    return {entry["seed"]: entry["update"] for entry in listed}
 
 
 def _stored(name: str, file: Path, env: Environment) -> tuple[Player, list[str]]:

@@ -41,6 +41,11 @@ class Seats:
     chosen: tuple[np.ndarray, ...]
     columns: np.ndarray
 
+    @property
+    def alone(self) -> np.int32:
+        """The column of the only player of a line-up; -1 where there are several."""
+        return self.columns[0] if (self.columns == self.columns[0]).all() else np.int32(-1)
+
 
 def make_stacks(lineups: Sequence[Sequence[Player]]) -> tuple[Stack, ...]:
     """Returns the players of line-ups, those of one kind together."""
@@ -74,13 +79,13 @@ def make_player_of_lineups(env: Environment, lineups: Sequence[Sequence[Player]]
     """
     stacks = make_stacks(lineups)
     parameters = [stack.parameters for stack in stacks]
-    evaluator = make_evaluator(env, lambda given: _seated(stacks, *given[:2]), episodes, memory_of=lambda given: _start(stacks, given[2]))
+    evaluator = make_evaluator(env, lambda given: _seated(stacks, *given[:3]), episodes, memory_of=lambda given: _start(stacks, given[3]))
 
     def play(key: Array, lineup: Sequence[Player], order: np.ndarray) -> Evaluation:
         seats = find_seats(stacks, lineup)
         column_of_slot = np.empty_like(order)
         np.put_along_axis(column_of_slot, order, np.broadcast_to(seats.columns, order.shape), axis=1)
-        return evaluator(key, (parameters, seats.chosen, column_of_slot))
+        return evaluator(key, (parameters, seats.chosen, seats.alone, column_of_slot))
 
     return play
 
@@ -95,8 +100,11 @@ def _start(stacks: Sequence[Stack], column_of_slot: Array) -> Any:
     return column_of_slot, tuple(of(stack) for stack in stacks)
 
 
-def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array]) -> MemoryPolicy:
-    """Returns the policy under which each slot acts by the column of its memory; every player says what all N agents would do."""
+def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array], alone: Array) -> MemoryPolicy:
+    """Returns the policy under which each slot acts by the column of its memory; every player says what all N agents would do.
+
+    A column that is `alone` draws by the key itself, as the policy does in an evaluation: a mixture of one policy with itself is one.
+    """
     examples = [stack.example() for stack in stacks]
     playing = [_of_players(leaves, own) for leaves, own in zip(parameters, chosen, strict=True)]
     number = sum(stack.at_once for stack in stacks)
@@ -104,7 +112,7 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
     def act(memory: Any, key: Array, observation: Array, *given: Any) -> tuple[Any, Array]:
         allowed, state = seated.given(given)
         column_of_slot, memories = memory
-        keys = jax.random.split(key, number) if number > 1 else key[None]
+        keys = _keys(key, number, alone)
         after, actions, first = [], [], 0
         for stack, example, own, before in zip(stacks, examples, playing, memories, strict=True):
             seen = (observation, *example.needs(allowed, state))
@@ -118,6 +126,17 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
 
     seated = MemoryPolicy((), act, any(e.reads_allowed for e in examples), any(e.reads_state for e in examples))
     return seated
+
+
+def _keys(key: Array, number: int, alone: Array) -> Array:
+    """Returns a key for each column; that of a column that is `alone` is the key itself, and what the others draw is not used."""
+    if number == 1:
+        return key[None]
+    words = jax.random.key_data(jax.random.split(key, number))
+    mine = (jnp.arange(number) == alone)[:, None]
+    chosen = jnp.where(mine, jax.random.key_data(key)[None], words)
+    keys: Array = jax.random.wrap_key_data(chosen, impl=jax.random.key_impl(key))
+    return keys
 
 
 def _of_players(parameters: Any, chosen: Array) -> Any:

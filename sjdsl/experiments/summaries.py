@@ -55,6 +55,8 @@ def crossplay_text(found: CrossPlay) -> str:
         if experiment.replicates > 1
         else f"{experiment.episodes} episodes, of these policies only"
     )
+    if len({found.unit_of(lineup) for lineup in experiment.lineups}) > 1:
+        over += f"; of mixtures without a trained policy over {experiment.episodes * experiment.replicates} episodes"
     return f"\n{experiment.title}: means with 95 % intervals over {over}\n{_in_columns(rows)}"
 
 

@@ -86,13 +86,14 @@ def _cross_play(stored: Mapping[str, Any]) -> Evidence:
     """Returns the meetings; of a mixture of random policies alone also what a random policy earns."""
     game, number = stored["game"], stored["game"]["num_agents"]
     of = (game["name"], game["hash"], " ".join(other_numbers(game)), number)
-    units = len(stored["keys"]) if stored["unit"] == "training seed" else stored["episodes"]
     meetings, random = [], []
     for mixture in stored["mixtures"]:
+        unit = mixture.get("unit", stored["unit"])
+        units = len(stored["keys"]) if unit == "training seed" else mixture["episodes"]
         for policy, figure in mixture["policies"].items():
             low, high = _bounds(figure)
             mean, episodes = rounded(figure["mean"]), mixture["episodes"]
-            meetings.append(Meeting(*of, mixture["mixture"], policy, mean, low, high, stored["unit"], units, episodes))
+            meetings.append(Meeting(*of, mixture["mixture"], policy, mean, low, high, unit, units, episodes))
             if set(mixture["slots"]) == {"random"} and not meetings[-1].params:
                 least, most = (None if bound is None else rounded(number * bound) for bound in (low, high))
                 random.append(RandomRow(game["name"], game["hash"], rounded(number * mean), least, most, episodes))

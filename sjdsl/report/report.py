@@ -30,6 +30,7 @@ class Report:
     pictures: tuple[Picture, ...]
     marl_eval: dict[str, Any]
     notes: tuple[str, ...]
+    unequal: tuple[str, ...]  # what marl-eval will not take of its results
     kept: dict[str, str]
     lacks: tuple[str, ...]
 
@@ -55,7 +56,7 @@ def make_report(evidence: Evidence, command: str, folder: str = "", whole_suite:
     files |= {f"{TABLES}/{table.name}.csv": table_csv(table) for section in sections for table in section.tables}
     pictures = tuple(picture for section in sections for picture in section.pictures)
     lacks = tuple(section.lacks for section in sections if section.lacks and section.title not in stay)
-    return Report(page, files, pictures, nested, (*notes, *unequal), stay, lacks)
+    return Report(page, files, pictures, nested, tuple(notes), tuple(unequal), stay, lacks)
 
 
 def _notes_of_seeds(contents: Contents) -> list[str]:

@@ -15,8 +15,10 @@ from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import Holder, holder_of
 from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
+from sjdsl.trainers.policy_file import POLICIES, SUFFIX
 from sjdsl.trainers.run_files import UNFINISHED, plain, write_json
 from sjdsl.trainers.run_folder import MANIFEST, versions
+from sjdsl.trainers.run_state import FINISHED
 from sjdsl.trainers.updates import divergence
 
 FORMAT = 1
@@ -241,17 +243,24 @@ def record_failure(folder: Path, cell: Cell, reason: str) -> None:
 
 
 def retry(folder: Path, cell: Cell) -> None:
-    """Has a failed cell run again from its last checkpoint; or anew, where a loss was not finite or its manifest cannot be read.
+    """Has a failed cell run again from its last checkpoint; or anew, where none could help.
 
-    What is run anew has its old files put aside.
+    That is where a loss was not finite, its manifest cannot be read, or it has finished and the last policy of a seed is lost. What is run
+    anew has its old files put aside.
     """
     path = run_dir(folder, cell)
-    if path.is_dir() and (diverged_in(path) or read_json(path / MANIFEST) is None):
+    if path.is_dir() and (diverged_in(path) or read_json(path / MANIFEST) is None or _has_lost_a_policy(path, cell)):
         number = 1
         while (aside := folder / FAILED / f"{cell.name}_{number}").exists():
             number += 1
         shutil.move(path, aside)
     (folder / FAILED / f"{cell.name}.json").unlink(missing_ok=True)
+
+
+def _has_lost_a_policy(path: Path, cell: Cell) -> bool:
+    """Returns whether a run has finished and not every seed has its last policy: nothing would be trained again."""
+    finished = (read_json(path / MANIFEST) or {}).get("status") == FINISHED
+    return finished and not all((seed / POLICIES / f"last{SUFFIX}").is_file() for seed in seed_dirs(path, cell).values())
 
 
 def steps_of(cell: Cell) -> int:

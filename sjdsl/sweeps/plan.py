@@ -62,6 +62,7 @@ def plan_sweep(asked: Asked, describe: Describe) -> Plan:
                 chosen = {axis.name: value for axis, value in zip(asked.axes, values, strict=True)}
                 cells.append(make_cell(game, point, chosen, fixed))
     _check_names(cells)
+    _check_angles(cells)
     return Plan(asked, describe, tuple(cells))
 
 
@@ -101,6 +102,18 @@ def second_stage(plan: Plan, returns: Mapping[str, Sequence[float]]) -> list[Cel
             found.append(make_cell(game, point, chosen, fixed, first_seed=best.seeds.stop))
     _check_names(found)
     return found
+
+
+def _check_angles(cells: Sequence[Cell]) -> None:
+    """Raises ExperimentError where cells of SVO differ in the angle alone and their weight is 0: they would be one run."""
+    known: dict[str, Cell] = {}
+    for cell in cells:
+        if "svo_angle" not in cell.values or cell.config.get("svo_weight") != 0:
+            continue
+        others = {name: value for name, value in cell.values.items() if name != "svo_angle"}
+        other = known.setdefault(f"{cell.game} {others}", cell)
+        if other is not cell:
+            raise ExperimentError(f"{cell.name}: `svo_angle` does nothing where `svo_weight` is 0; sweep over weights above 0")
 
 
 def _mean(returns: Sequence[float]) -> float:

@@ -53,8 +53,9 @@ def points_of(protocol: str | None, game: str, settings: Mapping[str, Any]) -> l
 
 
 def angles_at(weight: float) -> list[Point]:
-    """Returns the second stage of `svo`: the angles, at the weight that was best in the first."""
-    return [Point({"reward": "svo", "svo_weight": weight, "svo_angle": angle}, angle, stage=2) for angle in ANGLES]
+    """Returns the second stage of `svo`: the angles, at the weight that was best in the first; of weight 0 one, for all are alike."""
+    angles = ANGLES if weight > 0 else (FULL,)
+    return [Point({"reward": "svo", "svo_weight": weight, "svo_angle": angle}, angle, stage=2) for angle in angles]
 
 
 def _columns(game: str, settings: Mapping[str, Any]) -> list[Point]:

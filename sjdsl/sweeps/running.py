@@ -91,6 +91,7 @@ def _tell_weights(following: Sequence[Cell], crew: Crew) -> None:
     for said in dict.fromkeys(
         f"second stage of {cell.game}{''.join(f', {name} {value}' for name, value in cell.values.items() if name not in SETS['svo'])}: "
         f"weight {cell.values['svo_weight']:g} was best, seeds {cell.seeds[0]} to {cell.seeds[-1]}"
+        + ("; without weight all angles are alike, and one is trained" if not cell.values["svo_weight"] else "")
         for cell in following
     ):
         crew.tell(said)

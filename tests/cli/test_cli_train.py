@@ -45,6 +45,15 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     both = sjdsl("evaluate", f"{run_dir}@best", "--which", "last")
     assert (both.status, "names one policy and --which last another" in both.err) == (2, True)
 
+    for state, said in (
+        ({"status": "interrupted"}, "is not known to have ended its training: interrupted"),
+        ({"diverged": [{"seed": 0, "update": 2}]}, "has failed: its loss was not finite in update 2"),
+    ):
+        (run_dir / "manifest.json").write_text(json.dumps(manifest | state))
+        noted = sjdsl("evaluate", run_dir, "--episodes", "1")
+        assert (noted.status, said in noted.err) == (0, True), noted.text
+    (run_dir / "manifest.json").write_text(json.dumps(manifest))
+
     drawn = sjdsl("render", "orchard.sj", "--policy", run_dir, "--steps", "2", "-o", "film.gif")
     assert drawn.status == 0, drawn.text
     assert (folder / "film.gif").stat().st_size > 0

@@ -13,6 +13,7 @@ from stored_policies import store, store_pool
 
 from sjdsl.experiments import ExperimentError, cross_play, schelling_diagram
 from sjdsl.experiments.lineups import play_key
+from sjdsl.experiments.summaries import crossplay_text
 from sjdsl.trainers import evaluate, find_policy
 from tests.trainers.probes import constant, hidden, recalled
 
@@ -69,6 +70,32 @@ def test_a_line_up_of_one_policy_is_its_evaluation(tmp_path: Path) -> None:
     for name in (str(file), "random"):
         found = cross_play(env, slots=[name, name], episodes=6, seed=4)
         np.testing.assert_array_equal(found.parts[0].played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns)
+
+
+def test_a_mixture_of_one_policy_with_itself_is_its_evaluation_among_others_too(tmp_path: Path) -> None:
+    env = matrix_game()
+    names = [*(str(store(tmp_path / str(seed), env, seed, memory="gru")) for seed in range(2)), "random"]
+    found = cross_play(env, policies=names, mix="pairs", episodes=6, seed=4)
+    for number, name in enumerate(names):
+        alone = next(part for part in found.parts if part.lineup == (number, number))
+        np.testing.assert_array_equal(alone.played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns)
+
+
+def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path: Path) -> None:
+    env = matrix_game()
+    pool = str(store_pool(tmp_path / "run", env, (4, 5, 6)))
+    found = cross_play(env, policies=[pool, "random"], mix="pairs", episodes=8)
+    assert {found.mixture(lineup): found.unit_of(lineup) for lineup in found.experiment.lineups} == {
+        f"2 x {pool}": "training seed",
+        f"1 x {pool}, 1 x random": "training seed",
+        "2 x random": "episode",
+    }
+    played = np.concatenate([part.returns.mean(axis=1) for part in found.parts if part.lineup == (1, 1)])
+    assert len(played) == 24
+    (figure,) = found.estimates((1, 1)).values()
+    # Student's t at 97.5 % with 23 degrees of freedom, from a printed table: 2.069.
+    assert figure.high - figure.mean == pytest.approx(2.069 * played.std(ddof=1) / 24**0.5, rel=1e-3)
+    assert "over 3 training seeds; of mixtures without a trained policy over 24 episodes" in crossplay_text(found)
 
 
 def test_a_given_line_up_stays_as_it_is() -> None:

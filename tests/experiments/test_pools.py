@@ -1,5 +1,6 @@
 """Pools: the seeds of a run, single policies and functions by their names; what does not fit is refused."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,34 @@ def test_seeds_that_diverged_are_left_out_and_named(tmp_path: Path) -> None:
     none_left = store_pool(tmp_path / "none", env, (0,), diverged=(0,))
     with pytest.raises(ExperimentError, match="the loss of every seed of"):
         find_pool(none_left, env)
+
+
+def test_a_run_of_one_seed_that_diverged_is_refused(tmp_path: Path) -> None:
+    env = matrix_game()
+    store(tmp_path / "run", env, 4)
+    manifest = {"status": "failed: the loss became nan", "diverged": [{"seed": 4, "update": 7}]}
+    (tmp_path / "run/manifest.json").write_text(json.dumps(manifest))
+    with pytest.raises(ExperimentError, match=r"run has failed: its loss was not finite in update 7; .*run@UPDATE is a policy of before"):
+        find_pool(tmp_path / "run", env)
+    several = store_pool(tmp_path / "several", env, (0, 1), diverged=(1,))
+    with pytest.raises(ExperimentError, match="seed_1 has failed: its loss was not finite in update 3"):
+        find_pool(f"{several}/seed_1", env)
+    assert find_pool(f"{several}/seed_0", env).notes == ()
+    assert find_pool(str(several / "seed_1/policies/last.safetensors"), env).notes == (), "a file is what was asked for"
+
+
+def test_runs_that_have_not_ended_are_noted(tmp_path: Path) -> None:
+    env = matrix_game()
+    folder = store_pool(tmp_path / "run", env, (0, 1))
+    for status in ("running", "interrupted", "failed: out of memory"):
+        (folder / "manifest.json").write_text(json.dumps({"status": status}))
+        for name in (str(folder), f"{folder}/seed_1"):
+            with pytest.warns(UserWarning, match=f"is not known to have ended its training: {status}"):
+                assert find_pool(name, env).notes == (f"{name} is not known to have ended its training: {status}",)
+    (folder / "manifest.json").write_text('{"status": "finis')
+    for name in (str(folder), f"{folder}/seed_1"):
+        with pytest.raises(PolicyError, match=r"manifest.json cannot be read .* whether the run has ended cannot be told"):
+            find_pool(name, env)
 
 
 def test_names_without_training(tmp_path: Path) -> None:

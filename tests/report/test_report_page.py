@@ -133,8 +133,8 @@ def test_cells_below_a_random_policy_are_named(tmp_path: Path) -> None:
         )
     ]
     page = report_of(random, *runs).page
-    assert "Less than a random policy earn: harvest_open (individual). " in page
-    assert "Less than a random policy" not in report_of(*runs).page
+    assert "Below the return of a random policy are: harvest_open (individual). " in page
+    assert "Below the return of a random policy" not in report_of(*runs).page
 
 
 def test_a_game_that_the_paper_did_not_play_so_is_in_no_table_of_its(tmp_path: Path) -> None:

@@ -136,6 +136,17 @@ def test_a_section_stays_where_its_extra_is_missing_and_nothing_has_changed(tmp_
     assert "tables/over_games.csv" not in files(out)
 
 
+def test_what_marl_eval_will_not_take_is_said_where_its_file_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_run(Path("runs/a"), "coins", (3.0, 5.0))
+    write_run(Path("runs/b"), "pd_arena", (3.0, 5.0), reward="common")
+    for more, said in (([], False), (["--json"], True)):
+        assert run(["report", "runs", "-o", "out", *more]) == 0
+        assert ("marl-eval wants the same ways" in capsys.readouterr().err) is said
+
+
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     write_run(Path("runs/a"), "coins", (3.0, 5.0))

@@ -108,7 +108,8 @@ def test_the_second_stage_of_svo_has_the_best_weight_and_fresh_seeds() -> None:
     returns = {cell.name: earned(cell.values["svo_weight"], cell.values["learning_rate"]) for cell in asked.cells}
     found = second_stage(asked, returns)
     assert [(cell.values["svo_weight"], cell.values["svo_angle"], cell.values["learning_rate"]) for cell in found] == [
-        (best[rate], angle, rate) for rate in (0.1, 0.2) for angle in (0, 22.5, 45, 67.5, 90)
+        *((0.4, angle, 0.1) for angle in (0, 22.5, 45, 67.5, 90)),
+        (0.0, 90, 0.2),  # without weight all angles are alike
     ]
     assert {cell.seeds for cell in asked.cells} == {range(5, 8)}
     assert {cell.seeds for cell in found} == {range(8, 11)}
@@ -118,6 +119,7 @@ def test_the_second_stage_of_svo_has_the_best_weight_and_fresh_seeds() -> None:
 
 REFUSED: list[tuple[Callable[[], Any], str]] = [
     (lambda: plan("svo_wieght=1"), "there is no axis `svo_wieght`; did you mean `svo_weight`?"),
+    (lambda: plan("svo_weight=0.5,0", "svo_angle=0,90", settings={"reward": "svo"}), "`svo_angle` does nothing where `svo_weight` is 0"),
     (lambda: plan("varaint=rich"), "did you mean `variant`?"),
     (lambda: plan("reward"), "`reward` must have the form NAME=value,value,…"),
     (lambda: plan("reward=individual,"), "`reward=individual,` must have the form"),

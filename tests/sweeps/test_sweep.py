@@ -235,6 +235,20 @@ GOOD, BAD = "matrix_game_learning_rate-0.001", "matrix_game_learning_rate-1e-38"
 
 
 @pytest.mark.thorough
+def test_a_finished_cell_that_has_lost_a_policy_is_trained_anew(grown: tuple[Path, list[str], Outcome], tmp_path: Path) -> None:
+    shutil.copytree(grown[0], tmp_path / "copy")
+    folder = tmp_path / "copy"
+    seed = folder / "cells" / HIGH / "seed_1"
+    shutil.rmtree(seed / "policies")
+    (seed / "evaluation.json").unlink()
+    said: list[str] = []
+    assert sweep(asked(0.25, 0.75), folder, crew=Crew(tell=said.append)).failed
+    outcome = sweep(asked(0.25, 0.75), folder, crew=Crew(tell=said.append), again=True)
+    assert (outcome.done, outcome.failed) == ((LOW, HIGH), {}), said
+    assert table_of(folder) == table_of(grown[0])
+    assert (folder / "failed" / f"{HIGH}_1" / "seed_0" / "policies").is_dir(), "what was there is kept"
+
+
 def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[str], Outcome]) -> None:
     folder, lines, outcome = diverging
     assert lines[:2] == [f"{GOOD}: training side by side", f"{lines[1].partition(':')[0]}: training side by side"]

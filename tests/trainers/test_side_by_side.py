@@ -13,7 +13,7 @@ from run_outcomes import OF_THE_CLOCK, SHORT, counting, read_lines, read_manifes
 from safetensors.numpy import load_file
 
 import sjdsl
-from sjdsl.trainers import RunError, Update, make_config, run, train
+from sjdsl.trainers import RunError, Update, compiled, make_config, run, train
 from sjdsl.trainers.compiled import NoMemoryError
 from sjdsl.trainers.resuming import TakenError, TooLargeError
 from sjdsl.trainers.run import Run, train_side_by_side
@@ -62,7 +62,25 @@ def together(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_as_apart(together: Path, tmp_path: Path) -> None:
     own = the_runs(tmp_path)[1]
     train(own.env, own.config, own.run_dir, "none")
-    apart, beside = own.run_dir, together / "1"
+    check_alike(own, together / "1")
+
+
+@pytest.mark.thorough
+def test_under_vmap_as_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a GPU; on a CPU the lanes of PPO learn one after the other."""
+    asked: list[Any] = []
+    monkeypatch.setattr(compiled, "one_after_the_other", lambda function: (asked.append(function), jax.vmap(function))[1])
+    train_side_by_side(the_runs(tmp_path / "together"), "none")
+    assert asked
+    monkeypatch.undo()
+    own = the_runs(tmp_path)[1]
+    train(own.env, own.config, own.run_dir, "none")
+    check_alike(own, tmp_path / "together" / "1")
+
+
+def check_alike(own: Run, beside: Path) -> None:
+    """Compares a run that was trained apart with one that was trained beside another, to rounding."""
+    apart = own.run_dir
     assert names_in(apart) == names_in(beside)
     for seed in map(str, own.config.seed_numbers):
         for left, right in zip(*(read_lines(folder / f"seed_{seed}" / "metrics.jsonl") for folder in (apart, beside)), strict=True):

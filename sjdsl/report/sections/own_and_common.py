@@ -66,6 +66,6 @@ def _below_random(contents: Contents, lines: Sequence[Pair]) -> list[str]:
     if not below:
         return []
     return [
-        f"Less than a random policy earn: {'; '.join(below)}. "
+        f"Below the return of a random policy are: {'; '.join(below)}. "
         "Where things grow again, agents that have only learnt to harvest fast can leave less than those that know nothing."
     ]

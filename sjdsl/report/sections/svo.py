@@ -38,7 +38,8 @@ def svo(contents: Contents) -> Section:
             panels.append(panel_of(f"{game.label}, weight {weight:g}", series, printed))
     draw = partial(draw_series, panels, "SVO angle (degrees)", "collective return")
     pictures = (Picture("svo", "returns by SVO angle", draw),) if panels else ()
-    wanted = [game.name for game, (_, cells) in angles.items() if not set(ANGLES) <= cells.keys()]
+    # of weight 0 a sweep trains one angle, for all are alike
+    wanted = [game.name for game, (weight, cells) in angles.items() if not (set(ANGLES) <= cells.keys() or (cells and not weight))]
     fill = [f"sjdsl sweep {called(wanted)} --protocol svo --preset two_cores --seeds 5 --run runs/svo"] if wanted else []
     return Section("Social value orientation", text, tuple(tables), pictures, tuple(fill))
 
