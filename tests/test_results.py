@@ -28,3 +28,18 @@ def test_all_committed_diagrams_are_in_the_results() -> None:
     there = {named(row) for row in read_folders([ROOT / "docs/results/data"]).diagrams}
     missing = [folder.name for folder in DIAGRAMS for row in read_folders([folder]).diagrams if named(row) not in there]
     assert not missing, "take them in as docs/reports.md says"
+
+
+def test_cross_play_is_of_the_policies_of_the_diagrams() -> None:
+    """Both play a policy with itself by the same keys, so that A is the difference of two mixtures, to the digits that are kept."""
+    data = read_folders([ROOT / "docs/results/data"])
+    earned = {(row.hash, row.mixture): row.mean for row in data.meetings}
+    found = 0
+    for row in data.diagrams:
+        both = [earned.get((row.hash, f"{row.num_agents} x {policy}")) for policy in (row.cooperators, row.defectors)]
+        if None not in both:
+            assert pytest.approx(both[0] - both[1], abs=1e-3) == row.A
+            found += 1
+    assert found
+    trained = {row.policy for row in data.meetings if row.policy.startswith("runs/")}
+    assert trained <= {policy for row in data.diagrams for policy in (row.cooperators, row.defectors)}
