@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 INSTALL = "This section takes the extra `rliable`: install it with `pip install 'sjdsl[rliable]'` and make the report again."
 RESAMPLES = 2000
-SEED = 0  # of the resamples: the same scores have the same intervals
+SEED = 0  # of the resamples of each way of training: the same scores have the same intervals, whatever stands beside them
 POINTS = 101  # of a performance profile
 Interval = tuple[float, float, float]  # the estimate, and the bounds of its 95 % interval
 Scores = Mapping[str, np.ndarray]  # way of training -> [seeds, games]
@@ -42,20 +42,28 @@ def interquartile_means(scores: Scores) -> dict[str, Interval]:
     """Returns the interquartile mean of each way of training, with its interval by stratified bootstrap."""
     from rliable import library, metrics
 
-    with _seeded():
-        means, bounds = library.get_interval_estimates(dict(scores), lambda table: np.array([metrics.aggregate_iqm(table)]), reps=RESAMPLES)
-    return {way: _interval(means[way], bounds[way]) for way in scores}
+    intervals = {}
+    for way, table in scores.items():
+        with _seeded():
+            means, bounds = library.get_interval_estimates(
+                {way: table}, lambda drawn: np.array([metrics.aggregate_iqm(drawn)]), reps=RESAMPLES
+            )
+        intervals[way] = _interval(means[way], bounds[way])
+    return intervals
 
 
 def improvements(scores: Scores) -> dict[tuple[str, str], Interval]:
     """Returns the probability that a seed of one way of training has more than one of another, on average over games, by pair."""
     from rliable import library
 
-    pairs = {f"{number}": pair for number, pair in enumerate(permutations(scores, 2))}
-    tables = {number: (scores[first], scores[second]) for number, (first, second) in pairs.items()}
-    with _seeded():
-        means, bounds = library.get_interval_estimates(tables, probability_of_improvement, reps=RESAMPLES)
-    return {pair: _interval(means[number], bounds[number]) for number, pair in pairs.items()}
+    intervals = {}
+    for first, second in permutations(scores, 2):
+        with _seeded():
+            means, bounds = library.get_interval_estimates(
+                {"": (scores[first], scores[second])}, probability_of_improvement, reps=RESAMPLES
+            )
+        intervals[first, second] = _interval(means[""], bounds[""])
+    return intervals
 
 
 def probability_of_improvement(first: np.ndarray, second: np.ndarray) -> float:
@@ -79,8 +87,13 @@ def draw_profiles(scores: Scores) -> "Figure":
 
     flat = np.concatenate([table.ravel() for table in scores.values()])
     scale = np.linspace(min(0.0, float(flat.min())), max(1.0, float(flat.max())), POINTS)
-    with _seeded():
-        profiles, bands = library.create_performance_profile(dict(scores), scale, reps=RESAMPLES)
+    profiles: dict[str, np.ndarray] = {}
+    bands: dict[str, np.ndarray] = {}
+    for way, table in scores.items():
+        with _seeded():
+            of_way, band_of_way = library.create_performance_profile({way: table}, scale, reps=RESAMPLES)
+        profiles |= of_way
+        bands |= band_of_way
     groups = [list(scores)[first : first + MOST] for first in range(0, len(scores), MOST)]
     figure = Figure(figsize=(max(7.0, 5.0 * len(groups)), 3.8), layout="constrained")
     with colours():
