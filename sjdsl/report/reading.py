@@ -9,12 +9,13 @@ from sjdsl.report.reading_benchmarks import is_benchmark, read_benchmark
 from sjdsl.report.reading_experiments import is_cross_play, is_diagram, read_cross_play, read_diagram
 from sjdsl.report.reading_random import is_random, read_random
 from sjdsl.report.reading_runs import is_run, read_run
-from sjdsl.report.reading_sweeps import is_sweep, read_sweep
+from sjdsl.report.reading_sweeps import is_cell, is_sweep, read_cell, read_sweep
 from sjdsl.report.refusals import ReportError
 
 Reader = tuple[Callable[[Path], bool], Callable[[Path], Evidence]]
 READERS: tuple[Reader, ...] = (
     (is_sweep, read_sweep),
+    (is_cell, read_cell),
     (is_run, read_run),
     (is_diagram, read_diagram),
     (is_cross_play, read_cross_play),

@@ -23,14 +23,34 @@ def read_sweep(path: Path) -> Evidence:
     Raises:
       ReportError: its `sweep.json` cannot be read.
     """
-    try:
-        stored = json.loads((path / SWEEP).read_text(encoding="utf-8"))
-        stages = {name: _stage(stored.get("protocol"), cell) for name, cell in stored["cells"].items()}
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ReportError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None
+    stages = _stages(path)
     there = [name for name in stages if is_run(path / CELLS / name)]
     parts = [read_run(path / CELLS / name, stages[name]) for name in there]
     return merged([*parts, Evidence(notes=_notes(path, len(stages) - len(there)))])
+
+
+def is_cell(path: Path) -> bool:
+    """Returns whether a folder is that of a run, in the place of a cell of a sweep."""
+    return is_run(path) and path.resolve().parent.name == CELLS and is_sweep(path.resolve().parents[1])
+
+
+def read_cell(path: Path) -> Evidence:
+    """Returns what one cell of a sweep has found, which is named without its sweep, as in `SWEEP/cells/*`.
+
+    Raises:
+      ReportError: the run, or the `sweep.json` of its sweep, cannot be read.
+    """
+    cell = path.resolve()
+    return read_run(path, _stages(cell.parents[1]).get(cell.name))
+
+
+def _stages(path: Path) -> dict[str, int | None]:
+    """Returns the cells of a sweep by name, with the stage of each."""
+    try:
+        stored = json.loads((path / SWEEP).read_text(encoding="utf-8"))
+        return {name: _stage(stored.get("protocol"), cell) for name, cell in stored["cells"].items()}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ReportError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None
 
 
 def _stage(protocol: str | None, cell: dict[str, Any]) -> int | None:

@@ -47,20 +47,32 @@ def svo(angle: float, weight: float, stage: int | None = None) -> Way:
     return lambda run: is_ippo(run) and run.svo_angle == angle and run.svo_weight == weight and run.stage in (stage, None)
 
 
+CHOSEN_WEIGHT = "chosen weight"
 NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "vdn": "VDN"}
 
 
-def in_words(run: Run) -> str:
-    """Returns a way of training in words: `IPPO, exchange 0.5`, `IPPO, SVO 45°, weight 0.4`, `MAPPO, common, separate parameters`."""
+def in_words(run: Run, chosen_weight: float | None = None) -> str:
+    """Returns a way of training in words: `IPPO, exchange 0.5`, `IPPO, SVO 45°, weight 0.4`, `MAPPO, common, separate parameters`.
+
+    Args:
+      run: the way of training.
+      chosen_weight: the weight of SVO that a sweep chose for the game. Where it is given, runs with it that did not choose it are called by
+        that, `IPPO, SVO 45°, chosen weight`: one way in all games, though the weights differ.
+    """
     name = NAMES.get(run.algorithm, run.algorithm)
     if run.algorithm == "vdn":
         return name
-    rewards = {"exchange": f"exchange {run.exchange_ratio:g}" if run.exchange_ratio is not None else "exchange", "svo": _svo(run)}
+    rewards = {
+        "exchange": f"exchange {run.exchange_ratio:g}" if run.exchange_ratio is not None else "exchange",
+        "svo": _svo(run, chosen_weight),
+    }
     sharing = {SHARED: "", APART: ", separate parameters"}.get(run.sharing, f", parameters {run.sharing.replace('_', ' ')}")
     return f"{name}, {rewards.get(run.reward, run.reward)}{sharing}"
 
 
-def _svo(run: Run) -> str:
+def _svo(run: Run, chosen_weight: float | None) -> str:
     angle = "several angles" if run.svo_angle is None else f"{run.svo_angle:g}°"
+    if run.stage == 2 and run.svo_weight == chosen_weight:
+        return f"SVO {angle}, {CHOSEN_WEIGHT}"
     stage = ", choosing the weight" if run.stage == 1 else ""
     return f"SVO {angle}, weight {run.svo_weight or 0:g}{stage}"

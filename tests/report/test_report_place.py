@@ -5,7 +5,7 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
-from report_folders import random_returns, write_run
+from report_folders import random_returns, write_run, write_sweep
 
 from sjdsl.cli import run
 from sjdsl.report import Evidence, ReportError, check_report, read_folders, write_report
@@ -134,6 +134,25 @@ def test_a_section_stays_where_its_extra_is_missing_and_nothing_has_changed(tmp_
     )
     assert "0.1235" not in (out / "report.md").read_text()
     assert "tables/over_games.csv" not in files(out)
+
+
+def test_svo_at_each_games_chosen_weight_is_one_way_over_games(tmp_path: Path) -> None:
+    """The seeds that chose the weight are not among its scores, and other weights are ways of their own."""
+    for game, weight in (("coins", 0.4), ("harvest_open", 0.8)):
+        cells = tmp_path / "svo/cells"
+        write_run(cells / f"{game}_chose", game, (1000.0, 1010.0), reward="svo", svo_weight=weight)
+        write_run(cells / f"{game}_is", game, (30.0, 50.0), first=2, reward="svo", svo_weight=weight)
+    write_sweep(tmp_path / "svo", "svo", {path.name: 1 + path.name.endswith("is") for path in cells.iterdir()})
+    random_returns(tmp_path / "games.json", {"coins": 0.0, "harvest_open": 10.0})
+    with mock.patch(INSTALLED, return_value=True), mock.patch("sjdsl.report.sections.over_games.interquartile_means") as means:
+        means.return_value = {"IPPO, SVO 90°, chosen weight": (0.2, 0.1, 0.3)}
+        write_report(read_folders([tmp_path / "svo", tmp_path / "games.json"]), tmp_path / "out", COMMAND)
+    (scores,) = means.call_args.args
+    assert list(scores) == ["IPPO, SVO 90°, chosen weight"]
+    coins, harvest = scores["IPPO, SVO 90°, chosen weight"].T
+    assert coins.tolist() == pytest.approx([30 / 164, 50 / 164])
+    assert harvest.tolist() == pytest.approx([20 / 410, 40 / 410])
+    assert "The chosen weight of SVO is that of each game's own sweep." in (tmp_path / "out/report.md").read_text()
 
 
 def test_what_marl_eval_will_not_take_is_said_where_its_file_is_written(

@@ -167,6 +167,10 @@ def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> N
     found = read_folders([sweep])
     assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in found.runs) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
     assert found.notes == (f"2 cells of the sweep `{sweep}` are still to be trained", f"the cell `bad` of the sweep `{sweep}` has failed")
+    # the cells named without their sweep are in their stages, too
+    cells = sorted((sweep / "cells").iterdir())
+    for paths in (cells, [sweep / "cells"]):
+        assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in read_folders(paths).runs) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
     write_sweep(sweep, "exchange", {"weight": 1, "angle": 1})
     assert len(read_folders([sweep]).runs) == 1
 

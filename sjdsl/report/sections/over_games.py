@@ -16,7 +16,8 @@ from sjdsl.report.evidence import Run
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Picture, Section, Table
 from sjdsl.report.rliable_statistics import INSTALL, Interval, draw_profiles, improvements, interquartile_means, is_installed
-from sjdsl.report.ways import in_words
+from sjdsl.report.sections.svo import by_angle
+from sjdsl.report.ways import CHOSEN_WEIGHT, in_words
 
 TITLE = "Over games"
 Scores = dict[str, np.ndarray]  # way of training -> [seeds, games]
@@ -79,6 +80,8 @@ def _scores_of(contents: Contents) -> tuple[list[str], Scores, dict[str, Origin]
     others = sorted({game for by_game in found.values() for game in by_game} - set(games))
     if others:
         remarks.append(f"* Left out for games in which more ways of training can be compared: {', '.join(others)}.")
+    if any(way.endswith(CHOSEN_WEIGHT) for way in found):
+        remarks.append("* The chosen weight of SVO is that of each game's own sweep.")
     for way, by_game in sorted(found.items()):
         if not set(games) <= by_game.keys():
             remarks.append(f"* {way} is left out: it lacks {', '.join(game for game in games if game not in by_game)}.")
@@ -119,15 +122,16 @@ def _scores_in(contents: Contents, game: Game) -> Mapping[str, tuple[Cell, np.nd
     if best is None or random is None or game.setting is None:
         return {}
     scores = {}
-    for way in sorted({in_words(run) for run in contents.index.runs(game.setting) if run.stage != 1}):
-        cell = contents.index.returns(game.setting, partial(_is, way))
+    weight, _ = by_angle(contents, game)
+    for way in sorted({in_words(run, weight) for run in contents.index.runs(game.setting) if run.stage != 1}):
+        cell = contents.index.returns(game.setting, partial(_is, way, weight))
         if cell is not None and cell.estimate is not None and len(cell.values) > 1:
             scores[way] = cell, (np.array(cell.values) - random.mean) / (best - random.mean)
     return scores
 
 
-def _is(way: str, run: Run) -> bool:
-    return run.stage != 1 and in_words(run) == way
+def _is(way: str, chosen_weight: float, run: Run) -> bool:
+    return run.stage != 1 and in_words(run, chosen_weight) == way
 
 
 def _without_random(contents: Contents) -> list[str]:
