@@ -181,6 +181,15 @@ def test_the_angles_have_the_fresh_seeds_and_not_those_that_chose_the_weight(evi
     angles = {row["column"]: row["mean"] for row in records(report, "svo_angles") if row["mean"]}
     assert weights == {"0.4": "110", "0.6": "145"}
     assert angles == {"45°": "70", "90°": "137"}
+    assert "the chosen weight is 0" not in report.page
+
+
+def test_where_the_chosen_weight_of_svo_is_0_one_angle_is_enough(tmp_path: Path) -> None:
+    runs = [write_run(tmp_path / game, game, (30.0, 50.0), reward="svo", svo_weight=0.0) for game in ("coins", "pd_arena")]
+    page = report_of(*runs).page
+    said = "In coins, pd_arena the chosen weight is 0, which is individual reward. All angles are alike then, and one is trained."
+    assert said in page
+    assert "--protocol svo" not in page
 
 
 def test_metrics_are_on_the_scale_of_the_paper(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ def svo(contents: Contents) -> Section:
         "At 90 degrees an agent that alone is rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 on that is "
         "more than a reward of 1, so that earning does not pay, unless as much is deducted while nobody is rewarded. The released code does "
         "that; here it takes `svo_at_rest=selfish`.",
+        *_without_weight(angles),
         f"Published: {published.source('svo')}.",
         *remarks_of(contents, "svo"),
     )
@@ -42,6 +43,13 @@ def svo(contents: Contents) -> Section:
     wanted = [game.name for game, (weight, cells) in angles.items() if not (set(ANGLES) <= cells.keys() or (cells and not weight))]
     fill = [f"sjdsl sweep {called(wanted)} --protocol svo --preset two_cores --seeds 5 --run runs/svo"] if wanted else []
     return Section("Social value orientation", text, tuple(tables), pictures, tuple(fill))
+
+
+def _without_weight(angles: dict[Game, tuple[float, dict[float, Cell]]]) -> list[str]:
+    found = [game.label for game, (weight, cells) in angles.items() if cells and not weight]
+    if not found:
+        return []
+    return [f"In {', '.join(found)} the chosen weight is 0, which is individual reward. All angles are alike then, and one is trained."]
 
 
 def _by_weight(contents: Contents, game: Game) -> dict[float, Cell]:
