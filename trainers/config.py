@@ -103,6 +103,7 @@ class Config(BaseModel):
     total_timesteps: Count = 10_000_000  # environment steps of each seed, rounded up to whole updates
     num_envs: Count = 64
     num_steps: Count = 128  # steps of one rollout
+    spread_starts: bool = True  # environments begin at different steps of an episode, so that each rollout sees all parts of it
     gamma: Fraction = 0.99
     learning_rate: PositiveFloat
     anneal_learning_rate: bool = True  # linearly to zero over the run
@@ -116,7 +117,7 @@ class Config(BaseModel):
     reward_smoothing: Fraction = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
     svo_angle: Angles = (90.0,)  # degrees, the angle sought; one for all agents or one each
     svo_weight: NonNegativeFloat = 0.5
-    svo_at_rest: Literal["content", "selfish"] = "content"  # the angle where nobody is rewarded: the one sought, or 0
+    svo_at_rest: Literal["selfish", "content"] = "selfish"  # the angle where nobody is rewarded: 0, or the one sought
     svo_quadrant: bool = True  # angles are cut to 0 .. 90 degrees, where the theory defines them
     exchange_ratio: Fraction = 0.5  # weight of each other agent's reward to one's own: 0 individual, 1 the mean
     inequity_envy: NonNegativeFloat = 5.0  # weight of others having more
@@ -192,6 +193,7 @@ class PPOConfig(Config):
     num_epochs: Count = 2
     num_minibatches: Count = 8
     gae_lambda: Fraction = 0.95
+    advantage_floor: NonNegativeFloat = 0.03  # the least deviation that a minibatch's advantages are divided by
     clip_epsilon: PositiveFloat = 0.2
     scale_clip_epsilon: bool = False  # divide it by the number of agents
     clip_value_loss: bool = True

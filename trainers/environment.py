@@ -12,7 +12,7 @@ from sjdsl.runtime.planes import TokenPlane
 class Environment(Protocol):
     """One environment of N agents, not batched: trainers `vmap` it.
 
-    Besides, it may have `state_vector(state)`, `roles`, `with_params(params)`, the same with other numbers, and
+    Besides, it may have `state_vector(state)`, `roles`, `episode_length`, `with_params(params)`, the same with other numbers, and
     `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take. Without the last, or where `forbids_actions` is false,
     all always are.
     """
@@ -64,6 +64,11 @@ class ObservableEnvironment(Environment, Protocol):
     def state_vector(self, state: Any) -> Array:
         """Returns the state as `[K]` float32."""
         ...
+
+
+def episode_length(env: Environment) -> int:
+    """Returns the most steps of an episode; 0 if the environment does not say."""
+    return int(getattr(env, "episode_length", 0))
 
 
 def reset_shapes(env: Environment) -> tuple[Any, Any]:

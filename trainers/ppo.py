@@ -310,7 +310,9 @@ def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> 
 
     log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
     ratio = jnp.exp(log_ratio)
-    advantage = (batch.advantage - batch.advantage.mean()) / (batch.advantage.std() + 1e-8)
+    # Where nothing is paid, advantages are the critic's errors alone: divided by their own deviation they would move the policy as far as
+    # rewards do.
+    advantage = (batch.advantage - batch.advantage.mean()) / jnp.maximum(batch.advantage.std(), config.advantage_floor + 1e-8)
     clipped_ratio = jnp.clip(ratio, 1.0 - epsilon, 1.0 + epsilon)
     policy_loss = -jnp.minimum(ratio * advantage, clipped_ratio * advantage).mean()
 

@@ -15,7 +15,7 @@ from .algorithms import make_train
 from .checkpoints import Checkpoints
 from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes
 from .config import Config, make_config
-from .environment import Environment
+from .environment import Environment, episode_length
 from .loggers import LoggerName
 from .metric_rows import mean_row
 from .metrics_files import METRICS_JSONL, Row, read_rows
@@ -231,7 +231,7 @@ def _prepared(parts: Sequence[Part], stack: ExitStack) -> tuple[Compiled, Saver,
         stack.callback(all_of_them.close)
         return compiled, all_of_them, all_of_them.restore_last(compiled)
     (part,) = parts
-    compiled = compile_train(make_train(part.env, _from_own_start(part).config), part.config)
+    compiled = compile_train(make_train(part.env, _from_own_start(part).config), part.config, episode_length=episode_length(part.env))
     checkpoints = Checkpoints(part.run_dir)
     stack.callback(checkpoints.close)
     return compiled, checkpoints, restore_last(checkpoints, compiled)

@@ -126,15 +126,15 @@ def svo_deviation(trace: Array, sought: Array, at_rest: str, quadrant: bool) -> 
     """Returns how far each agent's social value orientation is from the one it seeks, in radians.
 
     The orientation is the angle between an agent's own reward and the mean of the others', theta_i = atan2(mean of the
-    others, own). Where all are 0 there is no angle: `content` takes the one sought, so that nothing is deducted while
-    nobody is rewarded; `selfish` takes 0, as atan2 does. A negative reward leads out of the quadrant 0 .. 90 degrees for which
-    the theory defines the angle; `quadrant` cuts it back.
+    others, own). Where all are 0 there is no angle: `selfish` takes 0, as atan2 does; `content` takes the one sought, so that
+    nothing is deducted while nobody is rewarded. A negative reward leads out of the quadrant 0 .. 90 degrees for which the
+    theory defines the angle; `quadrant` cuts it back.
 
     Args:
       trace: `[..., N]`.
       sought: `[N]` radians.
     Returns:
-      `[..., N]` |theta - sought|, at most pi: differences are taken the short way round.
+      `[..., N]` |theta - sought|, the plain difference of angles from -pi to pi.
     Source: McKee et al. 2020, "Social diversity and social preferences in mixed-motive reinforcement learning", section 3.2.
     """
     others = max(trace.shape[-1] - 1, 1)
@@ -144,5 +144,4 @@ def svo_deviation(trace: Array, sought: Array, at_rest: str, quadrant: bool) -> 
     if quadrant:
         angle = jnp.clip(angle, 0.0, math.pi / 2)
     away = jnp.abs(angle - sought)
-    away = jnp.minimum(away, 2.0 * math.pi - away)
     return jnp.where(resting, 0.0, away) if at_rest == "content" else away

@@ -13,7 +13,7 @@ from .algorithms import make_train
 from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled, Lanes, compile_train
 from .config import Config
-from .environment import Environment, abstract_key
+from .environment import Environment, abstract_key, episode_length
 from .resuming import RunError
 from .run_folder import seed_folders
 from .training_functions import Train, TrainState
@@ -21,7 +21,16 @@ from .training_functions import Train, TrainState
 # Keys of a configuration that losses and rewards only reckon with: they may be traced. All others shape arrays, or choose the program.
 TRACED = (
     *("gamma", "learning_rate", "max_gradient_norm", "reward_smoothing", "svo_angle", "svo_weight", "exchange_ratio"),
-    *("inequity_envy", "inequity_guilt", "inequity_smoothing", "gae_lambda", "clip_epsilon", "entropy_coefficient", "value_coefficient"),
+    *(
+        "inequity_envy",
+        "inequity_guilt",
+        "inequity_smoothing",
+        "gae_lambda",
+        "advantage_floor",
+        "clip_epsilon",
+        "entropy_coefficient",
+        "value_coefficient",
+    ),
     *("target_rate", "epsilon_start", "epsilon_end", "epsilon_fraction"),
 )
 
@@ -86,7 +95,8 @@ def compile_parts(parts: Sequence[Part]) -> Compiled:
         return _with_structure(make_train(env, base.model_copy(update=own["config"])), structure)
 
     seeds = [seed for part in parts for seed in part.config.seed_numbers]
-    return compile_train(_with_structure(program, structure), joint_config(parts), Lanes(seeds, numbers, program_of))
+    lanes, length = Lanes(seeds, numbers, program_of), max(episode_length(part.env) for part in parts)
+    return compile_train(_with_structure(program, structure), joint_config(parts), lanes, length)
 
 
 def _with_roles(env: Environment, config: Config) -> Config:

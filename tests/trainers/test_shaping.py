@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from probes import dilemma, learn, tabled, tables_of, uneven
 
-from sjdsl.trainers import ConfigError, make_config
+from sjdsl.trainers import ConfigError, load_preset, make_config
 from sjdsl.trainers.checkpoints import Checkpoints
 from sjdsl.trainers.rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
 from sjdsl.trainers.shaping import Shaping, exchanged, kept_share, make_shaping, svo_deviation
@@ -48,7 +48,7 @@ def test_one_agent_alone_has_its_own_reward(mode: str) -> None:
 # social value orientation
 
 
-def deviation(own: float, others: float, sought: float, at_rest: str = "content", quadrant: bool = True) -> float:
+def deviation(own: float, others: float, sought: float, at_rest: str = "selfish", quadrant: bool = True) -> float:
     """Returns agent 0's deviation in degrees, where the others have `others` on average."""
     trace = jnp.array([own, others - 1.0, others + 1.0] if others else [own, 0.0, 0.0])
     return math.degrees(svo_deviation(trace, jnp.full(3, math.radians(sought)), at_rest, quadrant)[0])
@@ -76,10 +76,15 @@ def test_the_quadrant_cuts_what_negative_rewards_lead_to(own: float, others: flo
     assert deviation(own, others, 0.0, quadrant=False) == pytest.approx(abs(angle), abs=1e-3)
 
 
-def test_differences_go_the_short_way_round() -> None:
-    """From -135 to 170 degrees are 305 one way and 55 the other."""
-    assert deviation(-2.0, -2.0, 170.0, quadrant=False) == pytest.approx(55.0, abs=1e-3)
-    assert deviation(-2.0, -2.0, 90.0, quadrant=False) == pytest.approx(135.0, abs=1e-3)
+@pytest.mark.parametrize("own", [-2.0, -1.0, 0.0, 1.0])
+@pytest.mark.parametrize("other", [-2.0, -1.0, 0.0, 1.0])
+def test_the_released_preset_penalises_as_the_released_code(own: float, other: float) -> None:
+    """Each pair of rewards that Coins pays two agents: the plain difference of arctan2, which is 0 where nobody is rewarded."""
+    config = load_preset("released", {"reward": "svo"}, "coins").config
+    angle = math.atan2(other, own) if own or other else 0.0
+    expected = 2 * (own - config.svo_weight * abs(angle - math.pi / 2))
+    found = make_shaping(config, 2).shape(jnp.array([own, other]), jnp.array([own, other]))
+    assert found[0] == pytest.approx(expected, rel=1e-5)
 
 
 def test_svo_deducts_the_weighted_deviation_in_radians() -> None:

@@ -24,8 +24,8 @@ def svo(contents: Contents) -> Section:
         "The weight is chosen at 90 degrees, as the best of those in the first table. The angles are trained at that weight, with other seeds: "
         "the best of several noisy means is too high on average.",
         "At 90 degrees an agent that alone is rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 on that is "
-        "more than a reward of 1, so that earning does not pay, unless as much is deducted while nobody is rewarded. The released code does "
-        "that; here it takes `svo_at_rest=selfish`.",
+        "more than a reward of 1, so that earning does not pay, unless as much is deducted while nobody is rewarded. The released code and "
+        "`svo_at_rest=selfish` do that; `svo_at_rest=content` does not.",
         *_without_weight(angles),
         f"Published: {published.source('svo')}.",
         *remarks_of(contents, "svo"),

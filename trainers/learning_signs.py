@@ -1,0 +1,67 @@
+"""Signs that a run learns nothing: what the rows of its updates say, and which settings to look at."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from .config import Config
+from .metrics_files import Row
+
+SHARE = 0.1  # of a run's updates, after which something should have been learnt
+
+
+@dataclass
+class Signs:
+    """What the rows of one seed have come to, up to `SHARE` of its run."""
+
+    before_learning: float = math.nan  # collective return of the first episodes that ended: of the policy that the run began with
+    latest: float = math.nan  # of the last that ended
+    paid: bool = False  # whether any agent ever had a reward
+    explained: float = 0.0  # variance of the returns that the critic explained, summed over updates
+    events: dict[str, float] = field(default_factory=dict)  # name -> how often it happened, by agents and words together
+    updates: int = 0
+
+    def count(self, row: Row) -> None:
+        """Takes note of an update."""
+        self.updates += 1
+        self.paid |= row["reward_per_step"] != 0
+        self.explained += row.get("explained_variance", math.nan)
+        if row["episodes"] > 0:
+            self.latest = row["collective_return"]
+            if math.isnan(self.before_learning):
+                self.before_learning = self.latest
+            for name, number in row.items():
+                if name.startswith("event_"):
+                    event = name.removeprefix("event_").partition("_agent_")[0]
+                    self.events[event] = self.events.get(event, 0.0) + number
+
+    def warnings(self, config: Config) -> list[str]:
+        """Returns a sentence for each sign that nothing is learnt, with what to change."""
+        return list(self._warnings(config))
+
+    def _warnings(self, config: Config) -> Iterable[str]:
+        if not self.paid:
+            yield (
+                "no agent has been rewarded yet: there is nothing to learn from. Try more environments (num_envs), a larger "
+                "entropy_coefficient, or a game in which the first reward is easier to come by"
+            )
+            return
+        if config.reward == "common" and self.latest <= self.before_learning:
+            # Agents that each seek their own reward may well earn less together than at random: that is the dilemma.
+            yield (
+                f"the collective return, {self.latest:.1f}, is not above what it was before learning, {self.before_learning:.1f}. "
+                "Try more gradient steps (num_minibatches), longer rollouts (num_steps) or another learning_rate"
+            )
+        if self.explained < 0:
+            yield (
+                f"the critic explains less than nothing of the returns (explained_variance is {self.explained / self.updates:.2f} on average). "
+                "Try a smaller gamma, common_reward=mean, or more gradient steps (num_minibatches)"
+            )
+        never = [name for name, number in self.events.items() if number == 0]
+        if never:
+            yield f"never happened so far: {', '.join(never)}. What does not happen is not learnt: try a larger entropy_coefficient"
+
+
+def is_due(update: int, config: Config) -> bool:
+    """Whether the signs are judged after an update: once in a run, unless it is too short to say anything."""
+    return config.num_updates > 1 and update == max(1, round(SHARE * config.num_updates))
