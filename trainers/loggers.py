@@ -66,7 +66,7 @@ def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config) -> 
 def _wandb(stack: ExitStack, folder: Path, title: str, config: Config) -> Callable[[Row], None]:
     import wandb
 
-    run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.model_dump(mode="json"))
+    run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.record())
     stack.callback(run.finish)
     return lambda row: run.log(_numbers(row), step=row["env_steps"])
 

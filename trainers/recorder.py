@@ -94,7 +94,7 @@ class Recorder:
         self._metrics = metrics
         self._loggers = loggers
         self._evaluator = evaluator
-        self._of = {"game": describe_game(env), "config": config.model_dump(mode="json"), "seed": seed}
+        self._of = {"game": describe_game(env), "config": config.record(), "seed": seed}
 
     def append(self, row: Row) -> None:
         """Writes the row of an update."""
