@@ -158,7 +158,8 @@ def open_recorders(
             history = History(config)
             for row in cut_metrics(folder, done):
                 history.recall(row)
-            opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config))
+            steps = done * config.steps_per_update
+            opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config, steps))
             metrics = stack.enter_context(open_metrics(folder))
             recorders.append(Recorder(folder, env, config, seed, metrics, history, opened, evaluator))
             stack.callback(recorders[-1].draw, title)
