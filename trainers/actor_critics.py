@@ -99,8 +99,6 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     joint_planes: tuple[TokenPlane, ...] | None = None
     joint_shape: tuple[int, ...] | None = None
     from_state = config.algorithm == "mappo" and config.critic == "state"
-    if config.algorithm == "ippo" and config.critic != "observations":
-        raise ConfigError(f'`critic` = "{config.critic}" is what a central critic sees; ippo has none: choose algorithm mappo')
     if from_state:
         joint_planes, joint_shape = (), state_shape(env)
     elif config.algorithm == "mappo":

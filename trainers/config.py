@@ -1,8 +1,10 @@
 """The configuration of a training run: a frozen dataclass with every key, its default, and checks of its values."""
 
 import math
+import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
@@ -16,6 +18,7 @@ from pydantic import (
     PositiveFloat,
     PositiveInt,
     ValidationError,
+    ValidationInfo,
     model_validator,
 )
 
@@ -83,6 +86,20 @@ def _partners(value: Any) -> Any:
     return tuple(sorted((int(agent), lasting_name(policy)) for agent, policy in value))
 
 
+@dataclass(frozen=True)
+class Only:
+    """Beside the type of a setting: that it is read only where another setting has certain values."""
+
+    setting: str
+    values: str  # in words
+    holds: Callable[[Any], bool]
+
+
+def only(setting: str, *values: str) -> Only:
+    """Returns that a setting is read only where another has one of some values."""
+    return Only(setting, " or ".join(values), lambda value: value in values)
+
+
 Count = Annotated[PositiveInt, BeforeValidator(_whole_number)]
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -90,6 +107,13 @@ Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Fie
 Sides = Annotated[tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...], Field(min_length=1), BeforeValidator(_listed)]
 Groups = Annotated[tuple[NonNegativeInt, ...], BeforeValidator(_listed)]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partners)]
+
+COMMON, SVO = only("reward", "common"), only("reward", "svo")
+EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
+TRACES = Only("reward", "svo or one of your own", lambda reward: reward not in get_args(RewardMode) or reward == "svo")
+SCALED = only("reward", "individual", "svo", "exchange", "inequity")
+CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
+BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
 class Config(BaseModel):
@@ -113,56 +137,74 @@ class Config(BaseModel):
     partners: Partners = ()  # (agent, policy): agents that act by a given policy and do not learn
 
     reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", get_args(RewardMode)))] = "individual"  # or one's own, of a `Step`
-    common_reward: Literal["sum", "mean"] = "sum"
-    reward_smoothing: Fraction = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
-    svo_angle: Angles = (90.0,)  # degrees, the angle sought; one for all agents or one each
-    svo_weight: NonNegativeFloat = 0.5
-    svo_at_rest: Literal["selfish", "content"] = "selfish"  # the angle where nobody is rewarded: 0, or the one sought
-    svo_quadrant: bool = True  # angles are cut to 0 .. 90 degrees, where the theory defines them
-    exchange_ratio: Fraction = 0.5  # weight of each other agent's reward to one's own: 0 individual, 1 the mean
-    inequity_envy: NonNegativeFloat = 5.0  # weight of others having more
-    inequity_guilt: NonNegativeFloat = 0.05  # weight of others having less
-    inequity_smoothing: Fraction = 0.975  # lambda: the traces that are compared fall by gamma x lambda a step; 0: this step's rewards
-    match_socialjax: bool = False  # rewards scaled by the number of agents, as the released code has them
+    common_reward: Annotated[Literal["sum", "mean"], COMMON] = "sum"
+    reward_smoothing: Annotated[Fraction, TRACES] = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
+    svo_angle: Annotated[Angles, SVO] = (90.0,)  # degrees, the angle sought; one for all agents or one each
+    svo_weight: Annotated[NonNegativeFloat, SVO] = 0.5
+    svo_at_rest: Annotated[Literal["selfish", "content"], SVO] = "selfish"  # the angle where nobody is rewarded: 0, or the one sought
+    svo_quadrant: Annotated[bool, SVO] = True  # angles are cut to 0 .. 90 degrees, where the theory defines them
+    exchange_ratio: Annotated[Fraction, EXCHANGE] = 0.5  # weight of each other agent's reward to one's own: 0 individual, 1 the mean
+    inequity_envy: Annotated[NonNegativeFloat, INEQUITY] = 5.0  # weight of others having more
+    inequity_guilt: Annotated[NonNegativeFloat, INEQUITY] = 0.05  # weight of others having less
+    inequity_smoothing: Annotated[Fraction, INEQUITY] = 0.975  # lambda: traces fall by gamma x lambda a step; 0: this step's rewards
+    match_socialjax: Annotated[bool, SCALED] = False  # rewards scaled by the number of agents, as the released code has them
 
     agent_id: bool = False  # networks read which agent it is besides what it sees: those who share one may come to differ
     mask_actions: bool = True  # an action that the game forbids now is not drawn, valued or learnt from
 
     network: Annotated[str, BeforeValidator(_one_of_or_own("network", get_args(NetworkKind)))] = "cnn"  # or one's own, of tokens
     network_width: Count = 64  # units of each hidden dense layer
-    convolution_sides: Sides = (5, 3, 3)  # of cnn: cells along the side of each convolution's kernel, one after the other
-    convolution_channels: Count = 32  # of cnn: features that each gives a cell
+    convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)  # cells along the side of each convolution's kernel, one after the other
+    convolution_channels: Annotated[Count, CNN] = 32  # features that each gives a cell
     precision: Literal["float32", "bfloat16"] = "float32"  # of the network's layers; parameters stay float32
 
-    checkpoint_minutes: NonNegativeFloat = 10.0  # between two checkpoints, at least
-    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0)] = 0.05  # of the time, at most, that writing checkpoints may take
+    checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = 10.0  # between two checkpoints, at least
+    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = 0.05  # of the time, at most, that writing checkpoints may take
     checkpoint_updates: CountOrZero = 0  # instead: one after so many updates, however long writing takes; 0: by time
     policy_every: CountOrZero = 0  # updates between policies stored by number; 0: a twentieth of the run
     keep_policies: CountOrZero = 5  # how many of them are kept, the last; 0: all
     evaluate_every: CountOrZero = 0  # updates; 0 only what the caller does at the end
-    evaluation_episodes: Count = 30
+    evaluation_episodes: Annotated[Count, Only("evaluate_every", "1 or more", bool)] = 30
 
     @model_validator(mode="wrap")
     @classmethod
-    def _explain(cls, values: Any, validate: Any) -> "Config":
+    def _explain(cls, values: Any, validate: Any, info: ValidationInfo) -> "Config":
         try:
-            config = validate(values)
+            config: Config = validate(values)
         except ValidationError as error:
             raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in error.errors())) from None
         if config.seed + config.seeds > SEEDS:
             last = "" if config.seeds == 1 else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
             raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, for random keys are made of 32 bits, not {config.seed}{last}")
-        result: Config = config
-        return result
+        config._refuse_unread(config.model_fields_set if info.context is None else info.context)
+        return config
 
-    @model_validator(mode="after")
-    def _smoothing_of_this_reward(self) -> "Config":
-        if self.reward == "inequity" and self.reward_smoothing:
-            raise ConfigError(
-                f"`reward_smoothing` = {self.reward_smoothing:g} is of the reward svo; the traces of inequity fall by gamma x "
-                "`inequity_smoothing` a step: set that instead"
-            )
-        return self
+    def _refuse_unread(self, asked: Collection[str]) -> None:
+        """Raises ConfigError for settings that were asked for and that nothing reads.
+
+        A record, as of `record` or `model_dump`, has all of them, and nobody asks for all at once: there they may stand at their defaults.
+        """
+        fields = type(self).model_fields
+        if dependent_settings(type(self)).keys() <= set(asked):
+            asked = [name for name in fields if getattr(self, name) != fields[name].default]
+        faults = [
+            f"`{name}` does nothing where `{mark.setting}` is {getattr(self, mark.setting)}: set `{mark.setting}` to {mark.values}, or leave "
+            f"`{name}` out"
+            for name, mark in self.unread.items()
+            if name in asked
+        ]
+        if faults:
+            raise ConfigError("\n".join(faults))
+
+    @property
+    def unread(self) -> dict[str, Only]:
+        """The settings that nothing reads here, each with what would have it read."""
+        return {name: mark for name, mark in dependent_settings(type(self)).items() if not mark.holds(getattr(self, mark.setting))}
+
+    def record(self) -> dict[str, Any]:
+        """Returns all settings as values of JSON, as manifests and policies have them: those that nothing reads at their defaults."""
+        defaults = {name: type(self).model_fields[name].default for name in self.unread}
+        return self.model_copy(update=defaults).model_dump(mode="json")
 
     @property
     def steps_per_update(self) -> int:
@@ -200,10 +242,10 @@ class PPOConfig(Config):
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 
-    critic: Literal["observations", "state"] = "observations"  # what mappo's critic sees: all agents' windows, or the world's state
-    joint_optimiser: bool = False  # mappo: one optimiser and one gradient clip for actor and critic, as ippo has, instead of one each
+    critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"  # it sees all agents' windows, or the world's state
+    joint_optimiser: Annotated[bool, MAPPO] = False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
     sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents have one network
-    roles: Groups = ()  # by_role: the role of each agent, as numbers from 0; empty: as the game has it
+    roles: Annotated[Groups, only("sharing", "by_role")] = ()  # the role of each agent, as numbers from 0; empty: as the game has it
     memory: Literal["none", "gru"] = "none"
 
 
@@ -216,6 +258,7 @@ class VDNConfig(Config):
     num_envs: Count = 32
     num_steps: Count = 1
     reward: Literal["common"] = "common"
+    match_socialjax: bool = False  # the team's reward is multiplied by the number of agents
     buffer_size: Count = 102_400  # environment steps replayed from; a multiple of num_envs x num_steps
     batch_size: Count = 128
     gradient_steps: Count = 4  # of one update
@@ -232,14 +275,25 @@ CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "v
 KEYS_OF: Mapping[str, Mapping[str, Any]] = {algorithm: kind.model_fields for algorithm, kind in CLASSES.items()}
 
 
-def make_config(values: Mapping[str, Any] | None = None, **more: Any) -> Config:
+def dependent_settings(kind: type[Config]) -> dict[str, Only]:
+    """Returns the settings of a configuration that are not always read, each with when it is."""
+    return {name: mark for name, field in kind.model_fields.items() for mark in field.metadata if isinstance(mark, Only)}
+
+
+def make_config(values: Mapping[str, Any] | None = None, *, asked: Collection[str] | None = None, **more: Any) -> Config:
     """Returns the configuration of the algorithm that `values` name; ippo unless they do.
 
+    Args:
+      values, more: settings.
+      asked: those that somebody asked for; others, as of a preset or of a stored policy, are left out where nothing reads them. None: all.
     Raises:
-      ConfigError: an unknown algorithm or key, or a wrong value; one line a fault.
+      ConfigError: an unknown algorithm or key, a wrong value, or a setting that was asked for and that nothing reads; one line a fault.
     """
     given = {**(values or {}), **more}
     algorithm = given.setdefault("algorithm", "ippo")
     if algorithm not in CLASSES:
         raise ConfigError(f"unknown algorithm {algorithm!r}{meant(str(algorithm), CLASSES, 'known:')}")
-    return CLASSES[algorithm](**given)
+    if asked is None:
+        return CLASSES[algorithm](**given)
+    config = CLASSES[algorithm].model_validate(given, context=asked)
+    return CLASSES[algorithm](**{name: value for name, value in given.items() if name in asked or name not in config.unread})

@@ -1,5 +1,6 @@
 """Metric loggers for TensorBoard and Weights & Biases, if they are installed."""
 
+import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -8,9 +9,11 @@ from typing import Any, Literal, get_args
 
 from .config import Config, ConfigError
 from .metrics_files import Row
+from .run_files import write_whole
 
 LoggerName = Literal["tensorboard", "wandb"]
 PACKAGE = {"tensorboard": "tensorboardX", "wandb": "wandb"}
+WANDB_ID = "wandb_id"  # in the folder of a seed: the run there that it is, also when it is gone on with
 
 
 @dataclass(frozen=True)
@@ -26,16 +29,19 @@ class Loggers:
 
 
 @contextmanager
-def open_loggers(names: Sequence[LoggerName], folder: Path, title: str, config: Config) -> Iterator[Loggers]:
+def open_loggers(names: Sequence[LoggerName], folder: Path, title: str, config: Config, done: int) -> Iterator[Loggers]:
     """Opens loggers by name.
 
+    Args:
+      folder: of the seed.
+      done: environment steps after which the run goes on: what was logged of later ones is logged again.
     Raises:
       ConfigError: a name that is none, or a package that is not installed.
     """
     check_loggers(names)
     with ExitStack() as stack:
         makers = {"tensorboard": _tensorboard, "wandb": _wandb}
-        yield Loggers(tuple(makers[name](stack, folder, title, config) for name in names))
+        yield Loggers(tuple(makers[name](stack, folder, title, config, done) for name in names))
 
 
 def check_loggers(names: Sequence[str]) -> None:
@@ -49,11 +55,14 @@ def check_loggers(names: Sequence[str]) -> None:
             raise ConfigError(f"`{name}` needs the package {PACKAGE[name]}: pip install 'sjdsl[{name}]'")
 
 
-def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config) -> Callable[[Row], None]:
+def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Callable[[Row], None]:
     del title, config
     from tensorboardX import SummaryWriter
 
-    writer = SummaryWriter(str(folder / "tensorboard"))
+    events = folder / "tensorboard"
+    # a file of its own, also where the one before was begun in the same second, from which names are made
+    again = {"purge_step": done + 1, "filename_suffix": f".{done}"} if events.exists() else {}
+    writer = SummaryWriter(str(events), **again)
     stack.callback(writer.close)
 
     def log(row: Row) -> None:
@@ -63,10 +72,16 @@ def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config) -> 
     return log
 
 
-def _wandb(stack: ExitStack, folder: Path, title: str, config: Config) -> Callable[[Row], None]:
+def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Callable[[Row], None]:
+    """Returns what logs to a run of its own, or goes on with it; of steps that it has already it takes no other numbers."""
+    del done
     import wandb
 
-    run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.model_dump(mode="json"))
+    known = folder / WANDB_ID
+    if not known.exists():
+        write_whole(known, secrets.token_hex(4).encode())
+    one = {"id": known.read_text("ascii"), "resume": "allow", "reinit": "create_new"}  # else a process has one run for all its seeds
+    run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.record(), **one)
     stack.callback(run.finish)
     return lambda row: run.log(_numbers(row), step=row["env_steps"])
 

@@ -105,7 +105,7 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     try:
         content = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
         config = {key: value for key, value in content["config"].items() if key not in RETIRED}
-        described = Described(content["game"], make_config(config), content["update"], content["env_steps"])
+        described = Described(content["game"], make_config(config, asked=()), content["update"], content["env_steps"])
         tensors = _read_tensors(path)
     except (OSError, ValueError, KeyError, SafetensorError, ConfigError) as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None

@@ -15,11 +15,12 @@ learning_rate = 1e-3
 [algorithm.ippo.reward.common]  # for one algorithm with one reward
 [games.coins.config]    # for one game, by the name in its file; and so .environment, .algorithm.NAME, .reward.NAME
 
-Later tables win over earlier ones, what is asked for on the command line over all.
+Later tables win over earlier ones, what is asked for on the command line over all. A preset may have settings that some rewards, networks
+or algorithms do not read: with those they are left out.
 """
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -42,17 +43,21 @@ class Preset:
     game: str | None  # first argument of `sjdsl.make`; None: any
     environment: Mapping[str, Any]  # its other arguments
     config: Config
+    left_out: tuple[str, ...]  # settings of its own that nothing reads in `config`
 
 
-def load_preset(name: str | Path, changes: Mapping[str, Any] | None = None, game: str | None = None) -> Preset:
+def load_preset(
+    name: str | Path, changes: Mapping[str, Any] | None = None, game: str | None = None, asked: Collection[str] | None = None
+) -> Preset:
     """Returns a preset, with `changes` in place of values of its configuration.
 
     Args:
       name: of a preset in this package, such as `two_cores`, or the path of a `.toml` file.
       changes: configuration keys and their new values; text such as `"3e-4"` is read as a number.
       game: name of a game, or the path of its file, instead of the preset's own.
+      asked: those of `changes` that are refused where nothing reads them, as in `make_config`; None: all.
     Raises:
-      ConfigError: no such preset, a wrong key or value, or a game that the preset has nothing for.
+      ConfigError: no such preset, a wrong key or value, a change that nothing reads, or a game that the preset has nothing for.
     """
     content = _content(name)
     chosen = game or content.get("game")
@@ -62,7 +67,9 @@ def load_preset(name: str | Path, changes: Mapping[str, Any] | None = None, game
         raise ConfigError(f"the preset `{name}` has nothing for `{stem}`; it has {', '.join(content.get('games', {}))}")
     kept = content.get("environment", {}) if content.get("game") is None or stem == Path(content["game"]).stem else {}
     values = _layered(content, own, changes or {})
-    return Preset(chosen, {**kept, **own.get("environment", {})}, make_config(values))
+    config = make_config(values, asked=changes or () if asked is None else asked)
+    left_out = tuple(key for key in config.unread if key in values and key not in (changes or {}))
+    return Preset(chosen, {**kept, **own.get("environment", {})}, config, left_out)
 
 
 def _content(name: str | Path, extended_by: tuple[str, ...] = ()) -> dict[str, Any]:

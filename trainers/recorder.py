@@ -94,7 +94,7 @@ class Recorder:
         self._metrics = metrics
         self._loggers = loggers
         self._evaluator = evaluator
-        self._of = {"game": describe_game(env), "config": config.model_dump(mode="json"), "seed": seed}
+        self._of = {"game": describe_game(env), "config": config.record(), "seed": seed}
 
     def append(self, row: Row) -> None:
         """Writes the row of an update."""
@@ -158,7 +158,8 @@ def open_recorders(
             history = History(config)
             for row in cut_metrics(folder, done):
                 history.recall(row)
-            opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config))
+            steps = done * config.steps_per_update
+            opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config, steps))
             metrics = stack.enter_context(open_metrics(folder))
             recorders.append(Recorder(folder, env, config, seed, metrics, history, opened, evaluator))
             stack.callback(recorders[-1].draw, title)

@@ -95,7 +95,7 @@ def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> d
         )
     note = {"from": config["total_timesteps"], "to": longer.total_timesteps, "updates": done}
     return manifest | {
-        "config": longer.model_dump(mode="json"),
+        "config": longer.record(),
         "derived": manifest.get("derived", {}) | {"updates": longer.num_updates},
         "extended": [*manifest.get("extended", []), note],
     }

@@ -32,7 +32,7 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
         "seed": config.seed,
         "game": describe_game(env),
         "provenance": dict(provenance),
-        "config": config.model_dump(mode="json"),
+        "config": config.record(),
         "own_files": own_files(config),
         "derived": derived_figures(config, env.num_agents),
         "versions": versions(),

@@ -46,8 +46,6 @@ def bundle_teams(env: Environment, config: PPOConfig) -> tuple[Bundle, ...]:
             role_of_agent = range(env.num_agents)
         case "by_role":
             role_of_agent = config.roles or _roles_of(env)
-    if config.roles and config.sharing != "by_role":
-        raise ConfigError(f'`roles` say who shares a network by role; with sharing = "{config.sharing}" leave them out')
     if len(role_of_agent) != env.num_agents:
         raise ConfigError(
             f"`roles` must be a number for each of the {env.num_agents} agents of `{env.name}`, not {len(role_of_agent)} numbers"

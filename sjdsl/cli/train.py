@@ -85,7 +85,7 @@ def command(
         return
     game, kept, config = _choose(game, preset, {**read_texts(changes), **known}, needed=not keys)
     if keys:
-        click.echo("\n".join(f"{name} = {json.dumps(value)}" for name, value in config.model_dump(mode="json").items()))
+        _list_keys(config)
         return
     described["params"] = {**kept.pop("params", {}), **read_assignments(described["params"])}
     provenance = describe_environment(game, **described)
@@ -95,6 +95,13 @@ def command(
     if not distributed:  # then another process may have begun to write there
         _require_unused(run_dir)
     _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers, callback)
+
+
+def _list_keys(config: "Config") -> None:
+    """Prints the settings of a configuration with their values, and of those that nothing reads now when they are read."""
+    for name, value in config.model_dump(mode="json").items():
+        mark = config.unread.get(name)
+        click.echo(f"{name} = {json.dumps(value)}" + (f"  # read where {mark.setting} is {mark.values}" if mark else ""))
 
 
 def _require_unused(run_dir: str | None) -> None:
@@ -243,6 +250,9 @@ def _choose(game: str | None, preset: str | None, changes: dict[str, Any], neede
             f"the preset `{preset}` does not name a game: name one, as in `sjdsl train clean_up --preset {preset}`",
             click.get_current_context(),
         )
+    for name in loaded.left_out:
+        mark = loaded.config.unread[name]
+        click.echo(f"the preset's `{name}` does nothing where `{mark.setting}` is {getattr(loaded.config, mark.setting)}", err=True)
     return loaded.game or "", dict(loaded.environment), loaded.config
 
 

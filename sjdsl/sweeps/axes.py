@@ -12,19 +12,6 @@ from sjdsl.trainers.config import KEYS_OF
 PARAM = "param."  # before the name of one of the game's numbers
 VARIANT = "variant"
 SEEDS = ("seed", "seeds")  # every cell has all seeds: they are no axis
-# Which reward reads a key: with any other the key does nothing, and cells that differ in it would be one run.
-OF_REWARD: Mapping[str, str] = {
-    "common_reward": "common",
-    "exchange_ratio": "exchange",
-    "reward_smoothing": "svo",
-    "svo_angle": "svo",
-    "svo_at_rest": "svo",
-    "svo_quadrant": "svo",
-    "svo_weight": "svo",
-    "inequity_envy": "inequity",
-    "inequity_guilt": "inequity",
-    "inequity_smoothing": "inequity",
-}
 
 
 @dataclass(frozen=True)

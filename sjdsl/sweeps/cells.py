@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.sweeps.axes import OF_REWARD, PARAM, VARIANT, as_configured, as_number, with_number
+from sjdsl.sweeps.axes import PARAM, VARIANT, as_configured, as_number, with_number
 from sjdsl.sweeps.protocols import Point
 from sjdsl.trainers.config import Config, make_config
 from sjdsl.trainers.config_errors import ConfigError
@@ -77,9 +77,10 @@ def make_cell(game: str, point: Point, chosen: Mapping[str, Any], fixed: Fixed, 
     keys = {name: as_configured(value) for name, value in chosen.items() if name != VARIANT and not name.startswith(PARAM)}
     changes = {**fixed.settings, **keys, **point.values} | ({} if first_seed is None else {"seed": first_seed})
     where = f"{Path(game).stem} with {', '.join(f'{name} {value}' for name, value in {**point.values, **chosen}.items()) or 'no axis'}"
+    asked = {*keys, *point.values}  # settings of all cells are those of some: which ones, the plan looks at
     try:
-        preset = load_preset(fixed.preset, changes, game) if fixed.preset is not None else None
-        config = make_config(changes) if preset is None else preset.config
+        preset = load_preset(fixed.preset, changes, game, asked) if fixed.preset is not None else None
+        config = make_config(changes, asked=asked) if preset is None else preset.config
     except ConfigError as error:
         raise ExperimentError(f"{where}: {error}{_advice(error, chosen, fixed)}") from None
     kept = {} if preset is None else dict(preset.environment)
@@ -94,7 +95,6 @@ def make_cell(game: str, point: Point, chosen: Mapping[str, Any], fixed: Fixed, 
         raise ExperimentError(f"{where}: {error}") from None
     provenance = provenance | {key: value for key, value in kept.items() if provenance.get(key) is None}
     described = config.model_dump(mode="json")
-    _check_effects(where, [*chosen, *point.values], config)
     values = dict(_values({**point.values, **chosen}, described))
     suffix = f"_stage-{point.stage}" if point.stage > 1 else ""
     return Cell(name_of(own_name, values) + suffix, own_name, digest, provenance, described, values, point.stage, point.place)
@@ -122,16 +122,6 @@ def _word(value: Any) -> str:
         value = value.rpartition(":")[2]
     text = f"{value:g}" if isinstance(value, float) else str(value)
     return UNUSUAL.sub("-", text).strip("-") if not isinstance(value, int | float) else text
-
-
-def _check_effects(where: str, names: list[str], config: Config) -> None:
-    """Raises ExperimentError for an axis that does nothing under the cell's reward: its cells would be one run."""
-    for name in names:
-        reward = OF_REWARD.get(name)
-        if reward is not None and config.reward != reward:
-            raise ExperimentError(
-                f"{where}: `{name}` does nothing where the reward is {config.reward}; add --reward {reward}, or leave the axis out"
-            )
 
 
 def _advice(error: ConfigError, chosen: Mapping[str, Any], fixed: Fixed) -> str:

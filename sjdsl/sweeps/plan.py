@@ -63,6 +63,7 @@ def plan_sweep(asked: Asked, describe: Describe) -> Plan:
                 cells.append(make_cell(game, point, chosen, fixed))
     _check_names(cells)
     _check_angles(cells)
+    _check_settings(asked, cells)
     return Plan(asked, describe, tuple(cells))
 
 
@@ -114,6 +115,15 @@ def _check_angles(cells: Sequence[Cell]) -> None:
         other = known.setdefault(f"{cell.game} {others}", cell)
         if other is not cell:
             raise ExperimentError(f"{cell.name}: `svo_angle` does nothing where `svo_weight` is 0; sweep over weights above 0")
+
+
+def _check_settings(asked: Asked, cells: Sequence[Cell]) -> None:
+    """Raises ExperimentError for a setting of all cells that none of them reads."""
+    unread = [cell.configuration().unread for cell in cells]
+    for name in asked.settings:
+        if all(name in of_cell for of_cell in unread):
+            mark = unread[0][name]
+            raise ExperimentError(f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is {mark.values}")
 
 
 def _mean(returns: Sequence[float]) -> float:

@@ -272,7 +272,7 @@ def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
 def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, Any], Evaluation]:
     """Returns what evaluates policies of one network in one game, compiled once for the seeds of a cell, and for cells alike."""
     env = _environment(provenance)
-    config = make_config(json.loads(acting))
+    config = make_config(json.loads(acting), asked=())
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
 
 

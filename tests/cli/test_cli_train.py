@@ -178,6 +178,30 @@ def test_keys_are_listed(sjdsl: Sjdsl) -> None:
     assert "clip_epsilon" in sjdsl("train", "--keys").out
 
 
+def test_keys_say_when_they_are_read(sjdsl: Sjdsl) -> None:
+    assert "exchange_ratio = 0.5  # read where reward is exchange" in sjdsl("train", "--keys").out.splitlines()
+    assert "exchange_ratio = 0.5" in sjdsl("train", "--keys", "--reward", "exchange").out.splitlines()
+
+
+@pytest.mark.parametrize("call", [("--set", "exchange_ratio=0.5"), ("--preset", "two_cores", "--set", "exchange_ratio=0.9")])
+def test_a_reward_that_was_forgotten_is_asked_for(call: tuple[str, ...], sjdsl: Sjdsl) -> None:
+    shown = sjdsl("train", "coins", *call)
+    assert (shown.status, shown.out) == (1, "")
+    assert (
+        "`exchange_ratio` does nothing where `reward` is individual: set `reward` to exchange, or leave `exchange_ratio` out" in shown.err
+    )
+
+
+def test_what_nothing_reads_of_a_preset_is_said(sjdsl: Sjdsl) -> None:
+    Path("p.toml").write_text("[config]\nexchange_ratio = 0.9\n")
+    shown = sjdsl("train", "--preset", "p.toml", "--keys")
+    assert shown.status == 0
+    assert shown.err == "the preset's `exchange_ratio` does nothing where `reward` is individual\n"
+    assert "exchange_ratio = 0.5  # read" in shown.out
+    shown = sjdsl("train", "--preset", "p.toml", "--keys", "--reward", "exchange")
+    assert (shown.err, "exchange_ratio = 0.9\n" in shown.out) == ("", True)
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [

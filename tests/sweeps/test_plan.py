@@ -89,6 +89,11 @@ def test_the_protocol_algorithms_has_six_columns() -> None:
     assert cell.config["exchange_ratio"] == 0.1
 
 
+def test_a_setting_of_all_cells_is_for_those_that_read_it() -> None:
+    own, exchanged = plan("reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores").cells
+    assert (own.config["exchange_ratio"], exchanged.config["exchange_ratio"]) == (0.5, 0.9)
+
+
 def test_the_protocol_sharing_and_an_axis() -> None:
     found = plan("reward=individual,common", protocol="sharing").cells
     assert [(cell.point, cell.values["reward"]) for cell in found] == [
@@ -130,7 +135,17 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
     (lambda: plan("variant=a", variant="b"), "`variant` is an axis, and is also set for all cells"),
     (lambda: plan("reward=individal"), "coins with reward individal: `reward` must be"),
     (lambda: plan("param.aple=1"), "coins with param.aple 1: the game has no number `aple`"),
-    (lambda: plan("exchange_ratio=0.1,0.2"), "`exchange_ratio` does nothing where the reward is individual; add --reward exchange"),
+    (lambda: plan("exchange_ratio=0.1,0.2"), "`exchange_ratio` does nothing where `reward` is individual: set `reward` to exchange"),
+    (
+        lambda: plan("reward=individual,exchange", "exchange_ratio=0.1,0.2"),
+        "coins with reward individual, exchange_ratio 0.1: `exchange_ratio` does nothing where `reward` is individual",
+    ),
+    (lambda: plan("convolution_channels=8,16", settings={"network": "mlp"}), "`convolution_channels` does nothing where `network` is mlp"),
+    (lambda: plan("convolution_channels=8,16", preset="quick"), "`convolution_channels` does nothing where `network` is mlp"),
+    (
+        lambda: plan("reward=individual,common", settings={"exchange_ratio": 0.9}),
+        "`exchange_ratio` does nothing in any cell: it is read where `reward` is exchange",
+    ),
     (lambda: plan("learning_rate=-1"), "`learning_rate` must be more than 0"),
     (lambda: plan("algorithm=ippo,vdn", settings={"num_epochs": 2}), "table [algorithm.NAME]"),
     (lambda: plan(), "say what is varied: --axis NAME=value,value,… or --protocol exchange, svo, algorithms, sharing"),

@@ -1,4 +1,4 @@
-"""Metrics handed to TensorBoard and to Weights & Biases, which are not installed here: stand-ins take note."""
+"""Metrics handed to TensorBoard and to Weights & Biases: stand-ins take note, and where they are installed, they themselves."""
 
 import importlib.machinery
 import sys
@@ -12,6 +12,8 @@ from run_outcomes import SHORT, compiled_once, counting, read_lines
 
 from sjdsl.trainers import ConfigError, resume, run, train
 from sjdsl.trainers.loggers import check_loggers
+from sjdsl.trainers.resuming import TakenError
+from sjdsl.trainers.updates import Update
 
 
 def _stand_in(name: str, monkeypatch: pytest.MonkeyPatch, **members: Any) -> None:
@@ -25,10 +27,12 @@ def _stand_in(name: str, monkeypatch: pytest.MonkeyPatch, **members: Any) -> Non
 def test_tensorboard_gets_every_number_with_its_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written: dict[str, list[tuple[str, float, int]]] = {}
     closed: list[str] = []
+    purged: dict[str, int | None] = {}
 
     class SummaryWriter:
-        def __init__(self, folder: str) -> None:
+        def __init__(self, folder: str, purge_step: int | None = None) -> None:
             self.folder = folder
+            purged[folder] = purge_step
 
         def add_scalar(self, name: str, value: float, step: int) -> None:
             written.setdefault(self.folder, []).append((name, value, step))
@@ -41,6 +45,7 @@ def test_tensorboard_gets_every_number_with_its_step(tmp_path: Path, monkeypatch
         run_dir = train(matching(), SHORT, tmp_path / "run", "none", loggers=("tensorboard",)).run_dir
     folder = str(run_dir / "tensorboard")
     assert closed == [folder]
+    assert purged == {folder: None}
     noted = written[folder]
     wanted = [
         (name, value, row["env_steps"])
@@ -51,6 +56,39 @@ def test_tensorboard_gets_every_number_with_its_step(tmp_path: Path, monkeypatch
     assert [entry for entry in noted if entry[0] != "evaluation_collective_return"] == wanted
     evaluated = [(row["collective return"]["mean"], row["env_steps"]) for row in read_lines(run_dir / "evaluations.jsonl")]
     assert [entry[1:] for entry in noted if entry[0] == "evaluation_collective_return"] == evaluated
+
+
+def test_tensorboard_has_each_step_once_after_a_resume(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was logged after the checkpoint that a run goes on from is purged, for it is logged again."""
+    logged: list[tuple[int | None, list[int]]] = []
+
+    class SummaryWriter:
+        def __init__(self, folder: str, purge_step: int | None = None, filename_suffix: str = "") -> None:
+            del filename_suffix
+            Path(folder).mkdir(exist_ok=True)
+            self.steps: list[int] = []
+            logged.append((purge_step, self.steps))
+
+        def add_scalar(self, name: str, _: float, step: int) -> None:
+            if name == "loss":
+                self.steps.append(step)
+
+        def close(self) -> None: ...
+
+    def killed(update: Update) -> None:
+        if update.number == 5:
+            raise TakenError("nothing more is saved")
+
+    _stand_in("tensorboardX", monkeypatch, SummaryWriter=SummaryWriter)
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+    config = SHORT.model_copy(update={"evaluate_every": 0})
+    with pytest.raises(TakenError):
+        train(matching(), config, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
+    resume(matching(), tmp_path / "run", "none")
+    (never, before), (purge_step, after) = logged
+    assert (never, before) == (None, [64 * update for update in range(1, 6)])
+    assert purge_step is not None
+    assert [step for step in before if step < purge_step] + after == [64 * update for update in range(1, 13)]
 
 
 def test_wandb_gets_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,6 +117,9 @@ def test_wandb_gets_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.Monk
         assert kept["config"]["seeds"] == 2
     resume(matching(), tmp_path / "run", "none")
     assert len(runs) == 4, "a run goes on with the loggers it was started with"
+    assert {kept["reinit"] for kept in runs} == {"create_new"}, "of several seeds in one process each has its own run"
+    assert [kept["id"] for kept in runs[2:]] == [kept["id"] for kept in runs[:2]], "and is gone on with"
+    assert len({kept["id"] for kept in runs}) == 2
     resume(matching(), tmp_path / "run", "none", loggers=())
     assert len(runs) == 4, "unless others are asked for, or none"
 
@@ -93,3 +134,34 @@ def test_a_missing_package_is_told_of(name: str, package: str, monkeypatch: pyte
 def test_an_unknown_logger_is_refused() -> None:
     with pytest.raises(ConfigError, match="unknown logger `mlflow`; known: tensorboard, wandb"):
         check_loggers(["mlflow"])
+
+
+def test_weights_and_biases_themselves_have_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In its offline mode, which asks nobody; two seeds, stopped and gone on with."""
+    pytest.importorskip("wandb")
+    monkeypatch.setenv("WANDB_MODE", "offline")
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+    config = SHORT.model_copy(update={"seeds": 2, "evaluate_every": 0})
+    train(matching(), config, tmp_path / "run", "none", loggers=("wandb",), callback=lambda update: update.number == 4)
+    resume(matching(), tmp_path / "run", "none")
+    for seed in (5, 6):
+        name = (tmp_path / "run" / f"seed_{seed}" / "wandb_id").read_text()
+        found = [path.name for path in (tmp_path / "run" / f"seed_{seed}" / "wandb").glob("offline-run-*")]
+        assert [folder.rpartition("-")[2] for folder in found] == [name] * 2
+
+
+def test_tensorboard_itself_shows_each_step_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("tensorboardX")
+    reading = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+    config = SHORT.model_copy(update={"evaluate_every": 0})
+
+    def killed(update: Update) -> None:
+        if update.number == 5:
+            raise TakenError("nothing more is saved")
+
+    with pytest.raises(TakenError):
+        train(matching(), config, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
+    resume(matching(), tmp_path / "run", "none")
+    shown = reading.EventAccumulator(str(tmp_path / "run" / "tensorboard")).Reload()
+    assert [event.step for event in shown.Scalars("loss")] == [64 * update for update in range(1, 13)]

@@ -133,7 +133,7 @@ def test_kinds() -> None:
     for key in TRACED:
         if key in type(first).model_fields:
             now = getattr(first, key)
-            other = make_config(TINY, **{key: 45.0 if isinstance(now, tuple) else now / 2 + 0.11})
+            other = first.model_copy(update={key: (45.0,) if isinstance(now, tuple) else now / 2 + 0.11})
             assert getattr(other, key) != now, key
             assert kind_of(env, other) == kind_of(payoffs(5.0), first), key
     for changes in ({"num_epochs": 2}, {"network_width": 8}, {"reward": "individual"}, {"svo_angle": (0, 90)}, {"seeds": 3}):

@@ -54,9 +54,6 @@ def test_roles_are_the_games_unless_said() -> None:
     [
         ({"sharing": "by_role"}, "`matching` gives its agents no lasting roles; say them, one number an agent, such as roles=0,0,1,1"),
         ({"sharing": "by_role", "roles": (0, 1)}, "`roles` must be a number for each of the 3 agents of `matching`, not 2 numbers"),
-        ({"roles": ROLES}, 'with sharing = "shared" leave them out'),
-        ({"sharing": "per_agent", "roles": ROLES}, 'with sharing = "per_agent" leave them out'),
-        ({"critic": "state"}, "ippo has none: choose algorithm mappo"),
     ],
 )
 def test_what_does_not_fit_the_agents_is_refused(changes: dict[str, Any], message: str) -> None:

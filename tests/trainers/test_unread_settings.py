@@ -1,0 +1,192 @@
+"""A setting that was asked for and that nothing reads is refused, with the setting that would have it read."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any, get_args
+
+import jax
+import numpy as np
+import pytest
+from probes import constant, quick
+
+from sjdsl.trainers import Config, ConfigError, PPOConfig, RunError, VDNConfig, load_preset, make_config, make_train, register, resume
+from sjdsl.trainers.config import CLASSES, RewardMode, dependent_settings
+from sjdsl.trainers.policy_file import read_policy, write_policy
+from sjdsl.trainers.run_files import write_json
+from sjdsl.trainers.run_folder import MANIFEST, describe_run
+from sjdsl.trainers.shaping import make_shaping
+
+UNREAD: list[tuple[dict[str, Any], str]] = [
+    (
+        {"exchange_ratio": 0.9},
+        "`exchange_ratio` does nothing where `reward` is individual: set `reward` to exchange, or leave `exchange_ratio` out",
+    ),
+    ({"exchange_ratio": 0.5}, "`exchange_ratio` does nothing"),  # also at its default: it was asked for
+    ({"reward": "common", "exchange_ratio": "0.9"}, "`exchange_ratio` does nothing where `reward` is common"),
+    ({"reward": "exchange", "svo_angle": 45}, "`svo_angle` does nothing where `reward` is exchange: set `reward` to svo"),
+    ({"svo_at_rest": "selfish"}, "`svo_at_rest` does nothing"),
+    ({"svo_quadrant": False}, "`svo_quadrant` does nothing"),
+    ({"common_reward": "mean"}, "`common_reward` does nothing where `reward` is individual: set `reward` to common"),
+    ({"inequity_guilt": 1}, "`inequity_guilt` does nothing where `reward` is individual: set `reward` to inequity"),
+    ({"reward": "svo", "inequity_smoothing": 0.5}, "`inequity_smoothing` does nothing where `reward` is svo"),
+    (
+        {"reward": "inequity", "reward_smoothing": 0.5},
+        "`reward_smoothing` does nothing where `reward` is inequity: set `reward` to svo or ",
+    ),
+    (
+        {"reward": "common", "match_socialjax": True},
+        "`match_socialjax` does nothing where `reward` is common: set `reward` to individual or svo or ",
+    ),
+    ({"joint_optimiser": True}, "`joint_optimiser` does nothing where `algorithm` is ippo: set `algorithm` to mappo"),
+    ({"critic": "state"}, "`critic` does nothing where `algorithm` is ippo: set `algorithm` to mappo"),
+    ({"roles": (0, 1)}, "`roles` does nothing where `sharing` is shared: set `sharing` to by_role"),
+    ({"network": "mlp", "convolution_channels": 8}, "`convolution_channels` does nothing where `network` is mlp: set `network` to cnn"),
+    ({"algorithm": "vdn", "network": "mlp", "convolution_sides": 3}, "`convolution_sides` does nothing where `network` is mlp"),
+    ({"evaluation_episodes": 5}, "`evaluation_episodes` does nothing where `evaluate_every` is 0: set `evaluate_every` to 1 or more"),
+    (
+        {"checkpoint_updates": 2, "checkpoint_minutes": 1},
+        "`checkpoint_minutes` does nothing where `checkpoint_updates` is 2: set `checkpoint_updates` to 0",
+    ),
+    ({"checkpoint_updates": 2, "checkpoint_share": 0.5}, "`checkpoint_share` does nothing"),
+]
+
+
+@pytest.mark.parametrize(("values", "message"), UNREAD)
+def test_what_nothing_reads_is_refused(values: dict[str, Any], message: str) -> None:
+    kind = CLASSES[values.get("algorithm", "ippo")]
+    for make in (make_config, lambda values: kind(**values), lambda values: load_preset("two_cores", values)):
+        with pytest.raises(ConfigError) as error:
+            make(values)
+        assert message in str(error.value)
+
+
+def test_all_of_it_is_told_at_once() -> None:
+    with pytest.raises(ConfigError) as error:
+        make_config(exchange_ratio=0.9, svo_weight=1, joint_optimiser=True)
+    assert [line.split()[0] for line in str(error.value).splitlines()] == ["`svo_weight`", "`exchange_ratio`", "`joint_optimiser`"]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"reward": "exchange", "exchange_ratio": 0.9},
+        {"reward": "svo", "reward_smoothing": 0.5, "match_socialjax": True},
+        {"algorithm": "mappo", "joint_optimiser": True, "critic": "state"},
+        {"algorithm": "vdn", "match_socialjax": True, "common_reward": "mean"},
+        {"sharing": "by_role", "roles": "0,1"},
+        {"evaluate_every": 1, "evaluation_episodes": 2},
+        {"checkpoint_minutes": 1},
+    ],
+)
+def test_what_is_read_is_not(values: dict[str, Any]) -> None:
+    assert make_config(values)
+
+
+def test_rewards_of_ones_own_read_the_smoothing_and_no_angle() -> None:
+    register("reward", "kind", lambda step: step.trace)
+    assert make_config(reward="kind", reward_smoothing=0.5)
+    with pytest.raises(ConfigError, match="`svo_angle` does nothing where `reward` is kind"):
+        make_config(reward="kind", svo_angle=45)
+    with pytest.raises(ConfigError, match="`match_socialjax` does nothing where `reward` is kind"):
+        make_config(reward="kind", match_socialjax=True)
+
+
+@pytest.mark.parametrize(
+    "config", [PPOConfig(), PPOConfig(reward="svo", svo_angle=45), PPOConfig(algorithm="mappo", network="mlp"), VDNConfig()]
+)
+def test_a_record_of_a_configuration_is_one(config: Config) -> None:
+    """It has all settings, at their defaults those that nothing reads, for which nobody asks."""
+    record = json.loads(json.dumps(config.model_dump(mode="json")))
+    assert make_config(record) == type(config)(**config.model_dump()) == config
+    unread = next(name for name in config.unread if isinstance(record[name], float))
+    with pytest.raises(ConfigError, match=f"`{unread}` does nothing"):
+        make_config({**record, unread: 0.25})
+
+
+def test_a_run_is_not_gone_on_with_by_what_nothing_reads(tmp_path: Path) -> None:
+    env = constant(1.0)
+    manifest = describe_run(env, quick(), {})
+    manifest["config"]["exchange_ratio"] = 0.9
+    write_json(tmp_path / MANIFEST, manifest)
+    with pytest.raises(RunError, match="`exchange_ratio` does nothing where `reward` is individual: set `reward` to exchange"):
+        resume(env, tmp_path)
+
+
+def test_policies_of_earlier_versions_are_read_with_what_nothing_read(tmp_path: Path) -> None:
+    stored = {"reward": "individual", "network": "mlp", "exchange_ratio": 0.9, "convolution_channels": 8, "gamma": 0.5}
+    write_policy(tmp_path / "last.safetensors", {"a": np.zeros(1)}, {"game": {}, "config": stored, "update": 1, "env_steps": 1})
+    _, described = read_policy(tmp_path / "last.safetensors", lambda _: {"a": np.zeros(1)})
+    assert described.config == make_config(network="mlp", gamma=0.5)
+
+
+def test_presets_may_have_what_only_some_rewards_and_networks_read(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("[config]\nexchange_ratio = 0.9\nconvolution_channels = 8\n")
+    mine = load_preset(path)
+    assert (mine.config, mine.left_out) == (make_config(convolution_channels=8), ("exchange_ratio",))
+    mine = load_preset(path, {"reward": "exchange", "network": "mlp"})
+    assert (mine.config, mine.left_out) == (make_config(reward="exchange", network="mlp", exchange_ratio=0.9), ("convolution_channels",))
+    with pytest.raises(ConfigError, match="`exchange_ratio` does nothing"):
+        load_preset(path, {"exchange_ratio": 0.9})
+
+
+# The declaration is what the program does: what is said not to be read leaves the program of a run as it is, letter by letter, and what
+# is said to be read changes it.
+
+OTHERS: dict[str, Any] = {
+    "svo_angle": (20.0,),
+    "common_reward": "mean",
+    "svo_at_rest": "selfish",
+    "convolution_sides": (3,),
+    "critic": "state",
+}
+
+
+def other(config: Config, name: str) -> Any:
+    """Returns another value of a setting than its default."""
+    if name in OTHERS:
+        return OTHERS[name]
+    value = type(config).model_fields[name].default
+    return not value if isinstance(value, bool) else value // 2 if isinstance(value, int) else value / 2 + 0.125
+
+
+def text_of(traced: Any) -> str:
+    """Returns a traced program with its constants."""
+    return re.sub("0x[0-9a-f]+", "", f"{traced} {[np.asarray(constant) for constant in traced.consts]}")
+
+
+@pytest.mark.parametrize("algorithm", ["ippo", "vdn"])
+@pytest.mark.parametrize("reward", get_args(RewardMode))
+def test_rewards_read_what_they_are_said_to(algorithm: str, reward: str) -> None:
+    if algorithm == "vdn" and reward != "common":
+        return
+
+    def program(config: Config) -> str:
+        shaping = make_shaping(config, 2)
+        return text_of(jax.make_jaxpr(shaping.shape)(np.ones(2), np.ones(2))) + (
+            str(shaping.smoothing) if reward in ("svo", "inequity") else ""
+        )
+
+    config = make_config(algorithm=algorithm, reward=reward)
+    for name, mark in dependent_settings(type(config)).items():
+        if mark.setting == "reward":
+            changed = program(config.model_copy(update={name: other(config, name)})) != program(config)
+            assert changed == (name not in config.unread), name
+    scaled = program(config.model_copy(update={"match_socialjax": True})) != program(config)
+    assert scaled == ("match_socialjax" not in config.unread)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("algorithm", "network"), [("ippo", "cnn"), ("mappo", "mlp")])
+def test_programs_read_what_they_are_said_to(algorithm: str, network: str) -> None:
+    def program(config: Config) -> str:
+        run = make_train(constant(1.0), config)
+        return text_of(jax.make_jaxpr(run.update)(jax.eval_shape(run.init, jax.random.key(0))))
+
+    config = quick(algorithm=algorithm, network=network)
+    before = program(config)
+    for name, mark in dependent_settings(type(config)).items():
+        if mark.setting in ("algorithm", "network"):
+            changed = program(config.model_copy(update={name: other(config, name)})) != before
+            assert changed == (name not in config.unread), name
