@@ -47,14 +47,13 @@ class Lanes:
     program_of: Callable[[Any], Train]  # one lane's numbers, which are traced, to its run
 
 
-def compile_train(program: Train, config: Config, lanes: Lanes | None = None, episode_length: int = 0) -> Compiled:
+def compile_train(program: Train, config: Config, lanes: Lanes | None = None) -> Compiled:
     """Compiles a run.
 
     Args:
       program: the run.
       config: its configuration. With lanes `seeds` is their number.
       lanes: instead of the seeds of one run: seeds of several runs, of which `program` is any.
-      episode_length: steps over which the environments' starts are spread, if the configuration asks for it (`spread_starts`).
     Raises:
       ConfigError: the environments do not divide into the devices.
       NoMemoryError: the run would not fit the device.
@@ -85,13 +84,8 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None, ep
     learn = jax.jit(learn_over, donate_argnums=1, out_shardings=(places, placement.everywhere)).lower(numbers, state, played).compile()
     need = max(_bytes(collect), _bytes(learn))
     _check_memory(need, placement)
-
-    def start() -> TrainState:
-        state: TrainState = init(numbers, seeds)
-        return spread_starts(state, partial(collect, numbers), config, episode_length) if config.spread_starts else state
-
     return Compiled(
-        start,
+        lambda: init(numbers, seeds),
         partial(collect, numbers),
         partial(learn, numbers),
         at_once(program.parameters),
@@ -101,39 +95,44 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None, ep
     )
 
 
-def spread_starts(
-    state: TrainState, collect: Callable[[TrainState], tuple[TrainState, Any]], config: Config, episode_length: int
-) -> TrainState:
-    """Returns a run whose environments are at different steps of an episode, a rollout apart, played by the policy it begins with.
+def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) -> Compiled:
+    """Returns a run whose environments begin at different steps of an episode, a rollout apart, if `config` asks for it.
 
-    Environments that all begin at once stay in lockstep: each update would see one part of an episode, and after it never again until
-    the next. Here environment b of B has played `b * K // B` rollouts, where K is how many an episode spans: where one rollout is a whole
-    episode, none. Nothing is learnt from these steps, nor are they counted.
+    Environments that all begin at once stay in lockstep: each update would see one part of an episode only. Here environment b of B has
+    played `b * K // B` rollouts with the policy that the run begins with, where K is how many an episode spans: none where a rollout is a
+    whole episode. Nothing is learnt from these steps, nor are they counted.
 
     Args:
-      state: before the first update.
-      collect: plays one rollout in all environments; may reuse the memory of its argument.
-      config: of the run: its `num_envs`, `num_steps` and `seeds`.
+      compiled: the run.
+      config: its `num_steps`, `seeds` and `spread_starts`.
       episode_length: steps of an episode.
     """
     rollouts = -(-episode_length // config.num_steps)
-    played = jnp.arange(config.num_envs) * rollouts // config.num_envs  # rollouts that each environment plays
+    if rollouts <= 1 or not config.spread_starts:
+        return compiled
+    axis = int(config.seeds > 1)  # of environments
 
     @jax.jit
     def keep(number: int, worlds: Worlds, kept: Worlds) -> Worlds:
+        """Returns the worlds of the environments that play `number` rollouts, and of all others those that were kept before."""
+
         def of_leaf(new: Array, old: Array) -> Array:
-            axis = int(config.seeds > 1)  # of environments
-            goes_on = (played >= number).reshape(played.shape + (1,) * (new.ndim - 1 - axis))
-            return jnp.where(goes_on, new, old)
+            plays = jnp.arange(new.shape[axis]) * rollouts // new.shape[axis] >= number
+            return jnp.where(plays.reshape(-1, *[1] * (new.ndim - 1 - axis)), new, old)
 
         result: Worlds = jax.tree.map(of_leaf, worlds, kept)
         return result
 
-    kept = jax.tree.map(jnp.copy, state.worlds)  # the next rollout reuses the memory of these
-    for number in range(1, rollouts):
-        state, _ = collect(state)
-        kept = keep(number, state.worlds, kept)
-    return replace(state, worlds=jax.device_put(kept, jax.tree.map(lambda leaf: leaf.sharding, state.worlds)))
+    def start() -> TrainState:
+        state = compiled.start()
+        places = jax.tree.map(lambda leaf: leaf.sharding, state.worlds)
+        kept = jax.tree.map(jnp.copy, state.worlds)  # the next rollout reuses the memory of these
+        for number in range(1, rollouts):
+            state, _ = compiled.collect(state)
+            kept = keep(number, state.worlds, kept)
+        return replace(state, worlds=jax.device_put(kept, places))
+
+    return replace(compiled, start=start)
 
 
 def one_after_the_other(function: Callable[..., Any]) -> Callable[..., Any]:

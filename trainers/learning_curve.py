@@ -1,4 +1,4 @@
-"""Draws the learning curve of one seed: the collective return, and the return of each agent."""
+"""Draws the learning curve of one seed: the collective return, how learning goes, and the return of each agent."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .learning_signs import FIGURES
 from .metrics_files import Row
 from .panels import Line, Panel, draw_panels, split_lines
 from .run_files import write_whole
@@ -34,12 +35,19 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
     def line(name: str, label: str) -> Line:
         return Line(label, steps, np.array([row[name] for row in ended], float))
 
-    together = Panel("all agents together", "collective return of an episode", (line("collective_return", "collective return"),))
+    before = np.full(len(ended), ended[0]["collective_return"])  # the policy that the run began with played them
+    earned = (line("collective_return", "collective return"), Line("before learning", steps, before))
+    together = Panel("all agents together", "collective return of an episode", earned)
+    learning = [
+        Panel(label, label, (Line(label, np.array([row["env_steps"] for row in rows]), np.array([row[name] for row in rows], float)),))
+        for name, label in FIGURES.items()
+        if name in rows[0]
+    ]
     names = [name for name in ended[0] if name.startswith("return_agent_")]
     agents = [line(name, f"agent {number}") for number, name in enumerate(names)]
     if len(agents) < 2:
-        return [together]
-    return [together, *(replace(panel, title=_who(panel)) for panel in split_lines(agents, "return of an agent in an episode"))]
+        return [together, *learning]
+    return [together, *learning, *(replace(panel, title=_who(panel)) for panel in split_lines(agents, "return of an agent in an episode"))]
 
 
 def _who(panel: Panel) -> str:

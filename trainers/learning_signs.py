@@ -1,12 +1,14 @@
 """Signs that a run learns nothing: what the rows of its updates say, and which settings to look at."""
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from .config import Config
 from .metrics_files import Row
 
+FIGURES = {"entropy": "entropy", "kl": "KL", "explained_variance": "explained variance"}  # columns that say how learning goes, in words
 SHARE = 0.1  # of a run's updates, after which something should have been learnt
 
 
@@ -24,7 +26,7 @@ class Signs:
     def count(self, row: Row) -> None:
         """Takes note of an update."""
         self.updates += 1
-        self.paid |= row["reward_per_step"] != 0
+        self.paid |= row.get("reward_per_step") != 0
         self.explained += row.get("explained_variance", math.nan)
         if row["episodes"] > 0:
             self.latest = row["collective_return"]
@@ -32,7 +34,7 @@ class Signs:
                 self.before_learning = self.latest
             for name, number in row.items():
                 if name.startswith("event_"):
-                    event = name.removeprefix("event_").partition("_agent_")[0]
+                    event = re.split(r"\[|_agent_", name.removeprefix("event_"))[0]
                     self.events[event] = self.events.get(event, 0.0) + number
 
     def warnings(self, config: Config) -> list[str]:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 MOST = 5  # lines of a plot that can be told apart
 WIDTH, HEIGHT = 5.0, 3.6  # inches of a plot
+COLUMNS = 3  # plots side by side, at most
 
 
 @dataclass(frozen=True)
@@ -43,14 +44,16 @@ def split_lines(lines: Sequence[Line], y_title: str) -> list[Panel]:
 
 
 def draw_panels(panels: Sequence[Panel], title: str = "") -> "Figure":
-    """Returns a figure with the plots side by side; those of the same y title have the same range."""
+    """Returns a figure with the plots in rows; those of the same y title have the same range."""
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
-    figure = Figure(figsize=(max(7.0, WIDTH * len(panels)), HEIGHT + 0.4 * bool(title)), layout="constrained")
+    columns = min(COLUMNS, len(panels))
+    rows = -(-len(panels) // columns)
+    figure = Figure(figsize=(max(7.0, WIDTH * columns), HEIGHT * rows + 0.4 * bool(title)), layout="constrained")
     drawn: list[Axes] = []
     for number, panel in enumerate(panels, 1):
         like = next((axes for axes, other in zip(drawn, panels, strict=False) if other.y_title == panel.y_title), None)
-        axes = figure.add_subplot(1, len(panels), number, sharey=like, sharex=drawn[0] if drawn else None)
+        axes = figure.add_subplot(rows, columns, number, sharey=like, sharex=drawn[0] if drawn else None)
         _draw(axes, panel)
         drawn.append(axes)
     if title:

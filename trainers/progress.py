@@ -1,24 +1,26 @@
 """Reports the progress of a run: a live bar on a terminal, plain lines elsewhere."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Literal
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from .learning_signs import FIGURES
 from .metrics_files import Row
 
 ProgressStyle = Literal["auto", "bar", "lines", "none"]
 SECONDS_BETWEEN_LINES = 5.0
 COMPILING = "compiling"
 NO_EPISODE = "no episode has ended yet"
+Show = Callable[..., None]  # of a row, and of warnings
 
 
 @contextmanager
-def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int = 1) -> Iterator[Callable[[Row], None]]:
-    """Yields a function that shows the row of each update; until the first one, that the run is being compiled.
+def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int = 1) -> Iterator[Show]:
+    """Yields a function that shows the row of each update and warnings; until the first one, that the run is being compiled.
 
     Args:
       seeds: of the run: the steps of all of them are counted.
@@ -33,13 +35,13 @@ def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int
             print(f"{title}: {COMPILING}", flush=True)
             yield _lines(num_updates, seeds)
         case "none":
-            yield lambda _: None
+            yield lambda *_: None
         case _:
             raise ValueError(f"progress must be auto, bar, lines or none, not {style!r}")
 
 
 @contextmanager
-def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Callable[[Row], None]]:
+def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Show]:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -53,8 +55,10 @@ def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Callable[[Row], N
     with Progress(*columns) as display:
         task = display.add_task(title, total=num_updates, speed="", outcome=COMPILING)
 
-        def show(row: Row) -> None:
+        def show(row: Row, warnings: Sequence[str] = ()) -> None:
             nonlocal outcome
+            for warning in warnings:
+                display.console.print(f"warning: {warning}", markup=False, highlight=False)
             outcome = _outcome(row) or outcome
             speed = f"{rate(row, seeds):,.0f} steps/s, {_share(row)}"
             display.update(task, completed=row["update"], speed=speed, outcome=outcome)
@@ -62,12 +66,14 @@ def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Callable[[Row], N
         yield show
 
 
-def _lines(num_updates: int, seeds: int) -> Callable[[Row], None]:
+def _lines(num_updates: int, seeds: int) -> Show:
     outcome = NO_EPISODE
     printed = 0.0
 
-    def show(row: Row) -> None:
+    def show(row: Row, warnings: Sequence[str] = ()) -> None:
         nonlocal printed, outcome
+        for warning in warnings:
+            print(f"warning: {warning}", flush=True)
         outcome = _outcome(row) or outcome
         now = time.monotonic()
         if now - printed < SECONDS_BETWEEN_LINES and row["update"] not in (1, num_updates):
@@ -76,7 +82,7 @@ def _lines(num_updates: int, seeds: int) -> Callable[[Row], None]:
         left = row["seconds"] / row["update"] * (num_updates - row["update"])
         print(
             f"update {row['update']:>{len(str(num_updates))}}/{num_updates}  {row['env_steps']:>11,} steps  "
-            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}",
+            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{_learning(row)}",
             flush=True,
         )
 
@@ -95,5 +101,10 @@ def _share(row: Row) -> str:
 
 
 def _outcome(row: Row) -> str:
-    """Returns the return of the episodes that finished in an update, or "" if none did."""
-    return f"collective return {row['collective_return']:.1f}" if row["episodes"] > 0 else ""
+    """Returns the return of the episodes that finished in an update, beside that before learning, or "" if none did."""
+    return f"collective return {row['collective_return']:.1f} (before learning {row['before_learning']:.1f})" if row["episodes"] > 0 else ""
+
+
+def _learning(row: Row) -> str:
+    """Returns how learning goes, of an algorithm that says so."""
+    return "".join(f", {label} {row[name]:.3g}" for name, label in FIGURES.items() if name in row)

@@ -13,6 +13,7 @@ from .config import Config
 from .environment import Environment
 from .evaluation import Evaluation, evaluation_key, make_evaluator, summarise
 from .learning_curve import draw_learning_curve
+from .learning_signs import Signs, is_due
 from .loggers import LoggerName, Loggers, open_loggers
 from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
 from .policies import trained_policy
@@ -54,12 +55,19 @@ class History:
         self.updates = 0
         self.seconds = 0.0  # that they took
         self.earned = Earned()
+        self.signs = Signs()
+        self.warnings: list[str] = []  # that nothing is learnt
+        self.is_judged = False  # whether that is so of the last row
         self._config = config
 
     def count(self, row: Row) -> None:
         """Takes note of a row."""
         self.updates, self.seconds = row["update"], row["seconds"]
         self.earned.add(row)
+        self.signs.count(row)
+        self.is_judged = is_due(self.updates, self._config)
+        if self.is_judged:
+            self.warnings = self.signs.warnings(self._config)
 
     def recall(self, row: Row) -> None:
         """Takes note of a row that was written before the run was stopped."""

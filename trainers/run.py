@@ -13,7 +13,7 @@ import jax
 
 from .algorithms import make_train
 from .checkpoints import Checkpoints
-from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes
+from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes, with_spread_starts
 from .config import Config, make_config
 from .environment import Environment, episode_length
 from .loggers import LoggerName
@@ -191,6 +191,7 @@ def _run(parts: Sequence[Part], progress: ProgressStyle, callback: Callback | No
                 open_recorders(part.folders, part.env, part.config, done, part.manifest["loggers"], _title(part))
             )
         so_far = Progress(done, diverged_before(state, recorders, config))
+        each = [recorders[index * part.config.seeds : (index + 1) * part.config.seeds] for index, part in enumerate(parts)]
         try:
             keeping = Keeping(recorders, checkpoints, show, runs=len(parts))
             if callback is not None and is_first():
@@ -200,6 +201,7 @@ def _run(parts: Sequence[Part], progress: ProgressStyle, callback: Callback | No
             for index, part in enumerate(parts):
                 part.manifest.update(
                     updates=so_far.updates,
+                    warnings=sorted({warning for recorder in each[index] for warning in recorder.history.warnings}),
                     diverged=[{"seed": seed, "update": update} for seed, update in diverged_of(index, parts, so_far).items()],
                     seconds=time.perf_counter() - began,
                     peak_megabytes=peak_megabytes(),
@@ -228,10 +230,12 @@ def _prepared(parts: Sequence[Part], stack: ExitStack) -> tuple[Compiled, Saver,
         for part in parts:
             part.manifest["together"] = len(parts)
         compiled, all_of_them = compile_parts([_from_own_start(part) for part in parts]), CheckpointsOfParts(parts)
+        compiled = with_spread_starts(compiled, joint_config(parts), max(episode_length(part.env) for part in parts))
         stack.callback(all_of_them.close)
         return compiled, all_of_them, all_of_them.restore_last(compiled)
     (part,) = parts
-    compiled = compile_train(make_train(part.env, _from_own_start(part).config), part.config, episode_length=episode_length(part.env))
+    compiled = compile_train(make_train(part.env, _from_own_start(part).config), part.config)
+    compiled = with_spread_starts(compiled, part.config, episode_length(part.env))
     checkpoints = Checkpoints(part.run_dir)
     stack.callback(checkpoints.close)
     return compiled, checkpoints, restore_last(checkpoints, compiled)

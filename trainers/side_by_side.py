@@ -13,7 +13,7 @@ from .algorithms import make_train
 from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled, Lanes, compile_train
 from .config import Config
-from .environment import Environment, abstract_key, episode_length
+from .environment import Environment, abstract_key
 from .resuming import RunError
 from .run_folder import seed_folders
 from .training_functions import Train, TrainState
@@ -95,8 +95,7 @@ def compile_parts(parts: Sequence[Part]) -> Compiled:
         return _with_structure(make_train(env, base.model_copy(update=own["config"])), structure)
 
     seeds = [seed for part in parts for seed in part.config.seed_numbers]
-    lanes, length = Lanes(seeds, numbers, program_of), max(episode_length(part.env) for part in parts)
-    return compile_train(_with_structure(program, structure), joint_config(parts), lanes, length)
+    return compile_train(_with_structure(program, structure), joint_config(parts), Lanes(seeds, numbers, program_of))
 
 
 def _with_roles(env: Environment, config: Config) -> Config:

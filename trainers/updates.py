@@ -26,7 +26,7 @@ from .recorder import Recorder
 from .resuming import RunError, TakenError
 from .training_functions import TrainState
 
-Show = Callable[[Row], None]  # what is done with a row for people to see
+Show = Callable[[Row, Sequence[str]], None]  # what is done with a row, and with warnings, for people to see
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                 parameters = compiled.parameters(state)
                 learning = _record(rows, parameters, progress, config, keeping)
                 whole = progress.updates = number
-                keeping.show(mean_row([rows[index] for index in learning]))
+                keeping.show(*_shown(rows, learning, keeping))
                 _keep_policies(parameters, number, learning, config, keeping)
                 if any_says(pace.is_due(number, time.perf_counter())):
                     pace.written(*_save(state, parameters, number, learning, config, keeping))
@@ -195,6 +195,17 @@ def _record(rows: Sequence[Row], parameters: Any, progress: Progress, config: Co
     if not learning:
         raise RunError(f"{divergence(progress.diverged)}. Try a smaller learning_rate than {config.learning_rate:g}")
     return learning
+
+
+def _shown(rows: Sequence[Row], learning: Sequence[int], keeping: Keeping) -> tuple[Row, list[str]]:
+    """Returns the mean row of the seeds that learn, with `before_learning` of their returns, and the warnings that are due."""
+    row = mean_row([rows[index] for index in learning])
+    recorders = [recorder for index in learning for recorder in keeping.recorders[index : index + 1]]
+    before = [recorder.history.signs.before_learning for recorder in recorders]
+    known = [figure for figure in before if math.isfinite(figure)]
+    row["before_learning"] = sum(known) / len(known) if known else math.nan
+    said = [(recorder.folder, warning) for recorder in recorders if recorder.history.is_judged for warning in recorder.history.warnings]
+    return row, [f"{folder}: {warning}" if len(keeping.recorders) > 1 else warning for folder, warning in said]
 
 
 def divergence(diverged: dict[int, int]) -> str:

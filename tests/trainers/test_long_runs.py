@@ -123,7 +123,7 @@ def _play(
     compiled = Compiled(None, collect, lambda state, _: (state, metrics), lambda _: parameters, None, 0.0, 0.0)  # type: ignore[arg-type]
     state: Any = {"replay": np.zeros(10)}
     with open_recorders([folder], matching(), config, 0, (), "long") as recorders:  # type: ignore[arg-type]
-        keeping = updates.Keeping(recorders, SimpleNamespace(save=save), lambda _: None)  # type: ignore[arg-type]
+        keeping = updates.Keeping(recorders, SimpleNamespace(save=save), lambda *_: None)  # type: ignore[arg-type]
         updates.run_updates(compiled, state, updates.Progress(0), config, keeping)
     return written
 
@@ -144,7 +144,7 @@ def test_what_is_remembered_of_rows_does_not_grow(tmp_path: Path, monkeypatch: p
     held = {}
     measure = {500, 1500}
 
-    def show(row: dict[str, Any]) -> None:
+    def show(row: dict[str, Any], _: object = ()) -> None:
         if row["update"] in measure:
             gc.collect()  # what is only waiting for it is not held
             held[row["update"]] = tracemalloc.get_traced_memory()[0]

@@ -7,7 +7,7 @@ import pytest
 from probes import Probe, quick
 
 from sjdsl.trainers import make_train
-from sjdsl.trainers.compiled import compile_train
+from sjdsl.trainers.compiled import compile_train, with_spread_starts
 
 LENGTH = 4
 
@@ -31,7 +31,7 @@ def first_step_pays() -> Probe:
 def test_rewards_of_updates_do_not_cycle(changes: dict[str, object], rewards: list[float]) -> None:
     config = quick(num_steps=1, num_minibatches=1, **changes) if "algorithm" not in changes else quick(num_steps=1, **changes)
     with jax.debug_key_reuse(False):  # JAX takes the keys of any vmapped scan for used
-        run = compile_train(make_train(first_step_pays(), config), config, episode_length=LENGTH)
+        run = with_spread_starts(compile_train(make_train(first_step_pays(), config), config), config, LENGTH)
         state, found = run.start(), []
         for _ in rewards:
             state, metrics = run.learn(*run.collect(state))
@@ -44,7 +44,7 @@ def test_rewards_of_updates_do_not_cycle(changes: dict[str, object], rewards: li
 )
 def test_starts_are_a_rollout_apart_and_returns_are_those_of_whole_episodes(steps: int, begun: list[int]) -> None:
     config = quick(num_envs=4, num_steps=steps, num_minibatches=1)
-    run = compile_train(make_train(first_step_pays(), config), config, episode_length=LENGTH)
+    run = with_spread_starts(compile_train(make_train(first_step_pays(), config), config), config, LENGTH)
     worlds = run.start().worlds
     assert worlds.state.step.tolist() == begun
     assert worlds.sums.length.tolist() == begun

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax.tree_util import keystr, tree_leaves_with_path
-from probes import QUICK, matching
+from probes import QUICK, constant, matching
 from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
@@ -119,7 +119,7 @@ def _updates_of(run_dir: Path, name: str) -> float:
 def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     @contextmanager
     def interrupt(*_: object) -> Iterator[object]:
-        def show(row: dict[str, float]) -> None:
+        def show(row: dict[str, float], _: object) -> None:
             if row["update"] == 3:
                 assert len(read_lines(tmp_path / "run" / "metrics.jsonl")) == 3  # on disk already, should the process be killed
                 raise KeyboardInterrupt
@@ -198,10 +198,25 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
                     "rollout_share": 0.25,
                     "episodes": episodes,
                     "collective_return": 7.25 if episodes else float("nan"),
-                }
+                    "before_learning": 3.0,
+                    "entropy": 1.25,
+                    "kl": 0.004,
+                },
+                ["nobody was rewarded"] if update == 2 else [],
             )
     printed = capsys.readouterr().out.splitlines()  # the second update comes too soon after the first
-    title, first, last = (" ".join(line.split()) for line in printed)
+    title, first, warning, last = (" ".join(line.split()) for line in printed)
     assert title == "a run: compiling"
-    assert first == "update 1/3 1,000 steps 1,333 steps/s acting 25 % of the time, learning 75 % 3 s left no episode has ended yet"
-    assert last == "update 3/3 3,000 steps 1,333 steps/s acting 25 % of the time, learning 75 % 0 s left collective return 7.2"
+    assert (
+        first
+        == "update 1/3 1,000 steps 1,333 steps/s acting 25 % of the time, learning 75 % 3 s left no episode has ended yet, entropy 1.25, KL 0.004"
+    )
+    assert warning == "warning: nobody was rewarded", "also in an update that is not shown"
+    assert last.endswith("learning 75 % 0 s left collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004")
+
+
+def test_a_run_in_which_nobody_is_rewarded_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    train(constant(0.0), CONFIG, tmp_path / "run", "lines")
+    assert capsys.readouterr().out.count("warning: no agent has been rewarded yet") == 1
+    (kept,) = json.loads((tmp_path / "run" / "manifest.json").read_text())["warnings"]
+    assert kept.startswith("no agent has been rewarded yet")
