@@ -47,8 +47,8 @@ def describe_episode(
     return lines
 
 
-def describe_on_large_map(family: GameFamily, counterexample: Counterexample) -> list[str]:
-    """Returns the text of a counterexample on a map too large to be drawn after each step: the actions, and all of the last step."""
+def describe_briefly(family: GameFamily, counterexample: Counterexample) -> list[str]:
+    """Returns the text of a counterexample that is too long, or whose map is too large, to be told in full: actions, and the last step."""
     trajectory, scenario, at = counterexample.trajectory, counterexample.scenario, counterexample.where.at
     game, lines = trajectory.game, [opening(family, scenario)]
     if trajectory.left is not None and at == len(trajectory.worlds):

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.properties.counterexample import describe_asymmetry, describe_counterexample
-from sjdsl.properties.episode_counterexample import describe_on_large_map
+from sjdsl.properties.episode_counterexample import describe_briefly
 from sjdsl.properties.float_overflow import LARGEST, describe_overflow
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import STATES, Violation, find_violation
@@ -22,6 +22,7 @@ from sjdsl.properties.verdict import Effort, How, Verdict
 from sjdsl.trace.rules import Rules
 
 OWN_MAP = "the game's own map"
+LONG = 10  # steps of a counterexample, beyond which only the last is told in full
 
 
 def make_verdict(
@@ -171,10 +172,10 @@ class PlayedVerdicts:
         return overflow_verdict(self.family, c.trajectory, "examples", self._described(c), up_to(c.scenario, c.where.at))
 
     def _described(self, counterexample: Counterexample) -> list[str]:
-        """Returns a counterexample in words; on a large map only its last step, with the rows where something happens."""
+        """Returns a counterexample in words: each step in full, or of a long one, or one on a large map, only the last."""
         rows = counterexample.scenario.rows
-        describe = describe_on_large_map if len(rows) * len(rows[0]) > SMALL else describe_counterexample
-        return describe(self.family, counterexample)
+        brief = len(rows) * len(rows[0]) > SMALL or counterexample.where.at > LONG
+        return (describe_briefly if brief else describe_counterexample)(self.family, counterexample)
 
     def _verdict(self, counterexample: Counterexample) -> Verdict:
         check = self.family.own.checks[counterexample.number]
