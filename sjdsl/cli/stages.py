@@ -1,10 +1,11 @@
 """Shows the current stage of a slow command: with elapsed seconds on a terminal, as plain lines elsewhere."""
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
 Say = Callable[[str], None]
 LOADING = "loading JAX and the game"
@@ -33,3 +34,41 @@ def stages(first: str) -> Iterator[Say]:
             display.reset(task, description=what, total=None)
 
         yield show
+
+
+class StatusLine:
+    """A line at the foot of a terminal that says how far a command is; nothing elsewhere."""
+
+    def __init__(self, display: Progress | None, task: TaskID, about: str):
+        self._display, self._task, self._about = display, task, about
+
+    def show(self, what: str) -> None:
+        """Says how far the command is."""
+        if self._display is not None:
+            self._display.update(self._task, description=f"{self._about}: {what}")
+
+    @contextmanager
+    def hidden(self) -> Iterator[None]:
+        """Takes the line away while something is printed."""
+        if self._display is not None:
+            self._display.stop()
+        yield
+        sys.stdout.flush()
+        if self._display is not None:
+            self._display.start()
+
+
+@contextmanager
+def status_line(about: str) -> Iterator[StatusLine]:
+    """Says what is being done, on the standard error, until the block ends; yields the line that says how far it is.
+
+    Where the standard error is no terminal, what is being done is all that is said.
+    """
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        console.print(about, highlight=False, markup=False, soft_wrap=True)
+        yield StatusLine(None, TaskID(0), about)
+        return
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False) as display:
+        yield StatusLine(display, display.add_task(about, total=None), about)

@@ -1,8 +1,8 @@
-"""`sjdsl test`: tests the checks of games and prints a verdict on each."""
+"""`sjdsl test`: tests the checks of games and prints a verdict on each, as soon as it is known."""
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import PurePath
 from typing import Any
 
@@ -11,74 +11,156 @@ import click
 from sjdsl.cache import cache_folder
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
-from sjdsl.cli.stages import stages
+from sjdsl.cli.stages import StatusLine, status_line
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.properties import Effort, GameFamily, Report, Verdict, verify_properties
+from sjdsl.properties import Effort, GameFamily, Report, Verdict, Verification
 
 STATUS = {"passed": "passed", "untested": "untested", "failed": "FAILED", "not decided": "not decided"}
+INDENT = " " * 14
 
 
 @click.command("test")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option(
-    "--examples", type=click.IntRange(min=1), default=400, show_default=True, metavar="N", help="Random trajectories on small maps."
-)
+@click.option("--examples", type=click.IntRange(min=1), default=400, show_default=True, metavar="N", help="Random trajectories.")
 @click.option(
     "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the trajectories."
 )
 @variant_option
+@click.option("--any-map", is_flag=True, help="A check must hold on every map, as in a library of rules, not only on the game's own.")
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
-def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, as_json: bool) -> int:
+def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, any_map: bool, strict: bool, as_json: bool) -> int:
     """Tests the checks of games: FILE is a `.sj` file or the name of a bundled or installed game.
 
-    A check is proved if possible. Otherwise the game is played: random trajectories on small maps, whole episodes on its own map. A check
-    that fails is shown with the shortest counterexample found. A check that depends on a line that never ran is untested, and the line is
-    named. The exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
+    A check is proved if possible. Otherwise the game is played: random trajectories, and whole episodes on its own map. Trajectories begin
+    on small maps; a check that fails there has failed only if it also fails on the game's own map, else a note says so. A check that fails
+    is shown with the shortest counterexample found. A check that depends on a line that never ran is untested, and the line is named. The
+    exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
     """
     os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
 
-    effort, documents, failed = Effort(examples, seed=seed), [], False
+    effort, documents, failed = Effort(examples, seed=seed, any_map=any_map), list[dict[str, Any]](), False
     for file in files:
+        tested = FileTest(file, variant, effort, (lambda _: None) if as_json else click.echo)
         try:
-            with stages(f"testing the checks of {file}"):
-                report = test_file(file, variant, effort)
+            with status_line(f"testing the checks of {file}") as status:
+                tested.run(status)
         except CompileError as error:
             print_diagnostics(error.diagnostics, err=as_json)
             failed = True
             continue
-        failed |= bool(report.faults) or not all(verdict.passed for verdict in report.verdicts)
-        failed |= strict and any(verdict.untested for verdict in report.verdicts)
-        documents.append({"file": file, "variant": variant, **as_document(report)})
-        if not as_json:
-            name = f"{file}, variant {variant}" if variant else file
-            click.echo("\n".join(report_lines(name, report)))
+        except KeyboardInterrupt:
+            if as_json:
+                click.echo(json.dumps([*documents, tested.document()], indent=2))
+            raise
+        documents.append(tested.document())
+        failed |= bool(tested.report.faults) or not all(verdict.passed for verdict in tested.report.verdicts)
+        failed |= strict and any(verdict.untested for verdict in tested.report.verdicts)
     if as_json:
         click.echo(json.dumps(documents, indent=2))
     return int(failed)
 
 
-def test_file(file: str, variant: str | None, effort: "Effort") -> "Report":
-    """Returns the verdicts on the checks of a game. Raises CompileError for what is wrong with it."""
+class FileTest:
+    """The test of the checks of one file. `say` is given the lines; `report` is there when all checks have a verdict."""
 
-    return verify_properties(GameFamily(open_game(file), split_variants(variant)), effort)
+    def __init__(self, file: str, variant: str | None, effort: Effort, say: Callable[[str], None]):
+        self.file, self.variant, self.effort, self.say = file, variant, effort, say
+        self.report = Report((), 0)
+        self.verification: Verification | None = None
+        self.decided: Mapping[int, Verdict] = {}
+
+    def run(self, status: StatusLine) -> None:
+        """Says each verdict as soon as it is known, in the order of the checks; when interrupted, which are known and which are not.
+
+        Raises CompileError for what is wrong with the game, and KeyboardInterrupt when interrupted.
+        """
+        name = f"{self.file}, variant {self.variant}" if self.variant else self.file
+        family = GameFamily(open_game(self.file), split_variants(self.variant))
+        self.verification = Verification(family, self.effort, progress=status.show)
+        said: dict[int, Verdict] = {}
+        try:
+            for number in self.verification.numbers:
+                verdict = self.verification.verdict(number)
+                with status.hidden():
+                    self.say("\n".join([*([] if said else [name]), *verdict_lines(verdict)]))
+                said[number] = verdict
+            self.report = self.verification.report()
+            self.decided = said
+        except KeyboardInterrupt:
+            self.decided = dict(sorted((self.verification.decided() | said).items()))
+            with status.hidden():
+                self.say("\n".join([*([] if said else [name]), *self._interrupted(name, said)]))
+            raise
+        with status.hidden():
+            self.say("\n".join([*ending_lines(self.report), f"{name}: {summary(self.report)}"]))
+
+    def _interrupted(self, name: str, said: Mapping[int, Verdict]) -> Iterator[str]:
+        """Yields the verdicts that are known but have not been said, what is not decided, and how many."""
+        for number, verdict in self.decided.items():
+            if number not in said:
+                yield from verdict_lines(verdict)
+        undecided = self._undecided()
+        for check in undecided:
+            yield f"  not yet   {PurePath(check['file']).name}:{check['line']}  {check['check']}"
+        missed = sum(not verdict.passed for verdict in self.decided.values())
+        parts = [f"{len(self.decided)} of {len(self.decided) + len(undecided)} checks decided"] + [f"{missed} not passed"] * bool(missed)
+        yield f"{name}: interrupted: {', '.join(parts)}"
+
+    def _undecided(self) -> list[dict[str, Any]]:
+        """Returns the checks without a verdict."""
+        if self.verification is None:
+            return []
+        family = self.verification.family
+        checks = [family.own.checks[number] for number in self.verification.numbers if number not in self.decided]
+        return [{"check": family.text_of(c), "file": c.origin.file, "line": c.origin.line} for c in checks if c.origin is not None]
+
+    def document(self) -> dict[str, Any]:
+        """Returns the verdicts as values that JSON can hold."""
+        return {
+            "file": self.file,
+            "variant": self.variant,
+            "checks": [as_document(verdict) for verdict in self.decided.values()],
+            "undecided": self._undecided(),
+            "faults": [as_document(verdict) for verdict in self.report.faults],
+            "notes": [as_document(verdict) | {"verdict": "note"} for verdict in self.report.notes],
+            "trajectories": self.report.trajectories,
+            "idle_lines": list(self.report.idle),
+        }
 
 
-def report_lines(name: str, report: "Report") -> Iterator[str]:
-    """Yields a line for each check; under a failed one its counterexample, under an untested one the lines that never ran."""
-    yield f"{name}: {summary(report)}"
-    for verdict in (*report.verdicts, *report.faults):
-        yield f"  {STATUS[verdict.status]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
-        yield from (f"              {line}" for line in verdict.trace)
-        if verdict.untested:
-            yield f"              depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran in any trajectory:"
-            yield from (f"                {line}" for line in verdict.untested)
+def verdict_lines(verdict: Verdict) -> Iterator[str]:
+    """Yields a line for a check; if it failed its counterexample, else the lines that never ran, and on which other map it would fail."""
+    yield f"  {STATUS[verdict.status]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
+    yield from (INDENT + line for line in verdict.trace)
+    for lines, where in ((verdict.untested, "in any trajectory"), (verdict.unreached, "in its own episodes")):
+        if lines:
+            yield f"{INDENT}depends on {'lines that' if len(lines) > 1 else 'a line that'} never ran {where}:"
+            yield from (f"{INDENT}  {line}" for line in lines)
+    if verdict.note is not None:
+        yield f"{INDENT}note: on other maps it would fail: {where_else(verdict.note)} (--any-map shows how)"
+
+
+def where_else(note: Verdict) -> str:
+    """Returns on which made map a check fails, and when."""
+    scenario = note.scenario
+    assert scenario is not None
+    agents = f"{scenario.agents} agent{'s' * (scenario.agents != 1)}"
+    return f"with {agents} on {' '.join(json.dumps(row, ensure_ascii=False) for row in scenario.rows)} it {note.reason}"
+
+
+def ending_lines(report: Report) -> Iterator[str]:
+    """Yields what is wrong whatever the checks say, and which lines no check was tested on."""
+    for verdict in report.faults:
+        yield from verdict_lines(verdict)
+    for note in report.notes:
+        yield f"  note      {PurePath(note.file).name}:{note.line}  {note.text}  on other maps: {where_else(note)} (--any-map shows how)"
     if report.idle:
         lines = f"line{'s' * (len(report.idle) > 1)} {', '.join(map(str, report.idle))}"
         yield f"  nothing that {lines} would change ever happened in a trajectory: no check was tested on it"
 
 
-def summary(report: "Report") -> str:
+def summary(report: Report) -> str:
     """Returns how many checks there are, and how many of them did not pass or are untested."""
     verdicts = report.verdicts
     count = f"{len(verdicts)} check{'s' * (len(verdicts) != 1)}"
@@ -90,29 +172,22 @@ def summary(report: "Report") -> str:
     return f"{count}, {', '.join(parts)}" if parts else f"{count} passed"
 
 
-def how(verdict: "Verdict") -> str:
+def how(verdict: Verdict) -> str:
     """Returns how a verdict was found."""
     return f"{verdict.how}: {verdict.reason}" if verdict.how in ("proved", "decided") else verdict.reason
 
 
-def as_document(report: "Report") -> dict[str, Any]:
-    """Returns a report as values that JSON can hold."""
-    checks = [
-        {
-            "check": v.text,
-            "file": v.file,
-            "line": v.line,
-            "verdict": v.status,
-            "how": v.how,
-            "reason": v.reason,
-            "trace": list(v.trace),
-            "untested": list(v.untested),
-        }
-        for v in (*report.verdicts, *report.faults)
-    ]
-    return {
-        "checks": checks[: len(report.verdicts)],
-        "faults": checks[len(report.verdicts) :],
-        "trajectories": report.trajectories,
-        "idle_lines": list(report.idle),
+def as_document(verdict: Verdict) -> dict[str, Any]:
+    """Returns a verdict as values that JSON can hold; its note is one that says so."""
+    document = {
+        "check": verdict.text,
+        "file": verdict.file,
+        "line": verdict.line,
+        "verdict": verdict.status,
+        "how": verdict.how,
+        "reason": verdict.reason,
+        "trace": list(verdict.trace),
+        "untested": list(verdict.untested),
+        "unreached": list(verdict.unreached),
     }
+    return document | {"note": None if verdict.note is None else as_document(verdict.note) | {"verdict": "note"}}

@@ -13,7 +13,7 @@ from sjdsl.properties.float_overflow import describe_overflow
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import Totals
 from sjdsl.properties.search import Counterexample
-from sjdsl.properties.trajectory import draws_of
+from sjdsl.properties.trajectory import Scenario, draws_of
 from sjdsl.trace.episode import Moment, Told, tell_of
 from sjdsl.trace.jax_random import RecordedDraws
 from sjdsl.trace.lines import make_teller, moment_lines
@@ -27,11 +27,7 @@ _BITS = re.compile(r"  \(random bits [0-9a-f]{8}: number \d+ of stream [0-9a-f]{
 def describe_counterexample(family: GameFamily, counterexample: Counterexample) -> list[str]:
     """Returns the text of a whole counterexample."""
     trajectory, scenario = counterexample.trajectory, counterexample.scenario
-    numbers = "".join(f", {name} = {shown(value)} (the file: {shown(_own(family.own, name))})" for name, value in scenario.params)
-    lines = [
-        f"{scenario.agents} agent{'s' * (scenario.agents != 1)} on a small map{numbers}",
-        *legend(family, trajectory.game, trajectory.worlds[0]),
-    ]
+    lines = [opening(family, scenario), *legend(family, trajectory.game, trajectory.worlds[0])]
     leaves = trajectory.left is not None and counterexample.where.at == len(trajectory.worlds)
     for t in range(counterexample.where.at - 1 if leaves else max(1, counterexample.where.at)):
         lines += describe_step(
@@ -40,6 +36,13 @@ def describe_counterexample(family: GameFamily, counterexample: Counterexample) 
     if leaves:
         return lines + describe_overflow(family, trajectory)
     return lines + said_of_values(family, counterexample)
+
+
+def opening(family: GameFamily, scenario: Scenario) -> str:
+    """Returns in words where a counterexample is played: how many agents on which map, and the parameters that differ."""
+    numbers = "".join(f", {name} = {shown(value)} (the file: {shown(_own(family.own, name))})" for name, value in scenario.params)
+    where = "the game's own map" if family.is_own(scenario.rows) else "a small map"
+    return f"{scenario.agents} agent{'s' * (scenario.agents != 1)} on {where}{numbers}"
 
 
 def legend(family: GameFamily, game: ir.Game, world: World) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Prints how an episode on the game's own map violates a check: its totals, and the one step with the violation."""
+"""Prints how a trajectory on a large map violates a check: the one step with the violation; of an episode also its totals."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -9,11 +9,13 @@ from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import where_is
 from sjdsl.interpreter.state import Cell, Mover, World
 from sjdsl.interpreter.step import read
-from sjdsl.properties.counterexample import in_short, shown, take_step, when
+from sjdsl.properties.counterexample import in_short, opening, said_of_values, shown, take_step, when
 from sjdsl.properties.effects import AWAY, HEADING, MOVED, PLACE, Part, reads
 from sjdsl.properties.engines import Episode, EpisodeRunner
+from sjdsl.properties.float_overflow import describe_overflow
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import Violation
+from sjdsl.properties.search import Counterexample
 from sjdsl.properties.trajectory import draws_of, params_of
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
@@ -38,11 +40,26 @@ def describe_episode(
         return lines  # no single step violates it
     world = runner.world_before(episode, policies, where.at - 1)
     moment = _still(family.own, runner, episode, world, policies, check, where)
-    lines += list(_step(family, world, moment, check))
+    lines += list(_step(family, family.own, world, moment, check))
     since = where.since if where.since is not None and check.sort != "once" else where.at - 1
     for e, before, after in zip(check.values, episode.values[number][since], episode.values[number][where.at], strict=True):
         lines.append(f"{family.text_of(e)}: {shown(before)} {when(since)}, {shown(after)} {when(where.at)}")
     return lines
+
+
+def describe_briefly(family: GameFamily, counterexample: Counterexample) -> list[str]:
+    """Returns the text of a counterexample that is too long, or whose map is too large, to be told in full: actions, and the last step."""
+    trajectory, scenario, at = counterexample.trajectory, counterexample.scenario, counterexample.where.at
+    game, lines = trajectory.game, [opening(family, scenario)]
+    if trajectory.left is not None and at == len(trajectory.worlds):
+        before = [f"step {t}: {_acting(game, trajectory.actions[t])}" for t in range(max(0, at - 1))]
+        return [*lines, *before, *describe_overflow(family, trajectory)]
+    last = max(0, at - 1)
+    lines += [f"step {t}: {_acting(game, trajectory.actions[t])}" for t in range(last)]
+    world = trajectory.worlds[last]
+    moment = take_step(game, world, trajectory.actions[last], trajectory.params, draws_of(scenario, last))
+    check = game.checks[counterexample.number]
+    return [*lines, *_step(family, game, world, moment, check), *said_of_values(family, counterexample)]
 
 
 def names_of(family: GameFamily, policies: Sequence[ir.Policy]) -> str:
@@ -68,9 +85,9 @@ def _still(
     return moment
 
 
-def _step(family: GameFamily, world: World, moment: Moment, check: ir.Check) -> Iterator[str]:
+def _step(family: GameFamily, game: ir.Game, world: World, moment: Moment, check: ir.Check) -> Iterator[str]:
     """Yields the rules of a step that changed what a check reads, between the affected rows of the map before and after."""
-    game, about = family.own, {part for e in check.values for part in reads(e)}
+    about = {part for e in check.values for part in reads(e)}
     board = board_of(game)
     teller = make_teller(board, Rules(family.composition.sources))
     turns = [replace(turn, effects=tuple(e for e in turn.effects if _part(e, board) in about)) for turn in moment.turns]
@@ -80,11 +97,16 @@ def _step(family: GameFamily, world: World, moment: Moment, check: ir.Check) -> 
     here = {glyph for row in rows for glyph in (before[row] + after[row])}
     yield "    ".join(said for said in teller.looks.legend() if said[0] in here)
     yield from (f"    {before[row]}" for row in rows)
-    acting = [f"{a} {game.agents.actions[x]}" for a, x in enumerate(moment.actions) if game.agents.actions[x] != "stay"]
-    yield f"step {moment.number}: {', '.join(acting) or 'all stay'}{', the others stay' if acting and len(acting) < len(moment.actions) else ''}"
+    yield f"step {moment.number}: {_acting(game, moment.actions)}"
     for turn in turns:
         yield from map(in_short, turn_lines(turn, teller))
     yield from (f"    {after[row]}" for row in rows)
+
+
+def _acting(game: ir.Game, actions: Sequence[int]) -> str:
+    """Returns what the agents do in a step, in words."""
+    acting = [f"{agent} {game.agents.actions[action]}" for agent, action in enumerate(actions) if game.agents.actions[action] != "stay"]
+    return (", ".join(acting) or "all stay") + (", the others stay" if acting and len(acting) < len(actions) else "")
 
 
 def _part(effect: Effect, board: Board) -> Part:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from sjdsl.agent_range import agent_range
 from sjdsl.compiler import Build, build_composition, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -66,11 +67,27 @@ class GameFamily:
         return self.on(self.own.rows * 2, self.own.agents.number) or self.own
 
     @cached_property
+    def most_agents(self) -> int:
+        """The greatest number of agents that the game takes on its own map, as far as the limits of its file go."""
+        limits = agent_range(self.composition, self.own.agents.number)
+        return self.own.agents.number if limits is None else limits[2]
+
+    @cached_property
     def few_agents(self) -> tuple[int, ...]:
         """Small numbers of agents that the game takes on its own map; its own number if there is none."""
-        own = self.own.agents.number
-        found = tuple(n for n in FEW if n <= own and self.on(self.own.rows, n) is not None)
-        return found or (own,)
+        found = tuple(n for n in FEW if self.on(self.own.rows, n) is not None)
+        return found or (self.own.agents.number,)
+
+    @cached_property
+    def reads_places(self) -> bool:
+        """Whether a rule or a check reads a row or a column: on another map it would say something else."""
+        game = self.own
+        rules = (game.start, *game.schedule, game.agents, *game.kinds, *game.movers, *game.checks)
+        return any(isinstance(n, ir.Attribute) and n.name in ("row", "col") for rule in rules for n in ir.walk(rule))
+
+    def is_own(self, rows: tuple[str, ...]) -> bool:
+        """Returns whether a map is the game's own."""
+        return rows == self.own.rows
 
     @cached_property
     def glyphs(self) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
-"""Random initial scenarios: a small map of the game's glyphs, few agents, parameters within their limits."""
+"""Random initial scenarios: a small map of the game's glyphs or its own map, few agents, parameters within their limits."""
 
+from dataclasses import replace
 from random import Random
 from typing import Any
 
@@ -12,6 +13,7 @@ from sjdsl.properties.trajectory import Scenario
 MOST_ROWS, MOST_COLUMNS = 4, 5
 SMALL = 64  # own maps of at most so many cells are also used
 OWN_MAP = 0.25  # how often the own map is used
+AS_WRITTEN = 0.5  # how often a start on the own map has the parameters and the agents of the file
 CROWDED = 0.5  # how often there are more than few agents, where that is asked for
 OF_ALL = 0.5  # how often a map has a cell of every glyph that there is room for
 OTHERS = 0.3  # how often a number is not the file's
@@ -23,11 +25,11 @@ COUNTS = (0, 1, 2, 5)  # of a whole number without limits
 def random_start(family: GameFamily, random: Random, crowded: bool = False) -> Scenario | None:
     """Returns a random scenario without a step; None if the compiler refuses its map.
 
-    crowded: half of the scenarios have more than few agents, up to the game's own number: some rules are only of later ones.
+    crowded: half of the scenarios have more than few agents, up to as many as the game takes: some rules are only of later ones.
     """
     agents = min(random.choice(family.few_agents), random.choice(family.few_agents))
-    if crowded and max(family.few_agents) < family.own.agents.number and random.random() < CROWDED:
-        agents = random.randint(max(family.few_agents) + 1, family.own.agents.number)
+    if crowded and max(family.few_agents) < family.most_agents and random.random() < CROWDED:
+        agents = random.randint(max(family.few_agents) + 1, family.most_agents)
     rows = family.own.rows if _is_small(family) and random.random() < OWN_MAP else random_map(family, agents, random)
     if family.on(rows, agents) is None:
         rows += _of_each(family.glyphs, len(rows[0]))
@@ -42,6 +44,19 @@ def own_start(family: GameFamily, random: Random) -> Scenario:
     """Returns a scenario without a step on the game's own map, with all its agents and the parameters of the file."""
     agents = family.own.agents.number
     return Scenario(family.own.rows, agents, (), random.randrange(2**16), (), (), (None,) * agents)
+
+
+def start_on_own_map(family: GameFamily, random: Random, crowded: bool = False) -> Scenario | None:
+    """Returns a scenario without a step on the game's own map; half of them with other parameters, or another number of agents."""
+    del crowded
+    own = own_start(family, random)
+    if random.random() < AS_WRITTEN:
+        return own
+    agents = random.choice([own.agents, *family.few_agents, random.randint(own.agents, family.most_agents)])
+    game = family.on(own.rows, agents)
+    if game is None:  # a `require` excludes the number
+        return own
+    return replace(own, agents=agents, params=_required(game, random_numbers(game, random)), policies=(None,) * agents)
 
 
 def random_map(family: GameFamily, agents: int, random: Random) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import STATES, Violation, find_violation
 from sjdsl.properties.multiplicity import is_always_once
 from sjdsl.properties.preconditions import NEVER, Goal, Precondition, preconditions_of
-from sjdsl.properties.random_starts import own_start, random_start
+from sjdsl.properties.random_starts import own_start, random_start, start_on_own_map
 from sjdsl.properties.shrinking import shrink
 from sjdsl.properties.statements import STARTING, StatementId, leaf_statements
 from sjdsl.properties.trajectory import Scenario, Trajectory, play
@@ -39,8 +39,10 @@ GOALS = 4  # goals that are tried until one has a path to it
 LONGEST = 64  # steps added to a trajectory while it comes nearer to a goal
 SCRIPTED = 400  # steps of a trajectory by a policy of the file, on the game's own map, while statements are still uncovered
 MIXED = 2  # trajectories, if there are several policies, in which each agent follows any of them
+QUICK = 100  # cells of a map on which all tries are made to simplify a counterexample; on larger ones, which take longer, fewer
 PART = 50  # of which so many are played before it is looked whether they are covered now
 FLOATS = -1  # stands for the check that every real stays inside float32
+Progress = Callable[[str], None]  # is told now and then how far a test is
 ViolationFinder = Callable[[ir.Check, Trajectory, Scenario, int], Violation | None]  # the last argument: the first new state
 
 
@@ -78,9 +80,19 @@ class Search:
     """Plays trajectories for some checks of a game together, until each has a counterexample or enough were played."""
 
     def __init__(
-        self, family: GameFamily, numbers: list[int], effort: Effort, find: ViolationFinder, needed: Mapping[int, Collection[StatementId]]
+        self,
+        family: GameFamily,
+        numbers: list[int],
+        effort: Effort,
+        find: ViolationFinder,
+        needed: Mapping[int, Collection[StatementId]],
+        own_map: bool = False,
+        progress: Progress = lambda _: None,
     ):
-        self.family, self.effort, self.find = family, effort, find
+        """`own_map`: play on the game's own map only; for the others see `search`."""
+        self.family, self.effort, self.find, self._progress = family, effort, find, progress
+        self._start = start_on_own_map if own_map else random_start
+        self._where = "on the game's own map" if own_map else "on small maps"
         self.left, self.found, self.record = list(numbers), list[Counterexample](), SearchRecord()
         self.preconditions = preconditions_of(leaf_statements(family.own), family.own)
         self._needed, self._random = dict(needed), Random(effort.seed)
@@ -98,6 +110,10 @@ class Search:
             if not missing and (not self.left or self.record.number >= self.effort.examples):
                 break
             self.one(missing if self.record.number >= self.effort.examples else set())
+        self.follow_policies()
+
+    def follow_policies(self) -> None:
+        """Plays by the policies of the file on the game's own map while statements that checks depend on never ran."""
         names = [policy.name for policy in self.family.own.policies]
         for followed in [[name] for name in names] + [names] * (MIXED if len(names) > 1 else 0):
             if self._missing():
@@ -126,6 +142,7 @@ class Search:
     def one(self, missing: Collection[StatementId] = ()) -> None:
         """Plays one new or continued trajectory."""
         self.record.number += 1
+        self._progress(f"trajectory {self.record.number} of {self.effort.examples} {self._where}")
         random = self._random
         goal = self._choose_goal(missing) if self.preconditions and random.random() < GUIDED else None
         begun = self._begin(bool(missing), goal, random.random() < CLOSEST)
@@ -212,7 +229,8 @@ class Search:
             return older.scenario, older.trajectory
         found: tuple[Scenario, Trajectory] | None = None
         for _ in range(STARTS):
-            scenario = own_start(self.family, random) if on_own and random.random() < OWN else random_start(self.family, random, on_own)
+            start = own_start(self.family, random) if on_own and random.random() < OWN else None
+            scenario = start or self._start(self.family, random, on_own)
             game = None if scenario is None else self.family.on(scenario.rows, scenario.agents)
             if scenario is None or game is None:
                 return found
@@ -243,7 +261,7 @@ class Search:
         for number in unrefuted:
             counterexample = first_counterexample(trajectory, [number], scenario, self.find, first)
             if counterexample is not None:
-                self.found.append(simplest_counterexample(self.family, counterexample, self.find, self.effort.tries))
+                self.found.append(simplest_counterexample(self.family, counterexample, self.find, self.effort))
                 self.left = [left for left in self.left if left != number]
                 self._needed.pop(number, None)
 
@@ -267,8 +285,9 @@ def search(
     return searching.found, searching.record
 
 
-def simplest_counterexample(family: GameFamily, counterexample: Counterexample, find: ViolationFinder, tries: int) -> Counterexample:
-    """Returns the simplest counterexample that shrinking makes of one."""
+def simplest_counterexample(family: GameFamily, counterexample: Counterexample, find: ViolationFinder, effort: Effort) -> Counterexample:
+    """Returns the simplest counterexample that shrinking makes of one; one on the game's own map stays there."""
+    on_own = family.is_own(counterexample.scenario.rows) and not effort.any_map
 
     def attempt(scenario: Scenario) -> Counterexample | None:
         game = family.on(scenario.rows, scenario.agents)
@@ -291,7 +310,9 @@ def simplest_counterexample(family: GameFamily, counterexample: Counterexample, 
 
     first = shorter(counterexample.scenario)
     assert first is not None, "a scenario that is played again leads elsewhere"
-    found = attempt(shrink(first, family.own, family.glyphs[0], shorter, tries))
+    cells = len(first.rows) * len(first.rows[0])
+    tries = effort.tries * min(cells, QUICK) // cells
+    found = attempt(shrink(first, family.own, None if on_own else family.glyphs[0], shorter, tries))
     assert found is not None
     return found
 

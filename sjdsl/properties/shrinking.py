@@ -38,12 +38,12 @@ def size(scenario: Scenario, stay: int) -> tuple[int, ...]:
     )
 
 
-def shrink(scenario: Scenario, game: ir.Game, plain: str, attempt: Try, most: int) -> Scenario:
+def shrink(scenario: Scenario, game: ir.Game, plain: str | None, attempt: Try, most: int) -> Scenario:
     """Returns a simpler scenario that violates the check.
 
     Args:
       scenario: one that does.
-      plain: the glyph that a map may have everywhere.
+      plain: the glyph that a map may have everywhere; None: the map stays.
       attempt: plays a scenario.
       most: scenarios to try.
     """
@@ -66,16 +66,16 @@ def shrink(scenario: Scenario, game: ir.Game, plain: str, attempt: Try, most: in
     return best
 
 
-def _simpler(scenario: Scenario, game: ir.Game, stay: int, plain: str) -> Iterator[Scenario]:
+def _simpler(scenario: Scenario, game: ir.Game, stay: int, plain: str | None) -> Iterator[Scenario]:
     yield from _quieter(scenario, stay)
-    for smaller in (*_fewer_agents(scenario), *_smaller_maps(scenario)):
+    for smaller in (*_fewer_agents(scenario), *(() if plain is None else _smaller_maps(scenario))):
         yield from (replace(smaller, seed=seed) for seed in _seeds(scenario))
     yield from _fewer_steps(scenario, stay)
     yield from _shortcuts(scenario, len(game.agents.actions))
     for i in range(len(scenario.params)):
         yield replace(scenario, params=scenario.params[:i] + scenario.params[i + 1 :])
     yield from _plainer_actions(scenario, stay)
-    yield from _plainer_maps(scenario, plain)
+    yield from () if plain is None else _plainer_maps(scenario, plain)
     for seed in range(min(scenario.seed, SEEDS)):
         yield replace(scenario, seed=seed)
     for t, bias in enumerate(scenario.bias):

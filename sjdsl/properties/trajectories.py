@@ -1,19 +1,28 @@
-"""Verdicts from trajectories on small maps: which checks fail, which pass, and which statements never ran."""
+"""Verdicts from random trajectories: which checks fail, which pass, and which statements never ran.
 
-from collections.abc import Sequence
+What small maps refute is looked for on the game's own map. Only what fails there fails; the rest is a note.
+"""
+
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.properties.counterexample import describe_asymmetry, describe_counterexample
+from sjdsl.properties.episode_counterexample import describe_briefly
 from sjdsl.properties.float_overflow import LARGEST, describe_overflow
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import STATES, Violation, find_violation
-from sjdsl.properties.search import FLOATS, Counterexample, SearchRecord, search
+from sjdsl.properties.own_map import OwnMapSearch
+from sjdsl.properties.random_starts import SMALL
+from sjdsl.properties.search import FLOATS, Counterexample, Progress, Search, SearchRecord
 from sjdsl.properties.statements import StatementId, leaf_statements, statements_needed_by
 from sjdsl.properties.symmetry import TransformedGame, compare_step, transformed_games
 from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of, up_to
 from sjdsl.properties.verdict import Effort, How, Verdict
 from sjdsl.trace.rules import Rules
+
+OWN_MAP = "the game's own map"
+LONG = 10  # steps of a counterexample, beyond which only the last is told in full
 
 
 def make_verdict(
@@ -41,63 +50,117 @@ def overflow_verdict(family: GameFamily, trajectory: Trajectory, how: How, trace
     return Verdict(family.text_of(node), file, line, False, how, said, tuple(told), scenario=scenario)
 
 
-class SmallMapVerdicts:
-    """Random trajectories on small maps, played for all checks together."""
+class PlayedVerdicts:
+    """Random trajectories, played for all checks together: on small maps, or on the own map alone where rules read rows or columns."""
 
-    def __init__(self, family: GameFamily, effort: Effort, numbers: list[int], expected: Sequence[int] = ()):
+    def __init__(
+        self,
+        family: GameFamily,
+        effort: Effort,
+        numbers: list[int],
+        expected: Sequence[int] = (),
+        progress: Progress = lambda _: None,
+    ):
         """`numbers`: checks to find counterexamples to; `expected`: others, for which only coverage matters."""
-        self.family, self.numbers, self._effort = family, numbers, effort
+        self.family, self.numbers, self._effort, self._progress = family, numbers, effort, progress
         self._transformed: dict[tuple[int, int], list[TransformedGame]] = {}
         self._leaves = leaf_statements(family.own)
         checks = family.own.checks
         self._needed = {i: statements_needed_by(checks[i], family.own, self._leaves) for i in (*numbers, *expected)}
-        self._found, self.record = search(family, numbers, effort, self._violation, self._needed) if self._needed else ([], SearchRecord())
+        on_own_map = family.reads_places and not effort.any_map
+        self._search = Search(family, numbers, effort, self._violation, self._needed, on_own_map, progress)
+        self._on_own_map: OwnMapSearch | None = None
+
+    def play(self) -> None:
+        """Plays all trajectories. What has been found is there, too, if this is interrupted."""
+        if self._needed:
+            self._search.run()
+        if leads := self._elsewhere():
+            needed = {lead.number: self._needed[lead.number] for lead in leads if lead.number != FLOATS}
+            self._on_own_map = OwnMapSearch(self.family, leads, self._effort, self._violation, needed, self._progress)
+            self._on_own_map.run()
+
+    @property
+    def played(self) -> int:
+        """How many trajectories were played."""
+        return self._search.record.number + (0 if self._on_own_map is None else self._on_own_map.record.number)
 
     def failed(self) -> dict[int, Verdict]:
-        """Returns the verdicts on the checks that have a counterexample."""
-        return {counterexample.number: self._verdict(counterexample) for counterexample in self._found if counterexample.number != FLOATS}
+        """Returns the verdicts on the checks that have a counterexample that counts."""
+        return {c.number: self._verdict(c) for c in self._found() if c.number != FLOATS}
 
     def faults(self) -> list[Verdict]:
         """Returns the verdict on a real that leaves float32 in a trajectory, if one did."""
-        found = (counterexample for counterexample in self._found if counterexample.number == FLOATS)
-        return [
-            overflow_verdict(self.family, b.trajectory, "examples", describe_counterexample(self.family, b), up_to(b.scenario, b.where.at))
-            for b in found
-        ]
+        return [self._overflow(c) for c in self._found() if c.number == FLOATS]
+
+    def notes(self) -> list[Verdict]:
+        """Returns the verdict on a real that leaves float32 on another map only, if one did."""
+        return [] if self.faults() else [self._overflow(c) for c in self._elsewhere() if c.number == FLOATS]
+
+    def _found(self) -> list[Counterexample]:
+        """Returns the counterexamples that count: those on the game's own map, unless all do."""
+        found = [c for c in self._search.found if self._counts(c)]
+        return found + ([] if self._on_own_map is None else self._on_own_map.found)
+
+    def _elsewhere(self) -> list[Counterexample]:
+        return [c for c in self._search.found if not self._counts(c)]
+
+    def _counts(self, counterexample: Counterexample) -> bool:
+        return self._effort.any_map or self.family.is_own(counterexample.scenario.rows)
 
     def missing(self, number: int) -> tuple[str, ...]:
-        """Returns the lines that a check depends on and that never ran, with their text, in the order of the rules."""
-        needed, rules = self._needed[number], Rules(self.family.composition.sources)
-        never = [leaf for leaf in self._leaves if leaf.statement_id in needed and not self.record.ran[leaf.statement_id]]
-        said = [f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}{self._use(leaf.statement_id)}" for leaf in never]
+        """Returns the lines that a check depends on and that never ran, with their text, in the order of the rules.
+
+        Of a check that fails on another map: that never ran on the game's own.
+        """
+        record, rules = self._record(number), Rules(self.family.composition.sources)
+        said = self.lines(self._needed[number] - set(record.ran))
         check = self.family.own.checks[number]
-        if check.sort == "once" and not self.record.triggers[number]:
+        if check.sort == "once" and not record.triggers[number]:
             said.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
-        return tuple(dict.fromkeys(said))
+        return tuple(said)
+
+    def lines(self, statements: Collection[StatementId]) -> list[str]:
+        """Returns the lines of statements, with their text, in the order of the rules."""
+        rules, leaves = Rules(self.family.composition.sources), [leaf for leaf in self._leaves if leaf.statement_id in statements]
+        said = [f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}{self._use(leaf.statement_id)}" for leaf in leaves]
+        return list(dict.fromkeys(said))
+
+    def needed(self, number: int) -> frozenset[StatementId]:
+        """Returns the statements that a check depends on."""
+        return self._needed[number]
 
     def passed(self, number: int) -> Verdict:
-        """Returns the verdict on a check without a counterexample."""
-        check, played = self.family.own.checks[number], self.record.number - self.record.refused
-        said = f"{played} trajectories on small maps"
+        """Returns the verdict on a check without a counterexample that counts."""
+        check, record, note = self.family.own.checks[number], self._record(number), self._note(number)
+        on_own_map = note is not None or (self.family.reads_places and not self._effort.any_map)
+        said = f"{record.number - record.refused} trajectories on {OWN_MAP if on_own_map else 'small maps'}"
         if check.sort in STATES and self._effort.episodes:
             said += f", {self._effort.episodes} episodes of random play"
         if check.sort == "once":
-            came = self.record.triggers[number]
+            came = record.triggers[number]
             said += (
                 f"; its first condition held in {came} of the trajectories"
                 if came
                 else "; its first condition never held in the trajectories"
             )
-        return replace(make_verdict(self.family, check, True, "examples", said), untested=self.missing(number))
+        return replace(make_verdict(self.family, check, True, "examples", said), untested=self.missing(number), note=note)
+
+    def _note(self, number: int) -> Verdict | None:
+        return next((self._verdict(c) for c in self._elsewhere() if c.number == number), None)
+
+    def _record(self, number: int) -> SearchRecord:
+        """Returns the trajectories from which the verdict on a check comes."""
+        elsewhere = any(c.number == number for c in self._elsewhere())
+        return self._on_own_map.record if elsewhere and self._on_own_map is not None else self._search.record
 
     def idle(self) -> tuple[int, ...]:
         """Returns the lines of statements that change something and never ran; none where nothing was played."""
-        if not self.record.number:
+        if not self._search.record.number:
             return ()
+        ran = set(self._search.record.ran) | (set() if self._on_own_map is None else set(self._on_own_map.record.ran))
         lines = {
-            leaf.statement.origin.line
-            for leaf in self._leaves
-            if leaf.statement.origin is not None and not self.record.ran[leaf.statement_id]
+            leaf.statement.origin.line for leaf in self._leaves if leaf.statement.origin is not None and leaf.statement_id not in ran
         }
         return tuple(sorted(lines))
 
@@ -105,10 +168,19 @@ class SmallMapVerdicts:
         """Returns in which use of a phase a statement stands, if its phase is used several times."""
         return f"  (in {statement[0]})" if sum(leaf.statement_id[1:] == statement[1:] for leaf in self._leaves) > 1 else ""
 
+    def _overflow(self, c: Counterexample) -> Verdict:
+        return overflow_verdict(self.family, c.trajectory, "examples", self._described(c), up_to(c.scenario, c.where.at))
+
+    def _described(self, counterexample: Counterexample) -> list[str]:
+        """Returns a counterexample in words: each step in full, or of a long one, or one on a large map, only the last."""
+        rows = counterexample.scenario.rows
+        brief = len(rows) * len(rows[0]) > SMALL or counterexample.where.at > LONG
+        return (describe_briefly if brief else describe_counterexample)(self.family, counterexample)
+
     def _verdict(self, counterexample: Counterexample) -> Verdict:
         check = self.family.own.checks[counterexample.number]
         said = f"fails after step {counterexample.where.at - 1}" if counterexample.where.at else "fails at the start"
-        trace = describe_counterexample(self.family, counterexample)
+        trace = self._described(counterexample)
         if check.sort == "symmetric":
             trace += describe_asymmetry(
                 self._differing(check, counterexample.trajectory, counterexample.scenario, counterexample.where.at - 1)

@@ -14,9 +14,11 @@ class Verdict:
 
     text: as written, on one line; file, line: where. passed: None if it could not be tested.
     untested: lines that a passed check depends on and that never ran in any trajectory. Then a fault in them would not have been seen.
-    how: `decided` when compiled; `proved` without playing; `examples` on random small maps, and episodes on the game's own; `episodes` of
-      the scripted policies. reason: the same in words, with confidence bounds. trace: the counterexample, step by step.
+    unreached: for an `expect`, those that never ran in its own episodes.
+    how: `decided` when compiled; `proved` without playing; `examples` in random trajectories, and episodes on the game's own map;
+      `episodes` of the scripted policies. reason: the same in words, with confidence bounds. trace: the counterexample, step by step.
     scenario: what leads to the counterexample when it is played on the interpreter, every action written out; None where nothing is played.
+    note: how the check fails on a map that was made for the test; none of that kind was found on the game's own map.
     """
 
     text: str
@@ -27,7 +29,9 @@ class Verdict:
     reason: str
     trace: tuple[str, ...] = ()
     untested: tuple[str, ...] = ()
+    unreached: tuple[str, ...] = ()
     scenario: Scenario | None = None
+    note: "Verdict | None" = None
 
     @property
     def status(self) -> Literal["passed", "untested", "failed", "not decided"]:
@@ -39,12 +43,13 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of a test: trajectories on small maps, episodes of random play on the own map (0: none), the seed of both.
+    """The effort of a test: random trajectories, episodes of random play on the own map (0: none), the seed of both.
 
-    tries: trajectories played to shrink one counterexample.
+    tries: trajectories played to shrink one counterexample. any_map: a counterexample on any map refutes a check.
     """
 
     examples: int = 400
     episodes: int = 10
     seed: int = 0
     tries: int = 600
+    any_map: bool = False

@@ -17,7 +17,8 @@ from sjdsl.properties.monitors import STATES, Violation, find_violation
 from sjdsl.properties.monotonicity import decide_monotone
 from sjdsl.properties.shortest_paths import TooLarge
 from sjdsl.properties.symmetry import one_sided_action, transformed_games, why_symmetric
-from sjdsl.properties.trajectories import SmallMapVerdicts, make_verdict, overflow_verdict
+from sjdsl.properties.search import Progress
+from sjdsl.properties.trajectories import PlayedVerdicts, make_verdict, overflow_verdict
 from sjdsl.properties.verdict import Effort, Verdict
 
 RANDOM = (ir.Policy(name="random"),)
@@ -27,26 +28,34 @@ RANDOM = (ir.Policy(name="random"),)
 class Report:
     """The verdicts on a game's checks in the order written, and the lines of statements that never ran in any trajectory.
 
-    faults: what is wrong whatever the checks say: a real that leaves float32.
+    faults: what is wrong whatever the checks say: a real that leaves float32; notes: the same, on another map than the game's own.
     """
 
     verdicts: tuple[Verdict, ...]
     trajectories: int
     idle: tuple[int, ...] = ()
     faults: tuple[Verdict, ...] = ()
+    notes: tuple[Verdict, ...] = ()
 
 
 class Verification:
     """The verification of one game's checks, each done when it is asked for; play that serves several checks is done once."""
 
-    def __init__(self, family: GameFamily, effort: Effort | None = None, only: Collection[int] | None = None):
-        """`only`: indices among the game's checks; None: all."""
-        self.family, self.effort = family, effort or Effort()
+    def __init__(
+        self,
+        family: GameFamily,
+        effort: Effort | None = None,
+        only: Collection[int] | None = None,
+        progress: Progress = lambda _: None,
+    ):
+        """`only`: indices among the game's checks; None: all. `progress`: is told how far the play is, a few hundred times."""
+        self.family, self.effort, self._progress = family, effort or Effort(), progress
         checks = family.own.checks
         self.numbers = [i for i in range(len(checks)) if only is None or i in only]
         self._faults: list[Verdict] = []
         self._static = {i: verdict for i in self.numbers if (verdict := decide_statically(family, i)) is not None}
         self._played = [i for i in self.numbers if i not in self._static and checks[i].sort != "expect"]
+        self._expectations = dict[int, Verdict]()
         self._expected = [i for i in self.numbers if i not in self._static and checks[i].sort == "expect"]
 
     def verdict(self, number: int) -> Verdict:
@@ -55,14 +64,34 @@ class Verification:
             return self._static[number]
         if number in self._played:
             return self._verdicts[number]
-        verdict, fault = check_expectation(self.family, self._runner, number)
-        self._faults += fault
+        if number not in self._expectations:
+            verdict, fault = check_expectation(self.family, self._runner, number)
+            self._faults += fault
+            self._expectations[number] = verdict
+        verdict = self._expectations[number]
         return replace(verdict, untested=self.trajectories.missing(number)) if verdict.passed else verdict
+
+    def decided(self) -> dict[int, Verdict]:
+        """Returns the verdicts that are certain by now: after an interruption, what need not be played again."""
+        played = self._trajectories.failed() | vars(self).get("_verdicts", {})
+        missed = {i: verdict for i, verdict in self._expectations.items() if not verdict.passed}
+        return self._static | played | missed
+
+    def report(self) -> Report:
+        """Returns all verdicts."""
+        verdicts = tuple(self.verdict(i) for i in self.numbers)
+        played, idle = (self.trajectories.played, self.trajectories.idle()) if self.has_played else (0, ())
+        return Report(verdicts, played, idle, self.faults, self.notes)
 
     @property
     def faults(self) -> tuple[Verdict, ...]:
         """What is wrong whatever the checks say, as far as it has come up; at most one."""
-        return tuple([*(self.trajectories.faults() if self.has_played else ()), *self._faults][:1])
+        return tuple([*self._trajectories.faults(), *self._faults][:1])
+
+    @property
+    def notes(self) -> tuple[Verdict, ...]:
+        """A real that leaves float32 on another map than the game's own, if one did; at most one."""
+        return tuple(self._trajectories.notes())
 
     @property
     def has_played(self) -> bool:
@@ -70,8 +99,14 @@ class Verification:
         return "trajectories" in vars(self)
 
     @cached_property
-    def trajectories(self) -> SmallMapVerdicts:
-        return SmallMapVerdicts(self.family, self.effort, self._played, self._expected)
+    def trajectories(self) -> PlayedVerdicts:
+        """The trajectories, all of them played."""
+        self._trajectories.play()
+        return self._trajectories
+
+    @cached_property
+    def _trajectories(self) -> PlayedVerdicts:
+        return PlayedVerdicts(self.family, self.effort, self._played, self._expected, self._progress)
 
     @cached_property
     def _runner(self) -> EpisodeRunner:
@@ -89,10 +124,7 @@ class Verification:
 
 def verify_properties(family: GameFamily, effort: Effort | None = None, only: Collection[int] | None = None) -> Report:
     """Returns the verdicts on a game's checks. Raises CompileError for a game that cannot be compiled exactly."""
-    verification = Verification(family, effort, only)
-    verdicts = tuple(verification.verdict(i) for i in verification.numbers)
-    played, idle = (verification.trajectories.record.number, verification.trajectories.idle()) if verification.has_played else (0, ())
-    return Report(verdicts, played, idle, verification.faults)
+    return Verification(family, effort, only).report()
 
 
 def decide_statically(family: GameFamily, number: int) -> Verdict | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.properties import Effort, GameFamily, Report
+from sjdsl.properties import Effort, GameFamily, Verification
 from sjdsl.properties.verify_properties import decide_statically
 
 HERE = Path(__file__).parent
@@ -112,12 +112,11 @@ def test_a_variant_has_its_own_checks(sjdsl: Sjdsl, folder: Path) -> None:
 def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only what needs no playing: `tests/properties/test_games.py` plays the games, with shorter episodes."""
 
-    def only_static(family: GameFamily, effort: Effort) -> Report:
-        del effort
-        verdicts = [decide_statically(family, number) for number in range(len(family.own.checks))]
-        return Report(tuple(v for v in verdicts if v is not None), 0)
+    def only_static(family: GameFamily, effort: Effort, progress: Callable[[str], None]) -> Verification:
+        static = {number for number in range(len(family.own.checks)) if decide_statically(family, number) is not None}
+        return Verification(family, effort, static, progress)
 
-    monkeypatch.setattr("sjdsl.properties.verify_properties", only_static)
+    monkeypatch.setattr("sjdsl.cli.test.Verification", only_static)
     shown = sjdsl("test", "pd_arena")
     assert shown.status == 0
     assert "pd_arena: " in shown.out

@@ -98,7 +98,8 @@ def test_a_trigger_that_never_came_is_said() -> None:
 
 def test_a_game_that_takes_no_other_map_or_number_is_played_as_it_is() -> None:
     one = GameFamily(small_game("always eaten <= 9").source)
-    assert one.few_agents == (1, 2)
+    assert one.few_agents == (1, 2, 3, 4)
+    assert one.most_agents == 4
     assert set(one.glyphs) == {".", "#", "T"}
 
 

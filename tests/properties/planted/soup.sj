@@ -8,9 +8,9 @@ game soup "Three onions make a soup, which is carried to the hatch on a plate" {
   kind rack "D" { blocks agents }
   kind hatch "S" { blocks agents }
   kind pot "P" { field onions : 0 .. 3 capped = 0  field soup : { no, yes } = no  field cooks : set of agent  timer heat  blocks agents }
-  map { "#O#P##D#"
+  map { "#O####D#"
         "#......#"
-        "#......#"
+        "#..P...#"
         "##S##O##" }
   agents 3 {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, use
