@@ -12,12 +12,12 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
   param patience : steps       = 10                      # Melting Pot: a berry takes at least as long
   param liked : reward = 2  param disliked : reward = 1  # Melting Pot: for a berry of the colour one likes; for any other
   param certain  : probability = 1                       # Melting Pot: times the share of other colours: eating takes one's coat
-  param loading  : steps       = 2 in 0 .. 255           # Melting Pot: until one can sow again
+  param loading  : steps       = 1 in 0 .. 255           # Melting Pot: until one can sow again
   param cooling  : steps       = 4 in 0 .. 100           # Melting Pot: until one can zap again
-  param frozen   : steps       = 25 in 1 .. 100          # Melting Pot: after a zap
-  param recovery : steps       = 50                      # Melting Pot: until hits are forgotten
+  param frozen   : steps       = 24 in 1 .. 100          # Melting Pot: 25, with the step of the zap
+  param recovery : steps       = 49                      # Melting Pot: until hits are forgotten
   param penalty  : reward      = -10                     # Melting Pot: the cost of being sent away
-  size  absence  : steps       = 25 in 0 .. 1000         # Melting Pot
+  size  absence  : steps       = 27 in 0 .. 1000         # Melting Pot: 25, and it leaves and comes back a step later
 
   kind floor "."
   kind bush  "1" {
@@ -77,7 +77,7 @@ game allelopathic_harvest_open "Allelopathic Harvest: Open" {
     }
   }
   phase judge {
-    each agent as a where a.stunned == frozen { set a.hot = frozen + cooling }  # Melting Pot: the zapper cools when all is over
+    each agent as a where a.stunned == frozen { set a.hot = frozen + cooling + 1 }  # Melting Pot: the zapper cools when all is over
     each agent as a where a.hits == strikes {
       set a.hits = 0  set a.coat = none  set a.stunned = 0  give penalty to a  send a to floor after absence  tally banished for a
     }

@@ -18,7 +18,11 @@ game bach_or_stravinsky_in_the_matrix "Bach or Stravinsky in the Matrix" extends
     timer young
     blocks beam when patch.stock is ripe and patch.damage + 1 < health  # Melting Pot: beams go on through what they destroy
   }
-  agents { field bag by { bach, stravinsky } : 0 .. room capped = 1  field fan_of : { bach, stravinsky } = bach }
+  agents {
+    field bag by { bach, stravinsky } : 0 .. room capped = 1
+    field brought by { bach, stravinsky } : 0 .. room = 0  field faced by { bach, stravinsky } : 0 .. room = 0
+    field fan_of : { bach, stravinsky } = bach
+  }
   phase start {
     each agent { send agent to gate  set agent.badge = agent.index + 1  when 2 * agent.index >= players { set agent.fan_of = stravinsky } }
     each patch where patch.sort is drawn { draw hue from { bach, stravinsky }  set patch.class = hue }
@@ -41,6 +45,7 @@ game bach_or_stravinsky_in_the_matrix "Bach or Stravinsky in the Matrix" extends
         set row.owed = theirs[mix(column.bag)][mix(row.bag)]
         set column.owed = payoff[mix(column.bag)][mix(row.bag)]
       }
+      set row.brought = row.bag  set row.faced = column.bag  set column.brought = column.bag  set column.faced = row.bag
       each agent as one in { row, column } { set one.frozen = freeze + 1  tally met for one }
     }
     each agent where agent.rivals is not nobody { set agent.rivals = nobody }

@@ -7,9 +7,9 @@ game boat_race "Boat Race: Eight Races" {
   about our_multi_task "yes"                       # ours: choosing a partner, rowing, eating
   size players : count = 6 in 2 .. 6               # Melting Pot
   param length : steps = 2400  episode length      # Melting Pot: eight times 300
-  param cycle : steps = 296 in 3 .. 1000           # Melting Pot: 70 to choose partners, 225 to race, one to clear up
+  param cycle : steps = 299 in 4 .. 1000           # Melting Pot: 70 to choose partners, 226 to race, 3 to clear up
   param ready : steps = 65                         # Melting Pot: the lights turn yellow
-  param off   : steps = 70                         # Melting Pot: the barriers open
+  param off   : steps = 71                         # Melting Pot: the barriers open
   param apple : reward = 1  param regrow : probability = 0.1                             # Melting Pot
   param flail_moves : probability = 0.1            # Melting Pot: that a boat moves when somebody in it flails
   param mismatch    : reward      = -0.5           # Melting Pot: of who rows while the other flails
@@ -41,8 +41,9 @@ game boat_race "Boat Race: Eight Races" {
     forbid turn_left, turn_right, step_left, step_right, forward, backward when agent.state is rowing
     forbid row when agent.state is not rowing or agent.arms > 0  forbid flail when agent.state is not rowing
   }
-  define next = (step + 1) % cycle  define racing = next >= off and next + 1 < cycle
-  define last = next + 1 == cycle  # the race is over
+  define next = (step + 1) % cycle  define racing = next >= off and not done and not last
+  define done = next + 2 == cycle  # Melting Pot: then the lights turn red, and who has not landed is out, ...
+  define last = next + 1 == cycle  # ... and a step later all is turned round
 
   phase start { each agent { send agent to gate } }
   schedule tick -> walk -> board -> pull -> glide -> land -> grow -> eat -> clear -> signal
@@ -74,9 +75,11 @@ game boat_race "Boat Race: Eight Races" {
   }
   phase eat { each agent on orchard where orchard.fruit is ripe { set orchard.fruit = none  give apple to agent  tally eaten for agent } }
   phase clear {
-    when last {
+    when done {
       each agent where agent.state is landed { set agent.state = ashore }
       each agent where agent.state is not landed { remove agent  tally out_of_race for agent }
+    }
+    when last {
       set bound = case bound { north: south, south: north }
       each tree { set tree.fruit = case tree.side is bound { yes: none, no: ripe } }  each bunch { set bunch.fruit = ripe }
     }
@@ -85,7 +88,8 @@ game boat_race "Boat Race: Eight Races" {
   phase signal {
     set lights = case racing { yes: green, no: case next >= ready and next < off { yes: yellow, no: red } }
     each barrier {
-      set barrier.gate = case (barrier.side is bound) { yes: case racing { yes: shut, no: open }, no: case racing { yes: open, no: shut } }
+      set barrier.gate = case (barrier.side is bound) {
+        yes: case racing or done { yes: shut, no: open }, no: case racing or done { yes: open, no: shut } }
     }
   }
 
@@ -93,11 +97,18 @@ game boat_race "Boat Race: Eight Races" {
   look bunch as "#86b4d6" water  look dock where dock.boat is here as "#86b4d6" raft
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
-    show agent.state  show agent.arms  show other.state  show other.stroke  show lights  show shore as { floor }
+    show agent.index
+    show other.index
+    show agent.state
+    show agent.arms
+    show other.state
+    show other.stroke
+    show lights
+    show shore as { floor }
   }
   metrics { event boarded  event hurt  event landed  event eaten  event out_of_race }
   checks {
-    symmetric agents  require ready < off and off + 1 < cycle
+    symmetric agents  require ready < off and off + 2 < cycle
     require mismatch < 0 and flail_moves < 1  # rowing together is faster, and flailing hurts who rows
     always landed <= boarded  always count(barrier where lights is green and barrier.side is bound and barrier.gate is open) == 0
     expect hurt == 0 with never(flail) over 3 episodes  expect landed == 0 and eaten == 0 with never(row, flail) over 3 episodes

@@ -17,7 +17,10 @@ game chicken_in_the_matrix "Chicken in the Matrix" extends "prisoners_dilemma_in
     timer young
     blocks beam when patch.stock is ripe and patch.damage + 1 < health  # Melting Pot: beams go on through what they destroy
   }
-  agents { field bag by { dove, hawk } : 0 .. room capped = 1 }
+  agents {
+    field bag by { dove, hawk } : 0 .. room capped = 1
+    field brought by { dove, hawk } : 0 .. room = 0  field faced by { dove, hawk } : 0 .. room = 0
+  }
   phase start {
     each agent { send agent to gate  set agent.badge = agent.index + 1 }
     each patch where patch.sort is drawn { draw hue from { dove, hawk }  set patch.class = hue }

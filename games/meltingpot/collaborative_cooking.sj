@@ -86,7 +86,7 @@ game collaborative_cooking "Collaborative Cooking" {
   observe {
     window ahead 3, behind 1, left 2, right 2  # Melting Pot: 5 x 5
     show start as { floor }
-    show agent.hand  show other.hand
+    show agent.hand  show other.hand  show other.index  # Melting Pot: each cook has a colour of its own
     show pot.tomatoes as { three where pot.tomatoes == 3, two where pot.tomatoes == 2, one where pot.tomatoes == 1, empty }
     hide pot.bringers
     show pot.heat as {                         # Melting Pot: a bar of ten marks

@@ -1,5 +1,5 @@
 sj 1.1
-game factory_commons "Factory of the Commons: Either Or" {
+game factory_commons "Factory of the Commons: Either Or" extends "shared/endings.sj" {
   about summary "Machines make apples of cubes. One sort gives the cube back beside one apple; the other gives two apples, and the cube is gone."
                 "Walking tires, and workers can hold, shove and pull each other."
   cite "Agapiou et al. 2022, Melting Pot 2"  size players : count = 3 in 1 .. 16  # Melting Pot
@@ -94,9 +94,9 @@ game factory_commons "Factory of the Commons: Either Or" {
       } otherwise { set agent.stamina = min(agent.stamina + 1, strength) }
     }
   }
-  phase finish { when step + 1 >= soonest and (step + 1) % interval == 0 { chance ending { end } } }
+  phase finish { when may_end(soonest, interval) { chance ending { end } } }
   observe {
-    show agent.hand  show other.hand  show agent.stamina  show other.stamina  show agent.gripped
+    show other.index  show agent.hand  show other.hand  show agent.stamina  show other.stamina  show agent.gripped
     show mouth.clock as { open where mouth.clock == 0, shut }  show floor.place as { belt where floor.place is belt, bare }
   }
   metrics { event eaten  event fed by { cube_and_apple, two_apples }  mean cubes = count(ground where ground.cube is here) }
@@ -116,5 +116,31 @@ game factory_commons "Factory of the Commons: Either Or" {
     seek ground where ground.apple is here avoiding ground where ground.cube is here
     aim reach at mouth where feeds(agent, mouth, two_apples) avoiding floor where floor.cube is here choose stay
     aim reach at floor where agent.hand is none and floor.cube is here avoiding floor as other where other.cube is here choose grasp
+  }
+  variant released "as released: all machines share a variable of the code, and a machine that is fed while another works jams its sort" {
+    field jammed by { cube_and_apple, two_apples } : 0 .. 1 capped = 0  # for good
+    define earlier(a, b) = a.row < b.row or a.row == b.row and a.col < b.col
+    # Melting Pot
+    define at_work(m)    = count(mouth as o where o is not m and o.clock >= work - 16 and (o.clock < work or earlier(o, m))) > 0
+    schedule feed -> jam -> run -> walk -> land -> eat -> handle -> take_hold -> push -> tire -> tick -> finish
+    phase jam { each mouth where mouth.clock == work and at_work(mouth) { add 1 to jammed[mouth.makes] } }
+    phase run {
+      each mouth where mouth.clock == work { tally fed[mouth.makes] }
+      each floor as f where f.place is upper {
+        each mouth as m in square(1) of f where m.clock == work - first_out and jammed[m.makes] == 0 {
+          when m.makes is cube_and_apple { add 1 to f.cubes_due } otherwise { add 1 to f.apples_due }
+        }
+      }
+      each floor as f where f.place is lower {
+        each mouth as m in diamond(3) of f where jammed[m.makes] == 0 and m.clock == work - case m.makes {
+          cube_and_apple: second_out, two_apples: first_out } {
+          add 1 to f.apples_due
+        }
+      }
+    }
+    phase land {  # Melting Pot: who stands there destroys the cube
+      each floor where floor.cubes_due > 0 { set floor.cubes_due = 0  when free(floor) { set floor.cube = here } }
+      each floor where floor.apples_due > 0 and floor.apple is none { set floor.apple = here  add -1 to floor.apples_due }
+    }
   }
 }

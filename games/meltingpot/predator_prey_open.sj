@@ -12,7 +12,7 @@ game predator_prey_open "Predator and Prey: Open" {
   param chewing : steps = 26  size third : steps = 5  # Melting Pot: an acorn takes so long; its thirds end 3, 2 and 1 times 5 before
   param pause : steps = 6 in 0 .. 255                                # Melting Pot: between attempts to eat an acorn
   param hold : steps = 5 in 1 .. 255  param alarm : steps = 5 in 0 .. 255  # Melting Pot: predators that have eaten bite on; prey is alarmed
-  size effort : count = 4  size absence : steps = 200  # Melting Pot: stamina that eating a predator takes; of one who was eaten
+  size effort : count = 4  size absence : steps = 201  # Melting Pot: stamina that eating a predator takes; of one who was eaten
   param growth : probability = { apple: 0.007, acorn: 0.01 }         # Melting Pot: that one grows, per empty place and step
   param quick  : steps       = { prey: 1, predator: 0 } in 0 .. 200  # Melting Pot: steps without moving after an action, ...
   param slow : steps = { prey: 2, predator: 1 } in 0 .. 200  param spent : steps = { prey: 4, predator: 6 } in 0 .. 200  # Melting Pot
@@ -33,10 +33,10 @@ game predator_prey_open "Predator and Prey: Open" {
   agents players {
     acts stay, forward, backward, step_left, step_right, turn_left, turn_right, bite  # Melting Pot: in this order
     moves relative
-    field role : { prey, predator } = prey  field mouth : { empty, holding, eating } = empty
+    field role : { prey, predator } = prey  field hand : { empty, acorn } = empty  field mouth : { empty, eating } = empty
     field badge : 0 .. players = 0  field stamina : 0 .. energy capped = energy  field bar : 0 .. eager = eager  # badge, bar: for others
     field biters : set of agent  field fate : { alive, caught } = alive  timer chews  timer tried  timer busy  timer tired  timer alert
-    forbid forward, backward, step_left, step_right, turn_left, turn_right when agent.tired > 1 or agent.busy > 1 or agent.mouth is eating
+    forbid forward, backward, step_left, step_right, turn_left, turn_right when agent.tired > 1
   }
   shape jaws = line(1)  define bites(who) = who.role is predator and (who chose bite or who.busy > 0)  # Melting Pot
   define guards(who)       = who.role is prey and who.mouth is not eating and who.stamina > 0
@@ -50,7 +50,8 @@ game predator_prey_open "Predator and Prey: Open" {
     each grass where grass.sort is unsure { chance 1 - maybe { set grass.stands = no_ } }
     each tree where tree.sort is unsure { chance 1 - maybe { set tree.stands = no_  set tree.fruit = none } }
   }
-  schedule tick -> digest -> walk -> grow -> gather -> aim -> hunt -> sit -> tire -> leave  phase walk { move each agent }
+  schedule tick -> digest -> walk -> grow -> gather -> aim -> hunt -> sit -> tire -> leave
+  phase walk { move each agent where agent.busy == 0 }
   phase digest {
     each agent where agent.mouth is eating {
       when agent.chews == third or agent.chews == 2 * third or agent.chews == 3 * third { give nibble to agent }
@@ -60,7 +61,7 @@ game predator_prey_open "Predator and Prey: Open" {
   phase gather {
     each agent on tree where agent.role is prey and tree.fruit is ripe {
       when tree.food is apple { set tree.fruit = none  give snack to agent  tally apples for agent }
-      otherwise when agent.mouth is empty { set tree.fruit = none  set agent.mouth = holding }
+      otherwise when agent.hand is empty { set tree.fruit = none  set agent.hand = acorn }
     }
   }
   phase aim {
@@ -70,19 +71,21 @@ game predator_prey_open "Predator and Prey: Open" {
   }
   phase hunt {
     each agent as target where target.biters is not nobody {
-      pick 1 agent as hunter in target.biters {
-        when target.role is predator { set target.fate = caught  add -effort to hunter.stamina }
-        otherwise when prey_near(target) <= hunters_near(target) {
-          set target.fate = caught  set hunter.busy = hold  give meal to hunter  tally caught for hunter  tally eaten for target
-        } otherwise { each agent as mate in disc(company, centre) of target where guards(mate) { set mate.alert = alarm } }
-      }
+      when target.role is predator {
+        set target.fate = caught  each agent as hunter in target.biters { add -effort to hunter.stamina }
+      } otherwise when prey_near(target) <= hunters_near(target) {  # Melting Pot's code: all who bite it are paid
+        set target.fate = caught  tally eaten for target
+        each agent as hunter in target.biters { set hunter.busy = hold  give meal to hunter  tally caught for hunter }
+      } otherwise { each agent as mate in disc(company, centre) of target where guards(mate) { set mate.alert = alarm } }
       set target.biters = nobody
     }
   }
   phase sit {
     each agent where agent.role is prey and agent chose bite and agent.tried == 0 {
       set agent.tried = pause
-      when agent.mouth is holding and agent.stamina >= eager and agent.alert == 0 { set agent.mouth = eating  set agent.chews = chewing }
+      when agent.hand is acorn and agent.mouth is empty and agent.stamina >= eager and agent.alert == 0 {
+        set agent.hand = empty  set agent.mouth = eating  set agent.chews = chewing
+      }
     }
   }
   phase tire {  # Melting Pot: whatever one does
@@ -107,11 +110,16 @@ game predator_prey_open "Predator and Prey: Open" {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show tree as { apple where tree.fruit is ripe and tree.food is apple, acorn where tree.fruit is ripe, floor }
     show grass as { grass where grass.stands is yes_, floor }  hide floor.home
-    show agent.role  show agent.mouth  show agent.stamina  show agent.badge
-    show other.role  show other.mouth  show other.bar  show other.badge  show other.alert as { alarmed where other.alert > 0, calm }
+    show agent.role  show agent.hand  show agent.mouth  show agent.stamina  show agent.badge
+    show other.role
+    show other.hand
+    show other.mouth
+    show other.bar
+    show other.badge
+    show other.alert as { alarmed where other.alert > 0, calm }
   }
   metrics { event apples  event acorns  event caught  event eaten }  checks { expect caught == 0 with never(bite) over 10 episodes }
-  checks { symmetric agents  always count(agent where agent.mouth is not empty and agent.role is predator) == 0 }
+  checks { symmetric agents  always count(agent where (agent.hand is acorn or agent.mouth is eating) and agent.role is predator) == 0 }
   policy gatherer "eats apples" { seek tree where tree.food is apple and tree.fruit is ripe }
   policy hunter "bites the nearest prey" { aim jaws at agent as other where other.role is prey choose bite }
   variant alley_hunt "Apples in a maze of dead ends" { set hunters = 5  map "maps/predator_prey_alley_hunt.txt" }   # Melting Pot

@@ -1,5 +1,5 @@
 sj 1.1
-game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
+game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" extends "shared/endings.sj" {
   cite "Vezhnevets et al. 2020; Agapiou et al. 2022; the_matrix of Melting Pot 2"
   about summary "Players gather resources, one for each strategy, and challenge each other with a beam: the mixture that each of the"
                 "two holds is its strategy. Defecting pays more in every meeting; two cooperators earn more than two defectors."
@@ -12,10 +12,10 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
   # Melting Pot: from then on the episode may end, each so many steps, with this probability
   param soonest : steps = 1000  param interval : steps = 100 in 1 .. 5000  param ending : probability = 0.15
   param regrow  : probability = 0.04                 # Melting Pot: that a resource comes back, per step, ...
-  param delay   : steps       = 10 in 0 .. 255       # Melting Pot: ... from so many steps on
+  param delay   : steps       = 11 in 0 .. 255       # Melting Pot: ... from so many steps on
   param cooling : steps       = 2 in 0 .. 255        # Melting Pot: without a beam after a beam
-  param freeze  : steps       = 16 in 0 .. 200       # Melting Pot: from the meeting to its rewards
-  size  absence : steps       = 50 in 0 .. 1000      # Melting Pot: of both, after that
+  param freeze  : steps       = 17 in 0 .. 200       # Melting Pot: from the meeting to its rewards
+  size  absence : steps       = 51 in 0 .. 1000      # Melting Pot: of both, after that
   param payoff  : reward      = { coop: { coop: 3, defect: 0 }, defect: { coop: 5, defect: 1 } }              # Melting Pot
   param edge_1 : reward = 1  param edge_2 : reward = 2  param edge_3 : reward = 3  param edge_4 : reward = 4  # Melting Pot: colours
 
@@ -34,7 +34,9 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
   agents players {
     acts stay, forward, backward, step_left, step_right, turn_left, turn_right, interact  # Melting Pot: in this order
     moves relative  blocks beam
-    field bag    by { coop, defect } : 0 .. room capped = 1
+    field bag by { coop, defect } : 0 .. room capped = 1
+    # Melting Pot: in its step a meeting shows both bags
+    field brought by { coop, defect } : 0 .. room = 0  field faced by { coop, defect } : 0 .. room = 0
     field badge  : 0 .. players = 0  # others see it: players have colours of their own
     field owed   : reward
     field rivals : set of agent
@@ -52,6 +54,7 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
   schedule walk -> tick -> collect -> aim -> wreck -> meet -> settle -> grow -> sign -> close
   phase walk { move each agent }
   phase collect {
+    each agent { set agent.brought = 0  set agent.faced = 0 }  # no bag is empty: none of it is shown
     each agent on patch where patch.stock is ripe {
       set patch.stock = none  set patch.young = delay  add 1 to agent.bag[patch.class]  tally collected[patch.class] for agent
     }
@@ -72,6 +75,7 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
     match agent as column with agent as row in column.rivals where sum(row.bag) > classes and sum(column.bag) > classes {
       set row.owed = payoff[mix(row.bag)][mix(column.bag)]
       set column.owed = payoff[mix(column.bag)][mix(row.bag)]  # the same matrix, roles swapped
+      set row.brought = row.bag  set row.faced = column.bag  set column.brought = column.bag  set column.faced = row.bag
       each agent as one in { row, column } { set one.frozen = freeze + 1  tally met for one }
     }
     each agent where agent.rivals is not nobody { set agent.rivals = nobody }
@@ -90,13 +94,20 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
         no: case a.owed < edge_4 { yes: case a.owed < edge_3 { yes: green, no: blue }, no: violet } }
     }
   }
-  phase close { when step + 1 >= soonest and (step + 1) % interval == 0 { chance ending { end } } }
+  phase close { when may_end(soonest, interval) { chance ending { end } } }
   look patch where patch.stock is ripe and patch.class is coop   as green gem
   look patch where patch.stock is ripe and patch.class is defect as red gem
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show patch as { coop where patch.stock is ripe and patch.class is coop, defect where patch.stock is ripe, floor }
-    show gate as { floor }  show agent.bag  show agent.hot  show other.badge  show agent.sign  show other.sign
+    show gate as { floor }
+    show agent.bag
+    show agent.brought
+    show agent.faced
+    show agent.hot
+    show other.badge
+    show agent.sign
+    show other.sign
   }
   metrics { event collected by { coop, defect }  event destroyed by { coop, defect }  event met }
   checks { symmetric agents  expect met == 0 with never(interact) over 10 episodes }
@@ -112,7 +123,7 @@ game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" {
     seek patch where patch.class is defect and patch.stock is ripe avoiding patch where patch.class is coop
   }
   variant repeated "Two players meet again and again; all resources are back when both are away" {
-    set players = 2  set absence = 5  set ending = 0.1  set regrow = 0.02  map "maps/matrix_repeated.txt"  # Melting Pot
+    set players = 2  set absence = 6  set ending = 0.1  set regrow = 0.02  map "maps/matrix_repeated.txt"  # Melting Pot
     observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }                                # Melting Pot
     schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close
     phase refill { when count(agent) == 0 { each patch { set patch.stock = ripe } } }

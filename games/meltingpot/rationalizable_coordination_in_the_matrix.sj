@@ -19,7 +19,10 @@ game rationalizable_coordination_in_the_matrix "Rationalizable Coordination in t
     timer young
     blocks beam when patch.stock is ripe and patch.damage + 1 < health  # Melting Pot: beams go on through what they destroy
   }
-  agents { field bag by { red, green, blue } : 0 .. room capped = 1 }
+  agents {
+    field bag by { red, green, blue } : 0 .. room capped = 1
+    field brought by { red, green, blue } : 0 .. room = 0  field faced by { red, green, blue } : 0 .. room = 0
+  }
   phase start {
     each agent { send agent to gate  set agent.badge = agent.index + 1 }
     each patch where patch.sort is drawn { draw hue from { red, green, blue }  set patch.class = hue }
@@ -41,7 +44,7 @@ game rationalizable_coordination_in_the_matrix "Rationalizable Coordination in t
     seek patch where patch.class is blue and patch.stock is ripe avoiding patch where patch.class is not blue
   }
   variant repeated "Two players meet again and again; all resources are back when both are away" {
-    set players = 2  set absence = 5  set ending = 0.1  set regrow = 0.02  map "maps/matrix_repeated_three.txt"  # Melting Pot
+    set players = 2  set absence = 6  set ending = 0.1  set regrow = 0.02  map "maps/matrix_repeated_three.txt"  # Melting Pot
     observe { window ahead 3, behind 1, left 2, right 2 }  # Melting Pot
     schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close
     phase refill { when count(agent) == 0 { each patch { set patch.stock = ripe } } }

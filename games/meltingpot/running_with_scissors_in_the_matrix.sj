@@ -20,7 +20,10 @@ game running_with_scissors_in_the_matrix "Running with Scissors in the Matrix" e
     blocks beam when patch.stock is ripe and patch.damage + 1 < health  # Melting Pot: beams go on through what they destroy
   }
   map "maps/matrix_arena_three.txt"  # Melting Pot
-  agents { field bag by { rock, paper, scissors } : 0 .. room capped = 1 }
+  agents {
+    field bag by { rock, paper, scissors } : 0 .. room capped = 1
+    field brought by { rock, paper, scissors } : 0 .. room = 0  field faced by { rock, paper, scissors } : 0 .. room = 0
+  }
   phase start {
     each agent { send agent to gate  set agent.badge = agent.index + 1 }
     each patch where patch.sort is drawn { draw hue from { rock, paper, scissors }  set patch.class = hue }
@@ -50,7 +53,7 @@ game running_with_scissors_in_the_matrix "Running with Scissors in the Matrix" e
   }
   variant repeated "Two players meet again and again; all resources are back when both are away" {
     # Melting Pot
-    set players = 2  set absence = 5  set ending = 0.2  set regrow = 0.02  set delay = 15  map "maps/matrix_repeated_three.txt"
+    set players = 2  set absence = 6  set ending = 0.2  set regrow = 0.02  set delay = 16  map "maps/matrix_repeated_three.txt"
     observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }  # Melting Pot
     schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close
     phase refill { when count(agent) == 0 { each patch { set patch.stock = ripe } } }

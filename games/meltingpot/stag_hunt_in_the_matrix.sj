@@ -18,7 +18,10 @@ game stag_hunt_in_the_matrix "Stag Hunt in the Matrix" extends "prisoners_dilemm
     blocks beam when patch.stock is ripe and patch.damage + 1 < health  # Melting Pot: beams go on through what they destroy
   }
   map "maps/stag_hunt_arena.txt"  # Melting Pot
-  agents { field bag by { stag, hare } : 0 .. room capped = 1 }
+  agents {
+    field bag by { stag, hare } : 0 .. room capped = 1
+    field brought by { stag, hare } : 0 .. room = 0  field faced by { stag, hare } : 0 .. room = 0
+  }
   phase start {
     each agent { send agent to gate  set agent.badge = agent.index + 1 }
     each patch where patch.sort is drawn { draw hue from { stag, hare }  set patch.class = hue }
@@ -37,7 +40,7 @@ game stag_hunt_in_the_matrix "Stag Hunt in the Matrix" extends "prisoners_dilemm
     seek patch where patch.class is hare and patch.stock is ripe avoiding patch where patch.class is stag
   }
   variant repeated "Two players meet again and again; all resources are back when both are away" {
-    set players = 2  set absence = 5  set longest = 2500  set ending = 0.1  set regrow = 0.02  # Melting Pot
+    set players = 2  set absence = 6  set longest = 2500  set ending = 0.1  set regrow = 0.02  # Melting Pot
     map "maps/stag_hunt_repeated.txt"  # Melting Pot
     observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }                    # Melting Pot
     schedule walk -> tick -> collect -> aim -> wreck -> meet -> refill -> settle -> grow -> sign -> close

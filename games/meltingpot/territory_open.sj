@@ -1,5 +1,5 @@
 sj 1.1
-game territory_open "Territory: Open" {
+game territory_open "Territory: Open" extends "shared/endings.sj" {
   cite "Agapiou et al. 2022; territory of Melting Pot 2"
   about summary "Bricks are walls and riches at once: who touches one or paints it owns it, and later it pays. Two zaps break a brick"
                 "for ever, and throw a player out for ever. Borders can be agreed on, or fought over."
@@ -11,11 +11,11 @@ game territory_open "Territory: Open" {
   # Melting Pot: from then on the episode may end, each so many steps, with this probability
   param soonest : steps = 1000  param interval : steps = 100 in 1 .. 5000  param ending : probability = 0.2
   param yield : reward = 1  param rate : probability = 0.01                  # Melting Pot: that a brick pays its owner, per step
-  param drying : steps = 25                      # Melting Pot: from the claim until it may pay
+  param drying : steps = 26                      # Melting Pot: from the claim until it may pay
   param mending : steps = 16  param mend : probability = 0.1                 # Melting Pot: from the zap until it may mend; that it does
   param cooling  : steps = 4 in 0 .. 100         # Melting Pot: of one's own zap
-  param frozen   : steps = 25 in 1 .. 100        # Melting Pot: after the first zap
-  param recovery : steps = 50                    # Melting Pot: a second zap within them throws out for ever
+  param frozen   : steps = 24 in 1 .. 100        # Melting Pot: 25 after the first zap, with its own step
+  param recovery : steps = 49                    # Melting Pot: a second zap within them throws out for ever
   param likely : probability = 0.66667  param unlikely : probability = 0.25  # Melting Pot: odds of 2 to 1 and of 1 to 3, in Inside Out
 
   kind floor "."  kind gate "P"
@@ -74,7 +74,7 @@ game territory_open "Territory: Open" {
   }
   phase fall {
     each agent as a { when a.hits == strikes { remove a  tally gone for a } otherwise when a.recovering == 0 { set a.hits = 0 } }
-    each agent where agent.stunned == frozen { set agent.hot = frozen + cooling }  # Melting Pot: the zapper cools when all is over
+    each agent where agent.stunned == frozen { set agent.hot = frozen + cooling + 1 }  # Melting Pot: the zapper cools when all is over
     each brick as b where b.owner is not nobody and (b.damage == strikes or b.owner.hits == strikes) {
       set b.owner = nobody  set b.paint = none
     }
@@ -84,7 +84,7 @@ game territory_open "Territory: Open" {
       chance rate { give yield to b.owner  set b.paint = dry  tally paid for b.owner }
     }
   }
-  phase close { when step + 1 >= soonest and (step + 1) % interval == 0 { chance ending { end } } }
+  phase close { when may_end(soonest, interval) { chance ending { end } } }
   look brick                               as "#b98d74" wall
   look brick where brick.damage > 0        as "#dcc6b8" wall
   look brick where brick.damage == strikes as grey floor

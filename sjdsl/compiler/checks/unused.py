@@ -67,7 +67,7 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
             what = "the size" if constant.is_size else "the parameter"
             problems.add(errors.Unused(constant.name.span, what=what, name=name))
     for name, define in composition.defines.items():
-        if Declared(name) not in used:
+        if Declared(name) not in used and define.span.file == composition.file:  # a base has defines for all games built on it
             problems.add(errors.Unused(define.name.span, what="the define", name=name))
     for name, shape in composition.shapes.items():
         if Declared(name, among="shapes") not in used:
