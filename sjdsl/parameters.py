@@ -1,6 +1,7 @@
 """Run-time parameters from Python: values by name, checked against the limits and `require`s of the game."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from math import isclose
 from typing import TYPE_CHECKING, Any
 
@@ -25,10 +26,12 @@ ROUNDING = 2.0**-24  # a limit that is rounded to float32 is still inside
 def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values) -> tuple[dict[str, Any], dict[str, Any]]:
     """Returns the given values that are sizes (fixed when compiled) and those that are parameters.
 
-    Raises ValueError for a name the game does not have.
+    Raises ValueError for a name the game does not have, and for None.
     """
     sizes, rest = {}, {}
     for name, value in given.items():
+        if value is None:
+            raise ValueError(f"`{name}` is None: give it a number, or leave it out")
         if name in game_sizes:
             sizes[name] = value
         elif name in params:
@@ -136,11 +139,17 @@ def _check_together(game: ir.Game, values: Values, given: Values, check_requires
 def _limit(game: ir.Game, values: Values, given: Values) -> str:
     """Returns which of the given values is too large (or too small), and what it can be with the others as they are."""
     for param in game.params:
-        name, own, value = param.name, param.value, values[param.name]
-        if name in given and value != own and isinstance(value, int) and not beyond_int32(game, {**values, name: own}):
-            nearest = boundary(own, value, lambda number: not beyond_int32(game, {**values, name: number}))  # type: ignore[arg-type]
-            return f"`{name}` is {value}, and can be {nearest} at {'most' if value > nearest else 'least'}"
+        own, value = param.value, values[param.name]
+        played = partial(_is_played, game, values, param.name)
+        if param.name in given and isinstance(own, int) and played(own):
+            nearest = boundary(own, value, played)
+            return f"`{param.name}` is {value}, and can be {nearest} at {'most' if value > nearest else 'least'}"
     return "these parameters are too large (" + ", ".join(f"{name}: {values[name]}" for name in given) + ")"
+
+
+def _is_played(game: ir.Game, values: Values, name: str, number: int) -> bool:
+    """Returns whether a game can be played with another value of one parameter."""
+    return not beyond_int32(game, {**values, name: number})
 
 
 def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:

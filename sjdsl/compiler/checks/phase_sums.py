@@ -6,9 +6,8 @@ quantifiers around it have members, but for the one whose member is the target: 
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import reduce
 from math import inf
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit

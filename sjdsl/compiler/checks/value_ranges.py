@@ -148,9 +148,9 @@ def _table(e: ir.Expr, params: Mapping[str, Any]) -> Any:
     match e:
         case ir.ParamRef():
             return params[e.name]
-        case ir.At(row=row, key=ir.Word(value=key) | ir.Number(value=key)):
+        case ir.At(row=row, key=ir.Word() | ir.Number() as key):
             table = _table(row, params)
-            return None if table is None else table[place_of(row.type.by[0], key)]
+            return None if table is None else table[place_of(row.type.by[0], key.value)]  # type: ignore[arg-type]
         case _:
             return None
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.phase_sums import Sum, Sums, Target, merged, sums_of
-from sjdsl.compiler.checks.value_ranges import HIGHEST, LOWEST, Here, Interval, Leaving, Played, interval_of, visit
+from sjdsl.compiler.checks.value_ranges import HIGHEST, LOWEST, Held, Here, Interval, Leaving, Played, interval_of, visit
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -19,7 +19,7 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.queries import all_fields, event_named, phases_of
 from sjdsl.compiler.ir.types import times
 
-ROUNDS = 4  # so many timers may be set to one another in a row
+ROUNDS = 40  # after so many a timer that doubles has left int32, and one that still rises is taken to have no end
 READ = (ir.ParamRef, ir.Local, ir.FieldRead, ir.Step, ir.Count, ir.EventTotal)  # what can be bounded
 
 
@@ -40,7 +40,9 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
     if low < 1 or played.leaving:
         value = played.leaving[0].interval[1] if played.leaving else low
         labels = _values_read(game.episode, played)
-        return [errors.OutOfLimits(game.episode.span, labels=labels, name="the number of steps of an episode", value=value, low=1, high=HIGHEST)]
+        return [
+            errors.OutOfLimits(game.episode.span, labels=labels, name="the number of steps of an episode", value=value, low=1, high=HIGHEST)
+        ]
     played.steps = high
     phases = _settled(played)
     events = {target: own for target, own in merged(phases).items() if target.sort == "event"}
@@ -54,26 +56,27 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
 
 
 def _settled(played: Played) -> list[Sums]:
-    """Goes through the phases until no timer rises any more, and returns what each of them adds. A timer that always rises has no end."""
-    game = played.game
-    starts = {(timer.held_by, timer.name): max(_starts(timer, game)) for timer in all_fields(game) if timer.timer}
+    """Goes through the phases until no timer rises any more, or the episode is over, and returns what each of them adds."""
+    game, phases = played.game, phases_of(played.game)
+    starts: dict[Held, float] = {(timer.held_by, timer.name): _highest_start(timer, game) for timer in all_fields(game) if timer.timer}
     played.timers, round_ = starts, 0
     while True:
         played.leaving, played.sets, played.growth = [], {}, {}
-        sums = [sums_of(phase, Here(played)) for phase in phases_of(game)]
+        sums = [sums_of(phase, Here(played)) for phase in phases]
         rising = {}
         for held, before in played.timers.items():
             reached = max(starts[held], played.sets.get(held, 0)) + times(played.growth.get(held, 0), played.steps)
             if reached > before:
                 rising[held] = reached if round_ < ROUNDS else inf
-        if not rising:
+        if not rising or round_ >= played.steps * len(phases):
             return sums
         played.timers, round_ = {**played.timers, **rising}, round_ + 1
 
 
-def _starts(timer: ir.VarField, game: ir.Game) -> list[float]:
-    """Returns the values that a timer can have at the start."""
-    return [0, *(value for glyph in game.glyphs if glyph.kind == timer.kind for name, value in glyph.starts if name == timer.name)]  # type: ignore[misc]
+def _highest_start(timer: ir.VarField, game: ir.Game) -> float:
+    """Returns the largest value that a timer begins with on the map."""
+    starts = [value for glyph in game.glyphs if glyph.kind == timer.kind for name, value in glyph.starts if name == timer.name]
+    return max((value for value in starts if isinstance(value, int)), default=0)
 
 
 def _total(target: Target, in_a_step: Sum, played: Played) -> float:

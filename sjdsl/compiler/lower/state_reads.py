@@ -120,7 +120,7 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     bound = 0.0
     for node in nodes:
         if isinstance(node, ir.GlyphMeaning) and node.kind == declared.kind:
-            bound = max([bound, *(value for name, value in node.starts if name == declared.name)])  # type: ignore[type-var]
+            bound = max([bound, *(value for name, value in node.starts if name == declared.name and isinstance(value, int))])
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
             if node.target.held_by == declared.held_by and (not declared.kind or declared.kind in node.target.kinds):
                 bound = max(bound, node.value.type.high)
