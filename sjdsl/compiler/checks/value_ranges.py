@@ -51,11 +51,12 @@ class Here(Record, eq=False):
 
     def knowing(self, condition: ir.Expr, holds: bool = True) -> "Here":
         """Returns this place, where a condition is known to hold (or, with `holds` False, not to hold)."""
-        here = self
+        here, told = self, len(self.played.leaving)
         for part in conjuncts(condition, holds):
             for subject, fn, other in _comparisons(part):
-                limits = limits_of(fn, subject, interval_of(other, self))
+                limits = limits_of(fn, subject, interval_of(other, here))
                 here = here if limits is None else here.bounded(subject, limits)
+        del self.played.leaving[told:]  # the condition itself is gone through where it is written
         return here
 
     def bounded(self, e: ir.Expr, limits: Interval) -> "Here":
@@ -209,7 +210,7 @@ _VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
     ir.FieldRead: _field,
     ir.At: _entry,
     ir.Step: lambda _, here: (0, here.played.steps),
-    ir.EventTotal: lambda e, here: (0, here.played.totals.get(e.name, inf)),
+    ir.EventTotal: lambda e, here: (0, here.played.totals.get(e.name, 0)),
     ir.Arithmetic: lambda e, here: interval_of_parts(e, [interval_of(a, here) for a in e.args]),
     ir.Sum: _sum,
     ir.SumRow: _of_row,
