@@ -2,7 +2,7 @@
 
 import linecache
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -20,7 +20,7 @@ from sjdsl.compiler.elaborate.world_map import parse_rows, row_spans
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
-from sjdsl.parameters import build_params, split_sizes
+from sjdsl.parameters import admitted_params, build_params, split_sizes
 from sjdsl.runtime.env import Encoding, Environment
 
 
@@ -61,7 +61,8 @@ def environment_of(made: Build, source: Source, params: Mapping[str, Any], obser
     key = game_hash(made.game)
     text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))
     module = load_module(text, file, made.game.name)
-    return Environment(module, build_params(made.game, module, params), observation, made.game)
+    admit = partial(admitted_params, made.game, module)
+    return Environment(module, build_params(made.game, module, params), observation, made.game, admit)
 
 
 def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:

@@ -15,6 +15,7 @@ from sjdsl.compiler.checks.state_names import check_state_names
 from sjdsl.compiler.checks.timers import check_timers
 from sjdsl.compiler.checks.unused import check_unused
 from sjdsl.compiler.checks.ways_out import CONFLICTS, Way, accepted_ways, ways_out
+from sjdsl.compiler.checks.whole_numbers import check_whole_numbers
 from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics import errors
@@ -59,6 +60,7 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
         check_conflicts(game, problems)
     if game is not None and game.rows and not problems.failed:
         check_placement(game, composition.sources, problems)
+        check_whole_numbers(game, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)
     found = _with_ways_out(with_declaration_labels(problems.found, composition), composition, overrides)

@@ -101,14 +101,19 @@ def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
     return min(max(_quotient(x - zero, one - zero), np.float32(0)), np.float32(1))
 
 
+def check_int32(value: int, what: object) -> None:
+    """Asserts that a whole number is one of int32, as the compiler proved."""
+    assert isinstance(value, int), (value, what)
+    assert -(2**31) <= value < 2**31, (value, what)
+
+
 def check_interval(value: Any, type_: ir.Type, what: object) -> None:
     """Asserts that a number lies in the interval the compiler proved for it; reals up to rounding."""
     if isinstance(value, tuple):
         for entry in value:
             check_interval(entry, type_, what)
     elif type_.kind == "int":
-        assert isinstance(value, int), (value, what)
-        assert -(2**31) <= value < 2**31, (value, what)
+        check_int32(value, what)
         assert type_.low <= value <= type_.high, (value, type_, what)
     else:
         slack = 1e-5 * max(1.0, abs(float(value)))

@@ -14,7 +14,7 @@ from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.evaluation_parts import arguments_of, entry_place
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
-from sjdsl.interpreter.numbers import added_up
+from sjdsl.interpreter.numbers import added_up, check_int32
 from sjdsl.interpreter.overflow import watched
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
@@ -196,6 +196,7 @@ def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
     for key in path[:-1]:
         holder = holder[key]
     holder[path[-1]] += counted.amount
+    check_int32(holder[path[-1]], counted.event)
 
 
 def _check_places(board: Board, world: World) -> None:

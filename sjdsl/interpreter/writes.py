@@ -13,7 +13,7 @@ from sjdsl.interpreter.bodies import Body
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.evaluation_parts import agents_in, entry_place
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.numbers import added_up, check_interval
+from sjdsl.interpreter.numbers import added_up, check_int32, check_interval
 from sjdsl.interpreter.state import Cell, Mover, Value, World
 
 
@@ -192,10 +192,11 @@ def _fitting(declared: ir.VarField, value: Value) -> Value:
 def _added(declared: ir.VarField, before: Value, values: list[Value]) -> Value:
     if declared.type.kind == "agents":
         return before.union(*values)
-    after = added_up([before, *values]) if declared.type.kind == "real" else before + sum(values)
-    if declared.capped:
-        after = min(max(after, declared.type.low), declared.type.high)
-    return np.float32(after) if declared.type.kind == "real" else int(after)
+    if declared.type.kind == "real":
+        return added_up([before, *values])
+    after = before + sum(values)
+    check_int32(after, declared.name)
+    return int(min(max(after, declared.type.low), declared.type.high)) if declared.capped else after
 
 
 def _check(declared: ir.VarField, value: Value, board: Board) -> None:

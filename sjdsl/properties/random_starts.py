@@ -5,6 +5,7 @@ from random import Random
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.checks.whole_numbers import beyond_int32
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.interpreter.state import Value
 from sjdsl.properties.instances import GameFamily
@@ -117,11 +118,13 @@ def _value(own: Any, type_: ir.Type, random: Random) -> Value:
 
 
 def _required(game: ir.Game, changed: tuple[tuple[str, Value], ...]) -> tuple[tuple[str, Value], ...]:
-    """Returns the changed parameters, without those of a `require` that they violate."""
+    """Returns the changed parameters, without those of a `require` that they violate; none if whole numbers could leave int32."""
     own = {p.name: p.value for p in game.params}
     requires = [c for c in game.checks if c.sort == "require"]
     for check in requires:
         if not holds(check.values[0], own | dict(changed)):
             named = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
             changed = tuple((name, value) for name, value in changed if name not in named)
-    return changed if all(holds(c.values[0], own | dict(changed)) for c in requires) else ()
+    values = own | dict(changed)
+    fitting = all(holds(c.values[0], values) for c in requires) and not (changed and beyond_int32(game, values))
+    return changed if fitting else ()

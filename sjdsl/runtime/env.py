@@ -10,6 +10,7 @@ from jax import Array
 
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.module import GameModule
+from sjdsl.runtime.param_arrays import check_arrays
 from sjdsl.runtime.planes import TokenPlane, channel_names
 from sjdsl.runtime.random_bits import key_words
 from sjdsl.runtime.state_vector import state_vector
@@ -19,6 +20,7 @@ State = Any
 Params = Any
 Info = dict[str, Any]
 ALIKE = 8  # episodes that must begin with the same roles: chance roles of two agents would pass once in 2^7 games at most
+Admit = Callable[[Params], Params]
 Step = Callable[..., tuple[Array, State, Array, Array, Info]]
 Encoding = Literal["tokens", "onehot"]  # of observations
 
@@ -36,14 +38,17 @@ class Environment:
         read them, None where there is no compiler. Playing reads the module alone.
     """
 
-    def __init__(self, module: GameModule, params: Params, observation: Encoding = "tokens", game: Any = None) -> None:
-        """Raises ValueError for an observation that is neither `tokens` nor `onehot`."""
+    def __init__(
+        self, module: GameModule, params: Params, observation: Encoding = "tokens", game: Any = None, admit: Admit | None = None
+    ) -> None:
+        """Raises ValueError for an observation that is neither `tokens` nor `onehot`. `admit`: checks the values given to `with_params`."""
         if observation not in ("tokens", "onehot"):
             raise ValueError(f"observation is `tokens` or `onehot`, not {observation!r}")
         self.module = module
         self.params = params
         self.observation = observation
         self.game = game
+        self._admit = admit
         self.reset: Callable[..., tuple[Array, State]] = jax.jit(self._reset)
         self.step: Step = jax.jit(self._step)
         self.step_env: Step = jax.jit(self._step_env)
@@ -98,15 +103,32 @@ class Environment:
             return int(self.module.episode_length(self.params))
 
     def with_params(self, params: Params) -> "Environment":
-        """Returns the same game with other run-time parameters, which may be traced; see `jax.vmap`."""
-        return Environment(self.module, params, self.observation, self.game)
+        """Returns the same game with other run-time parameters: arrays as in `env.params`, or Python's numbers.
+
+        They may be traced, by `jax.vmap` for example; of these only shape and dtype are checked. In an environment of `make` all others are as
+        `make(params=…)` takes them.
+
+        Raises ValueError: a shape or dtype that is not the parameter's, a value that the game does not take.
+        """
+        if self._admit is None:
+            check_arrays(params, self.params)
+        else:
+            params = self._admit(params)
+        return Environment(self.module, params, self.observation, self.game, self._admit)
+
+    def _given(self, params: Params | None) -> Params:
+        """Returns the parameters to play with. They are traced, mostly: their values are not looked at."""
+        if params is None:
+            return self.params
+        check_arrays(params, self.params)
+        return params
 
     def __repr__(self) -> str:
         return f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, {self.num_actions} actions, {self.observation}>"
 
     def _reset(self, key: Array, params: Params | None = None) -> tuple[Array, State]:
         """Returns the first observation and state of an episode. `key`: a typed key, or two uint32 words (old style)."""
-        params = self.params if params is None else params
+        params = self._given(params)
         state = self.module.reset(params, key_words(key))
         return self._observe(state, params), state
 
@@ -126,7 +148,7 @@ class Environment:
           TypeError: actions are not whole numbers.
           ValueError: there is not one action for each agent.
         """
-        params = self.params if params is None else params
+        params = self._given(params)
         words = key_words(key)
         ended, reward, done, info = self._transition(words, state, actions, params)
         state = reset_where(self.module.reset, done, words, params, ended)
@@ -136,7 +158,7 @@ class Environment:
 
     def _step_env(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
         """As `step`, without the reset."""
-        params = self.params if params is None else params
+        params = self._given(params)
         state, reward, done, info = self._transition(key_words(key), state, actions, params)
         info["terminal_observation"] = observation = self._observe(state, params)
         info["terminal_state"] = state
@@ -164,14 +186,14 @@ class Environment:
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
-        tokens = self._tokens(state, self.params if params is None else params)
+        tokens = self._tokens(state, self._given(params))
         if self.observation == "tokens":
             return tokens
         return to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
 
     def allowed_actions(self, state: State, params: Params | None = None) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
-        return self.module.allowed_actions(state, self.params if params is None else params)
+        return self.module.allowed_actions(state, self._given(params))
 
     @property
     def forbids_actions(self) -> bool:
@@ -181,7 +203,7 @@ class Environment:
     def state_vector(self, state: State, params: Params | None = None) -> Array:
         """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
         row, col = self.cells(state)
-        length = self.module.episode_length(self.params if params is None else params)
+        length = self.module.episode_length(self._given(params))
         return state_vector(self.module, state, row, col, length)
 
     @property

@@ -215,7 +215,7 @@ class Bench:
         game = self._shown.game
         try:
             given = with_entries(game, self._shown.values, request.name, request.value)
-            value = param_values(game, {request.name: given}, check_requires=False)[request.name]
+            value = param_values(game, {**self._shown.values, request.name: given}, check_requires=False)[request.name]
         except ValueError as error:
             raise Refused(str(error)) from None
         is_real = next(p for p in game.params if p.name == request.name).type.kind == "real"

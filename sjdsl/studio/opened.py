@@ -46,12 +46,14 @@ def open_text(source: Source, choice: Choice) -> Opened:
     fitting, left = _fitting(composition, choice.params)
     sizes, rest = split_sizes(*composition.number_names(), fitting)
     build = build_composition(composition, Overrides(sizes, choice.agents))
-    values = param_values(build.game, {}, check_requires=False)
+    taken: dict[str, Any] = {}
     for name, value in rest.items():
         try:
-            values[name] = param_values(build.game, {name: value}, check_requires=False)[name]
+            param_values(build.game, {**taken, name: value}, check_requires=False)
+            taken[name] = value
         except ValueError:
             left.append(name)
+    values = param_values(build.game, taken, check_requires=False)
     types = {p.name: p.type for p in build.game.params}
     values = {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
     return Opened(source, composition, build, values, tuple(left))

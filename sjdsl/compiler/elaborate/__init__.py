@@ -6,7 +6,7 @@ Composition -> ir.Game, with every mistake of the game reported at once
 from collections.abc import Mapping
 from typing import Any
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -67,6 +67,15 @@ def _read_map(game: Composition, static: Static, overrides: Overrides, problems:
     return rows
 
 
+def _episode(declared: ast.Episode, scope: Scope) -> ir.Expr:
+    """Returns the steps of an episode: numbers and parameters, for it is as long whatever happens in it."""
+    steps = scope.number(declared.steps, ("steps",), "a number of steps")
+    if any(isinstance(node, ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme) for node in ir.walk(steps)):
+        help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
+        raise scope.problems.fail(errors.NotFixed(declared.steps.span, what="the length of an episode", help=help_))
+    return steps
+
+
 def _build_game(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems, own_number: bool) -> ir.Game | None:
     kinds = build_kinds(game, static, problems)
     checks_scope = Scope(static, problems, part="checks", events_readable=True)
@@ -80,7 +89,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
     with problems.survive():
         if game.episode is None:
             raise problems.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
-        episode = scope.number(game.episode.steps, ("steps",), "a number of steps")
+        episode = _episode(game.episode, scope)
     view = window(game, scope)
     seen = observables(game, static, problems)
     hidden = unseen(game, static, problems)

@@ -81,10 +81,14 @@ def _reason(declared: ast.Constant, scope: Scope) -> str:
 
 def _overridden(declared: ast.Constant, override: object, by: tuple[Level, ...], scope: Scope) -> int | float:
     whole = declared.unit.text in INTEGER_UNITS
-    if by or isinstance(override, bool) or not isinstance(override, int | float) or (whole and override != int(override)):
-        wanted = "a whole number" if whole else "a number"
-        raise scope.problems.fail(errors.WrongType(declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)))
-    return int(override) if whole else float(override)
+    number = override.item() if hasattr(override, "item") and getattr(override, "shape", None) == () else override
+    if not by and not isinstance(number, bool) and isinstance(number, int | float):
+        if isinstance(number, int) and abs(number) > limits.MAX_VALUE:
+            raise scope.problems.fail(limits.too_much(f"`{declared.name.text}` is {number}", limits.MAX_VALUE, declared.span))
+        if isfinite(number) and (not whole or number == int(number)):
+            return int(number) if whole else float(number)
+    wanted = "a whole number" if whole else "a number"
+    raise scope.problems.fail(errors.WrongType(declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)))
 
 
 def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
 from sjdsl.compiler.ir.types import interval
 
-_MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
+MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 
 
@@ -112,7 +112,7 @@ def compares(left: ir.Expr, fn: Comparison, right: ir.Expr | float, known: Itera
 def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
     if isinstance(condition, ir.Compare):
         fn, left, right = condition.fn, condition.left, condition.right
-        fn, left, right = (_MIRROR[fn], right, left) if fn in ("<", "<=") else (fn, left, right)
+        fn, left, right = (MIRROR[fn], right, left) if fn in ("<", "<=") else (fn, left, right)
         return (ir.Compare, fn, form(left, names), form(right, names))
     return form(condition, names)
 
@@ -167,11 +167,11 @@ def _said(condition: ir.Expr) -> Said:
         case ir.InRange(value=subject, low=ir.Number(value=low), high=ir.Number(value=high)):
             return Said(subject, (low, high))
         case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
-            return Said(subject, _limits(fn, subject, (value, value)))
+            return Said(subject, limits_of(fn, subject, (value, value)))
         case ir.Compare(fn=fn, left=ir.Number(value=value), right=subject):
-            return Said(subject, _limits(_MIRROR[fn], subject, (value, value)))
+            return Said(subject, limits_of(MIRROR[fn], subject, (value, value)))
         case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if right.type.kind == "int":
-            return Said(subject, reach=_limits(fn, subject, (right.type.low, right.type.high)))
+            return Said(subject, reach=limits_of(fn, subject, (right.type.low, right.type.high)))
         case _:
             words, subject = _words_named(condition)
             return Said(subject, words=words)
@@ -189,7 +189,7 @@ def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
     return (words, subject) if subject.type.kind == "word" else (frozenset(), None)
 
 
-def _limits(fn: str, subject: ir.Expr, other: Interval) -> Interval | None:
+def limits_of(fn: str, subject: ir.Expr, other: Interval) -> Interval | None:
     """Returns the interval of what is compared with something in another; a whole number that is below it is below it by one."""
     low, high = other
     whole = subject.type.kind == "int"
@@ -228,7 +228,7 @@ def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     if not known:
         return low, high
     if isinstance(e, ir.Arithmetic) and not e.type.by:
-        by_parts = _of_parts(e, [narrowed(a, known) for a in e.args])
+        by_parts = interval_of_parts(e, [narrowed(a, known) for a in e.args])
         low, high = max(low, by_parts[0]), min(high, by_parts[1])
     elif isinstance(e, ir.Named):
         low, high = narrowed(e.value, known)
@@ -241,7 +241,7 @@ def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     return low, high
 
 
-def _of_parts(e: ir.Arithmetic, parts: list[tuple[float, float]]) -> tuple[float, float]:
+def interval_of_parts(e: ir.Arithmetic, parts: list[tuple[float, float]]) -> tuple[float, float]:
     """Returns the interval of an operation from those of its operands."""
     match e.fn:
         case "neg":

@@ -202,7 +202,8 @@ def _type(type_: ir.Type) -> str:
         case "word" | "mix":
             return f"{type_.kind} {{ {', '.join(type_.words)} }}{by}"
         case "int" | "real":
-            return f"{type_.kind} {type_.unit} {type_.low:g} .. {type_.high:g}{by}"
+            digits = ".17g" if type_.kind == "int" else "g"  # 1000000 and 1000001 are not one range
+            return f"{type_.kind} {type_.unit} {type_.low:{digits}} .. {type_.high:{digits}}{by}"
         case "cell":
             return f"cell of {' | '.join(type_.kinds)}{by}"
         case _:

@@ -116,9 +116,11 @@ def fits_byte(declared: ir.VarField, w: Writer) -> bool:
 
 
 def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
-    """Returns the largest value any statement sets a timer to. `nodes`: all of the game."""
+    """Returns the largest value a timer begins with or any statement sets it to. `nodes`: all of the game."""
     bound = 0.0
     for node in nodes:
+        if isinstance(node, ir.GlyphMeaning) and node.kind == declared.kind:
+            bound = max([bound, *(value for name, value in node.starts if name == declared.name and isinstance(value, int))])
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
             if node.target.held_by == declared.held_by and (not declared.kind or declared.kind in node.target.kinds):
                 bound = max(bound, node.value.type.high)

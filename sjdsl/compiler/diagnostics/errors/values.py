@@ -212,6 +212,34 @@ class ExtremeOfNothing(Diagnostic, code="SJ217", title="The largest of none"):
     domain: str
 
 
+class BeyondInt32(Diagnostic, code="SJ218", title="A whole number too large for 32 bits"):
+    """`reached`: how far the number can go, beyond the limit."""
+
+    says = "`{name}` can {reach}; whole numbers {end}"
+    name: str
+    reached: float
+    limit: int
+
+    @property
+    def reach(self) -> str:
+        return "grow without end" if self.reached == inf else f"become {int(self.reached)}"
+
+    @property
+    def end(self) -> str:
+        return f"end at {self.limit}" if self.limit > 0 else f"begin at {self.limit}"
+
+
+class AddedBeyondInt32(BeyondInt32):
+    """`often`: how often the statement can add to one entry in a phase, or count in a step."""
+
+    says = "{often:time} in a phase, this can let `{name}` {reach}; whole numbers {end}"
+    often: int
+
+
+class TalliedBeyondInt32(AddedBeyondInt32):
+    says = "{often:time} in a step, this can let the count of `{name}` {reach}; whole numbers {end}"
+
+
 class NotChosen(Diagnostic, code="SJ219", title="An argument of an action that was not chosen"):
     """`path`: as it is written, `agent.offer.apples`."""
 

@@ -1,0 +1,204 @@
+"""What the statements of a phase add up to: for one entry of a field, and for one count of an event.
+
+All that is added to an entry in a phase, and all that is counted of an event in a step, is one sum. A statement is in it as often as the
+quantifiers around it have members, but for the one whose member is the target: each of these has a sum of its own.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from math import inf
+from typing import Literal, NamedTuple
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit
+from sjdsl.compiler.ir.members import lanes_of, most_members
+from sjdsl.compiler.ir.queries import written_field
+from sjdsl.compiler.ir.types import times
+
+
+class Target(NamedTuple):
+    """What is added to: a field, by what holds it and its name, or an event. owner: the variable whose entry it is, if it is one."""
+
+    sort: Literal["field", "event"]
+    held_by: str
+    name: str
+    owner: str = ""
+
+
+class Part(NamedTuple):
+    """A statement that adds, the interval of what it adds at a time, and how often it does."""
+
+    statement: ir.Add | ir.Tally
+    each: Interval
+    often: float = 1
+
+    @property
+    def most(self) -> float:
+        """How far it can take the sum."""
+        return times(max(map(abs, self.each)), self.often)
+
+
+class Sum(NamedTuple):
+    """The interval of a sum, and the statement that takes it farthest."""
+
+    low: float
+    high: float
+    part: Part
+
+
+Sums = dict[Target, Sum]
+
+
+def _both(a: Sum, b: Sum) -> Sum:
+    return Sum(a.low + b.low, a.high + b.high, max(a.part, b.part, key=lambda part: part.most))
+
+
+def _either(a: Sum, b: Sum) -> Sum:
+    return Sum(min(a.low, b.low), max(a.high, b.high), max(a.part, b.part, key=lambda part: part.most))
+
+
+def merged(sums: Iterable[Sums], join: Callable[[Sum, Sum], Sum] = _both) -> Sums:
+    """Returns the sums of several blocks; all sums have 0 in their interval, as statements may not happen."""
+    found: Sums = {}
+    for one in sums:
+        for target, own in one.items():
+            found[target] = join(found[target], own) if target in found else own
+    return found
+
+
+def sums_of(phase: ir.Phase, here: Here) -> Sums:
+    """Goes through a phase, and returns what it adds, whatever variable names the owner: two variables can be one agent or cell."""
+    return merged({target._replace(owner=""): own} for target, own in block(phase.body, here).items())
+
+
+def _often(sums: Sums, number: float, members: tuple[ir.Member | None, ...] = ()) -> Sums:
+    """Returns the sums of a block that happens for so many members; to each of them as its own, once."""
+    own = {member.name for member in members if member is not None}
+    return {target: s if target.owner in own else _repeated(s, number) for target, s in sums.items()}
+
+
+def _repeated(s: Sum, number: float) -> Sum:
+    return Sum(times(s.low, number), times(s.high, number), s.part._replace(often=times(s.part.often, number)))
+
+
+def block(body: tuple[ir.Stmt, ...], here: Here) -> Sums:
+    """Goes through the statements of a block, and returns what they add."""
+    found = []
+    for statement in body:
+        match statement:
+            case ir.Let(name=name, value=value) if value.type.kind in ("int", "real"):
+                here = replace(here, locals={**here.locals, name: interval_of(value, here)})
+            case ir.Draw(name=name, low=ir.Expression() as low, high=ir.Expression() as high):
+                ends = interval_of(low, here), interval_of(high, here)
+                here = replace(here, locals={**here.locals, name: (ends[0][0], ends[1][1])})
+            case _:
+                found.append(_statement(statement, here))
+    return merged(found)
+
+
+def _statement(s: ir.Stmt, here: Here) -> Sums:
+    match s:
+        case ir.Each() | ir.Pick() | ir.First():
+            return _quantified(s, here)
+        case ir.Match():
+            numbers = [most_members(domain, here.played.game) for domain in (s.left, s.right)]
+            sums = block(s.body, inside(s.right, inside(s.left, here)))
+            return _often(sums, min(numbers), (s.left.var, s.left.on, s.right.var, s.right.on))
+        case ir.When() | ir.Chance():
+            return _branched(s, here)
+        case ir.Set():
+            _set(s, here)
+            return {}
+        case ir.Add(target=target, value=value):
+            field = written_field(target)
+            _visit_target(target, here)
+            if field.type.kind != "int":
+                visit(value, here)
+                return {}
+            return _adding(Target("field", field.held_by, field.name, _name(field.owner)), s, interval_of(value, here))
+        case ir.Tally():
+            for part in (s.word, s.receiver):
+                if part is not None:
+                    visit(part, here)
+            each = (1, 1) if s.amount is None else interval_of(s.amount, here)
+            return _adding(Target("event", "", s.event, _name(s.receiver)), s, each)
+        case ir.Send() if s.after is not None:  # where it goes is looked up when it comes back: what is known now may not hold then
+            visit(s.after, here)
+            inside(s.domain, replace(here, known={}))
+            return {}
+        case _:
+            for child in ir.children(s):
+                visit(child, here)
+            return {}
+
+
+def _visit_target(target: ir.Expr, here: Here) -> None:
+    """Goes through what names a target: what it holds is not read."""
+    for child in ir.children(target):
+        visit(child, here)
+
+
+def _name(owner: ir.Expr | None) -> str:
+    return owner.name if isinstance(owner, ir.Member) else ""
+
+
+def _adding(target: Target, s: ir.Add | ir.Tally, each: Interval) -> Sums:
+    return {target: Sum(min(each[0], 0), max(each[1], 0), Part(s, each))}
+
+
+def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
+    number: float = most_members(s.domain, here.played.game)
+    members: tuple[ir.Member | None, ...] = (s.domain.var, s.domain.on)
+    if isinstance(s, ir.Pick):
+        number = min(number, interval_of(s.number, here)[1])
+    if isinstance(s, ir.First):
+        assert isinstance(s.domain.restriction, ir.Near)
+        number, members = len(lanes_of(s.domain.restriction, here.played.game)), ()  # two lanes can reach one member
+    sums = block(s.body, inside(s.domain, here))
+    if isinstance(s, ir.Each):
+        return _often(sums, number, members)
+    other = block(s.otherwise, here)  # of a `pick` once, of `first` in each lane without a member
+    if isinstance(s, ir.First):
+        return _often(merged([sums, other], _either), number)
+    return merged([_often(sums, number, members), other], _either)
+
+
+def _branched(s: ir.When | ir.Chance, here: Here) -> Sums:
+    found = []
+    for branch in s.branches:
+        visit(branch.test, here)
+        if isinstance(s, ir.When):
+            found.append(block(branch.body, here.knowing(branch.test)))
+            here = here.knowing(branch.test, holds=False)
+        else:
+            found.append(block(branch.body, here))
+    return merged([*found, block(s.otherwise, here)], _either)
+
+
+def _set(s: ir.Set, here: Here) -> None:
+    """Goes through a `set`, and keeps what a timer is set to."""
+    _visit_target(s.target, here)
+    if s.value.type.kind != "int":
+        visit(s.value, here)
+        return
+    field, (_, high) = written_field(s.target), interval_of(s.value, here)
+    if s.target.type.high < inf:  # the range of a field
+        return
+    held, played = (field.held_by, field.name), here.played
+    added = _counted_on(s.value, held)
+    if added is None:
+        played.sets[held] = max(played.sets.get(held, 0), high)
+    else:
+        played.growth[held] = played.growth.get(held, 0) + max(interval_of(added, here)[1], 0)
+
+
+def _counted_on(value: ir.Expr, held: tuple[str, str]) -> ir.Expr | None:
+    """Returns n where a timer is set to what it is and n more, or what one like it is."""
+    match value:
+        case ir.Named():
+            return _counted_on(value.value, held)
+        case ir.Arithmetic(fn="+", args=(left, right)):
+            for one, other in ((left, right), (right, left)):
+                if isinstance(one, ir.FieldRead) and (one.held_by, one.name) == held:
+                    return other
+    return None

@@ -1,0 +1,29 @@
+sj 1
+game pond {
+  episode 20
+  kind shore "." { field fruit : { none, ripe } = none }
+  kind water "~"
+  map { "...~"
+        "...~" }
+  agents 2 {
+    acts turn_left, turn_right, forward, stay
+    moves relative
+    timer full
+    timer tired
+  }
+  phase start { each agent { send agent to shore } }
+  schedule tick -> grow -> walk -> eat
+  phase grow { each shore where nobody on shore { chance 0.1 { set shore.fruit = ripe } } }
+  phase walk { move each agent }
+  phase eat {
+    each agent on shore where shore.fruit is ripe {
+      set shore.fruit = none
+      give 1 to agent
+      set agent.full = agent.tired + 1
+      set agent.tired = agent.full + agent.full
+      tally eaten for agent
+    }
+  }
+  observe { window ahead 2, behind 1, left 1, right 1 }
+  metrics { event eaten }
+}
