@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from sjdsl.compiler import Build, build_composition, ir
+from sjdsl.compiler import Build, ast, build_composition, ir
+from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
@@ -64,6 +65,12 @@ class GameFamily:
         The game itself if the compiler does not take such a map.
         """
         return self.on(self.own.rows * 2, self.own.agents.number) or self.own
+
+    @cached_property
+    def sends_later(self) -> bool:
+        """Whether a `send … after n` is written, also where n is a size that is 0 now."""
+        nodes = (node for phase in self.composition.phases.values() for node in walk(phase))
+        return any(isinstance(node, ast.Send) and node.after is not None for node in nodes)
 
     @cached_property
     def few_agents(self) -> tuple[int, ...]:

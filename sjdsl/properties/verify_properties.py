@@ -109,7 +109,7 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
             return make_verdict(family, check, True, "proved", why_symmetric(check, game))
         case "always" | "once" if all(decide(wider.checks[number].values[-1]) for wider in (game, family.doubled)):
             return make_verdict(family, check, True, "proved", "the ranges of the values it reads imply it")
-        case "conserved" if is_untouched(check.values[0], game):
+        case "conserved" if is_untouched(check.values[0], game, family.sends_later):
             return make_verdict(family, check, True, "proved", "no rule writes anything that it reads")
         case "monotone" if decide_monotone(check, game):
             return make_verdict(family, check, True, "proved", "every operation between the two is monotone")
