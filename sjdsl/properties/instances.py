@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from sjdsl.agent_range import agent_range
 from sjdsl.compiler import Build, ast, build_composition, ir
 from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
@@ -71,6 +72,12 @@ class GameFamily:
         """Whether a `send … after n` is written, also where n is a size that is 0 now."""
         nodes = (node for phase in self.composition.phases.values() for node in walk(phase))
         return any(isinstance(node, ast.Send) and node.after is not None for node in nodes)
+
+    @cached_property
+    def crowded(self) -> ir.Game:
+        """The game on its own map with as many agents as the file allows there."""
+        allowed = agent_range(self.composition, self.own.agents.number)
+        return (None if allowed is None else self.on(self.own.rows, allowed[2])) or self.own
 
     @cached_property
     def few_agents(self) -> tuple[int, ...]:

@@ -128,7 +128,7 @@ class SmallMapVerdicts:
             self._transformed[key] = transformed_games(check, trajectory.game)
         for other in self._transformed[key]:
             draws = draws_of(scenario, at)
-            found = compare_step(trajectory.game, other.game, trajectory.worlds[at], trajectory.actions[at], trajectory.params, draws)
+            found = compare_step(trajectory.game, other, trajectory.worlds[at], trajectory.actions[at], trajectory.params, draws)
             if found:
                 return other.said, found
         return None
