@@ -8,6 +8,7 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.ir.implications import compares
+from sjdsl.compiler.ir.ranges import range_of
 from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_units, over_unit, real, times_unit, without_zero
 
 VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take the remainder of"}
@@ -73,8 +74,9 @@ def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, s
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
-    """Returns whether neither the interval, a guard nor a `require` excludes 0."""
-    if divisor.type.low > 0 or divisor.type.high < 0:
+    """Returns whether neither its range (as a float32), a guard nor a `require` excludes 0."""
+    computed = range_of(divisor)
+    if computed.low > 0 or computed.high < 0:
         return False
     if isinstance(divisor, ir.Count) and divisor.domain.restriction is None and divisor.domain.where is None and divisor.domain.on is None:
         if divisor.domain.var.who == "cell":
