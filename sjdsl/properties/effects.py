@@ -9,13 +9,26 @@ Part = tuple[str, ...]  # ("agent", field), ("cell", kind, field), ("mover", sor
 PLACE, HEADING, MOVED, AWAY, STEP = ("place",), ("heading",), ("moved",), ("away",), ("step",)  # places of agents and movers alike
 
 
-def is_untouched(e: ir.Expr, game: ir.Game) -> bool:
-    """Returns whether no rule writes anything that the expression reads."""
-    return not set(reads(e)) & set(writes(game))
+def is_untouched(e: ir.Expr, game: ir.Game, sent_away: bool = False) -> bool:
+    """Returns whether no rule writes anything that the expression reads. `sent_away`: a `send` that takes no time here takes some elsewhere."""
+    away = {part_of("away", mover_sort(n.who)) for n in ir.walk(game) if isinstance(n, ir.Send)} if sent_away else set()
+    return not reads_and_blocks(e, game) & {*writes(game), *away}
+
+
+def reads_and_blocks(node: ir.Node, game: ir.Game) -> set[Part]:
+    """Returns what an expression reads, and what the conditions read under which something ends the lanes of its shapes."""
+    found, shapes, waiting = set[Part](), set[str](), [node]
+    while waiting:
+        following = waiting.pop()
+        found |= set(reads(following))
+        more = {n.shape for n in ir.walk(following) if isinstance(n, ir.Near)} - shapes
+        shapes |= more
+        waiting += [block for blocker in (*game.kinds, game.agents) for block in blocker.blocks if block.what in more]
+    return found
 
 
 def reads(node: ir.Node) -> Iterator[Part]:
-    """Yields what an expression reads; whether agents are away is read wherever agents are counted."""
+    """Yields what an expression reads itself; whether agents are away is read wherever agents are counted."""
     for n in ir.walk(node):
         match n:
             case ir.FieldRead():

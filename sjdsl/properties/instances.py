@@ -5,7 +5,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from sjdsl.agent_range import agent_range
-from sjdsl.compiler import Build, build_composition, ir
+from sjdsl.compiler import Build, ast, build_composition, ir
+from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
@@ -71,6 +72,17 @@ class GameFamily:
         """The greatest number of agents that the game takes on its own map, as far as the limits of its file go."""
         limits = agent_range(self.composition, self.own.agents.number)
         return self.own.agents.number if limits is None else limits[2]
+
+    @cached_property
+    def sends_later(self) -> bool:
+        """Whether a `send … after n` is written, also where n is a size that is 0 now."""
+        nodes = (node for phase in self.composition.phases.values() for node in walk(phase))
+        return any(isinstance(node, ast.Send) and node.after is not None for node in nodes)
+
+    @cached_property
+    def crowded(self) -> ir.Game:
+        """The game on its own map with as many agents as the file allows there."""
+        return self.on(self.own.rows, self.most_agents) or self.own
 
     @cached_property
     def few_agents(self) -> tuple[int, ...]:

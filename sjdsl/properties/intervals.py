@@ -1,6 +1,7 @@
 """Interval analysis: decides conditions from the ranges of the numbers in them, whatever the state."""
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.ranges import Range, range_of, real
 
 
 def decide(e: ir.Expr) -> bool | None:
@@ -16,20 +17,21 @@ def decide(e: ir.Expr) -> bool | None:
         case ir.Logic():
             return _logic(e.fn == "and", [decide(a) for a in e.args])
         case ir.Compare():
-            return _compare(e.fn, range_of(e.left), range_of(e.right))
+            left, right = _compared(e.left, e.right)
+            return _compare(e.fn, left, right)
         case ir.InRange():
-            return _logic(True, [_compare("<=", range_of(e.low), range_of(e.value)), _compare("<=", range_of(e.value), range_of(e.high))])
+            low, value, high = _compared(e.low, e.value, e.high)
+            return _logic(True, [_compare("<=", low, value), _compare("<=", value, high)])
         case ir.InWords():
             return True if set(e.value.type.words) <= set(e.words) else None
         case _:
             return None
 
 
-def range_of(e: ir.Expr) -> ir.Type:
-    """Returns the interval of a number; a count of all cells of a kind is exact."""
-    if isinstance(e, ir.Count) and e.domain.var.who == "cell" and e.domain.restriction is None and e.domain.where is None:
-        return e.type.model_copy(update={"low": e.type.high})
-    return e.type
+def _compared(*numbers: ir.Expr) -> list[Range]:
+    """Returns the ranges of numbers that are compared: as reals if one of them is one."""
+    whole = all(e.type.kind == "int" for e in numbers)
+    return [range_of(e) if whole else real(range_of(e)) for e in numbers]
 
 
 def _logic(is_and: bool, parts: list[bool | None]) -> bool | None:
@@ -39,7 +41,9 @@ def _logic(is_and: bool, parts: list[bool | None]) -> bool | None:
     return None if None in parts else is_and
 
 
-def _compare(fn: str, a: ir.Type, b: ir.Type) -> bool | None:
+def _compare(fn: str, a: Range, b: Range) -> bool | None:
+    if not (a.sound and b.sound):
+        return None
     match fn:
         case "<":
             return True if a.high < b.low else False if a.low >= b.high else None

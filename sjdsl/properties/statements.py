@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
-from sjdsl.properties.effects import Part, reads, written_by
+from sjdsl.properties.effects import Part, reads, reads_and_blocks, written_by
 from sjdsl.properties.multiplicity import Quantifier
 
 StatementId = tuple[str, str, int]  # (use of a phase in the schedule, file, offset): one statement in one use of a phase
@@ -77,7 +77,7 @@ def statements_needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[LeafSt
     leaves = tuple(leaves)
     if check.sort == "symmetric":
         return frozenset(leaf.statement_id for leaf in leaves)
-    wanted: set[Part] = {part for e in check.values for part in reads(e)}
+    wanted: set[Part] = {part for e in check.values for part in reads_and_blocks(e, game)}
     waiting = {i: set(written_by(leaf.statement)) for i, leaf in enumerate(leaves)}
     found: set[StatementId] = set()
     while True:
@@ -94,10 +94,10 @@ def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
     """Yields what decides whether, where and with which value a statement works."""
     nodes = [n for node in (*leaf.around, leaf.statement) for n in ir.walk(node)]
     for node in (*leaf.around, leaf.statement):
-        yield from reads(node)
+        yield from reads_and_blocks(node, game)
     if any(isinstance(n, ir.Chose | ir.ChoseWith | ir.Move) for n in nodes):
         for forbid in game.agents.forbids:
             yield from reads(forbid.condition)
-    if any(isinstance(n, ir.Near | ir.Move) for n in nodes):
+    if any(isinstance(n, ir.Move) for n in nodes):
         for block in (b for kind in game.kinds for b in kind.blocks if b.condition is not None):
-            yield from reads(block)
+            yield from reads_and_blocks(block, game)

@@ -8,11 +8,13 @@ rules. What is drawn stays what it is: a mover that goes one of several ways, al
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.queries import mover_sort, movers_named
-from sjdsl.compiler.ir.sorts import sort_of
+from sjdsl.compiler.ir.sorts import Level, sort_of
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer, words
 from sjdsl.interpreter.evaluation_parts import arguments_of
@@ -28,10 +30,24 @@ MIRRORED = {"east": "west", "west": "east"}
 
 @dataclass(frozen=True)
 class TransformedGame:
-    """A game with changed rules, and what the difference is, in words."""
+    """A game with changed rules, and what the difference is, in words. `order`: whose entry each agent reads in a table by agent."""
 
     game: ir.Game
     said: str
+    order: tuple[int, ...] = ()
+
+    def params(self, given: Mapping[str, Value]) -> Mapping[str, Value]:
+        """Returns the parameters with which the changed rules are played."""
+        types = {param.name: param.type for param in self.game.params}
+        return {name: _reordered(value, types[name].by, self.order) for name, value in given.items()} if self.order else given
+
+
+def _reordered(value: Any, by: Sequence[Level], order: Sequence[int]) -> Any:
+    """Returns a table whose entries by agent are those of others."""
+    if not by:
+        return value
+    entries = [_reordered(entry, by[1:], order) for entry in value]
+    return tuple(entries[i] for i in order) if sort_of(by[0]) == "agent" else tuple(entries)
 
 
 def transformed_games(check: ir.Check, game: ir.Game) -> list[TransformedGame]:
@@ -49,17 +65,52 @@ def one_sided_action(check: ir.Check, game: ir.Game) -> str:
     return f"the agents can {lonely[0]}, but not {SIDES[lonely[0]]}" if lonely else ""
 
 
+def tells_apart(check: ir.Check, game: ir.Game) -> bool:
+    """Returns whether a rule of a step may tell agents (or movers, or left and right) apart. If none does, the game is symmetric.
+
+    What it says of agents that are named by their numbers, `forbid vote(0)`, it says for as many agents as the game has.
+    """
+    (what,) = check.words
+    if what in ("agents", "mirror"):
+        reads = what == "agents" and any(_reads_number(n) for n in _nodes(game))
+        return reads or bool(transformed_games(check, game))
+    return any(_reads_number(n, what) for n in _nodes(game))
+
+
+def names_agents(game: ir.Game) -> bool:
+    """Returns whether a rule of a step may name agents by numbers that are written."""
+    return any(_may_name_agents(n) for n in _nodes(game))
+
+
 def why_symmetric(check: ir.Check, game: ir.Game) -> str:
-    """Returns why a game is symmetric for which `transformed_games` gives nothing."""
+    """Returns why a game is symmetric in which no rule of a step tells anything apart, and what that leaves out."""
     (what,) = check.words
     if what == "mirror":
-        return "no rule tells left from right"
-    sort = "" if what == "agents" else what
-    sends = [n for turn in game.schedule for n in ir.walk(turn) if isinstance(n, ir.Send) and n.stay and n.origin is not None]
-    sends = [n for n in sends if mover_sort(n.who) == sort]
-    but = f" (should free cells run out in line {sends[0].origin.line}, lower numbers come first)" if sends and sends[0].origin else ""
-    number = f"the number of a `{sort}`" if sort else "an agent's number"
-    return f"no rule reads {number}{but}"
+        said, (mirrored, same) = "tells left from right", ([rewrite(game.start, rule) for rule in (_mirroring(game), lambda node: node)])
+        told = [game.start] if mirrored != same else []
+    else:
+        sort = "" if what == "agents" else what
+        said = f"reads the number of a `{sort}`" if sort else "reads an agent's number"
+        told = [n for n in ir.walk(game.start) if _reads_number(n, sort)]
+    start = f"; `phase start` does, in line {_line(told[0], game.start)}, and is not part of this" if told else ""
+    return f"no rule of a step {said}{start}"
+
+
+def order_of_sending(check: ir.Check, game: ir.Game) -> tuple[list[ir.Send], list[ir.Send]]:
+    """Returns where it matters that lower numbers are sent first: where the cells that fit differ from one to another, and if cells run out."""
+    sort = "" if check.words[0] == "agents" else check.words[0]
+    sends = [n for n in _nodes(game) if isinstance(n, ir.Send) and sort != "mirror" and mover_sort(n.who) == sort]
+    return [n for n in sends if variables_around(n.domain)], [n for n in sends if n.stay]
+
+
+def _line(node: ir.Node, around: ir.Node) -> int:
+    return (node.origin or around.span).line
+
+
+def _nodes(game: ir.Game) -> Iterator[ir.Node]:
+    """Yields all of the rules of a step."""
+    for rule in (*game.schedule, game.agents, *game.kinds):
+        yield from ir.walk(rule)
 
 
 def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
@@ -75,10 +126,10 @@ def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
 
 def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
     """Yields the game with two neighbouring numbers swapped: these swaps make up all others."""
-    rules = (*game.schedule, game.agents, *game.kinds)
-    if not any(_reads_number(n) or _may_name_agents(n) for rule in rules for n in ir.walk(rule)):
+    tables = any(_reads_table_by_agent(n) for n in _nodes(game))
+    if not tables and not names_agents(game) and not any(_reads_number(n) for n in _nodes(game)):
         return
-    own = _of_rules(game, lambda node: node)
+    own, drawn = _of_rules(game, lambda node: node), _drawn_numbers(game, "", game.agents.number)
     for first in range(game.agents.number - 1):
         order = list(range(game.agents.number))
         order[first : first + 2] = [first + 1, first]
@@ -91,22 +142,46 @@ def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
                     return node.model_copy(update={"value": value.model_copy(update={"value": new, "type": integer(new, new, "number")})})
                 case ir.Forbid() if {actions[a] for a in node.actions} != set(node.actions):
                     return node.model_copy(update={"actions": tuple(sorted(actions[a] for a in node.actions))})
+                case ir.Attribute(name="index") if not mover_sort(node.owner):
+                    return _numbered(node, order)
+                case ir.Local(name=name) if name in drawn:
+                    return _numbered(node, order)
                 case _:
-                    return _numbered(node, order) if _reads_number(node) else node
+                    return node
 
         changed = _of_rules(game, rule)
-        if changed != own:
-            yield TransformedGame(changed, f"if agents {first} and {first + 1} swapped numbers")
+        if tables or changed != own:
+            yield TransformedGame(changed, f"if agents {first} and {first + 1} swapped numbers", tuple(order) if tables else ())
+
+
+def _drawn_numbers(game: ir.Game, sort: str, many: int) -> set[str]:
+    """Returns the variables that are compared with numbers of agents (or movers) and are each of these with equal chance: in any order they are."""
+    draws = [n for n in _nodes(game) if isinstance(n, ir.Draw)]
+    every = [n.name for n in draws if _ends(n)[0] <= 0 and _ends(n)[1] >= many - 1]
+    pairs = [pair for n in _nodes(game) if isinstance(n, ir.Compare) for pair in ((n.left, n.right), (n.right, n.left))]
+    compared = {b.name for a, b in pairs if isinstance(a, ir.Attribute) and _reads_number(a, sort) and isinstance(b, ir.Local)}
+    return {name for name in compared if [n.name for n in draws].count(name) == every.count(name) > 0}
+
+
+def _ends(draw: ir.Draw) -> tuple[float, float]:
+    """Returns between which whole numbers is drawn, if these are written; else between none."""
+    match draw:
+        case ir.Draw(type=ir.Type(kind="int"), low=ir.Number(value=low), high=ir.Number(value=high)):
+            return low, high
+        case _:
+            return inf, -inf
 
 
 def _renumbered_movers(game: ir.Game, sort: str) -> Iterator[TransformedGame]:
     """Yields the game with two neighbouring numbers of movers of a sort swapped."""
     own, number = _of_rules(game, lambda node: node), movers_named(game, sort).number
+    drawn = _drawn_numbers(game, sort, number)
     for first in range(number - 1):
         order = [*range(first), first + 1, first, *range(first + 2, number)]
 
         def rule(node: Any, order: list[int] = order) -> Any:
-            return _numbered(node, order) if isinstance(node, ir.Attribute) and _reads_number(node, sort) else node
+            numbered = _reads_number(node, sort) or (isinstance(node, ir.Local) and node.name in drawn)
+            return _numbered(node, order) if numbered else node
 
         changed = _of_rules(game, rule)
         if changed != own:
@@ -130,34 +205,39 @@ def _renumbered_actions(game: ir.Game, order: Sequence[int]) -> dict[int, int]:
     return found
 
 
-def _reads_number(node: Any, sort: str = "") -> bool:
-    """Returns whether a value depends on the number of an agent: `index`, or an entry of a param by agent; or on that of a mover of a sort."""
-    if isinstance(node, ir.At):
-        by_agent = isinstance(node.row, ir.ParamRef) and sort_of(node.row.type.by[0]) == "agent" and not isinstance(node.key, ir.Word)
-        return by_agent and not sort
-    return isinstance(node, ir.Attribute) and node.name == "index" and mover_sort(node.owner) == sort
-
-
-def _numbered(node: ir.Attribute | ir.At, order: list[int]) -> ir.Case:
-    """Returns what an agent would read that had the number that another has."""
+def _reads_number(node: ir.Node, sort: str = "") -> bool:
+    """Returns whether a value depends on the number of an agent: `index`, or a table by agent; or on that of a mover of a sort."""
     if isinstance(node, ir.Attribute):
-        arms = [ir.Arm(low=i, high=i, value=ir.Number(type=node.type, value=number)) for i, number in enumerate(order)]
-        return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
-    names = words(node.row.type.by[0])
-    values = [node.model_copy(update={"key": ir.Word(type=names, value=names.words[number])}) for number in order]
-    index = ir.Attribute(type=integer(0, len(order) - 1), owner=node.key, name="index")
-    return ir.Case(
-        type=node.type,
-        subject=index,
-        arms=tuple(ir.Arm(low=i, high=i, value=value) for i, value in enumerate(values)),
-        origin=node.origin,
-    )
+        return node.name == "index" and mover_sort(node.owner) == sort
+    return not sort and _reads_table_by_agent(node)
+
+
+def _reads_table_by_agent(node: ir.Node) -> bool:
+    return isinstance(node, ir.ParamRef) and any(sort_of(level) == "agent" for level in node.type.by)
+
+
+def _numbered(node: ir.Attribute | ir.Local, order: Sequence[int]) -> ir.Case:
+    """Returns the number of the agent that has the number which is read."""
+    arms = [ir.Arm(low=i, high=i, value=ir.Number(type=node.type, value=number)) for i, number in enumerate(order)]
+    if isinstance(node, ir.Local):  # nobody has the other numbers that may be drawn
+        arms += [ir.Arm(high=-1, value=node), ir.Arm(low=len(order), value=node)]
+    return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
 
 
 def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
+    rule = _mirroring(game)
+    changed = _of_rules(game, rule).model_copy(update={"shapes": tuple(rewrite(shape, rule) for shape in game.shapes)})
+    if changed != _of_rules(game, lambda node: node):
+        yield TransformedGame(changed, "if left and right were swapped")
+
+
+def _mirroring(game: ir.Game) -> Callable[[Any], Any]:
+    """Returns what turns a part of the rules into its mirror image."""
     actions, width = game.agents.actions, len(game.rows[0])
     other = {i: actions.index(SIDES[a]) for i, a in enumerate(actions) if a in SIDES and SIDES[a] in actions}
-    ordered = {n.domain.restriction.shape for n in ir.walk(game) if isinstance(n, ir.First) and isinstance(n.domain.restriction, ir.Near)}
+    firsts = [n.domain for n in _nodes(game) if isinstance(n, ir.First)]
+    firsts += [n.right for n in _nodes(game) if isinstance(n, ir.Match) and n.first]
+    ordered = {domain.restriction.shape for domain in firsts if isinstance(domain.restriction, ir.Near)}
 
     def rule(node: Any) -> Any:
         match node:
@@ -185,9 +265,7 @@ def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
             case _:
                 return node
 
-    changed = _of_rules(game, rule).model_copy(update={"shapes": tuple(rewrite(shape, rule) for shape in game.shapes)})
-    if changed != _of_rules(game, lambda node: node):
-        yield TransformedGame(changed, "if left and right were swapped")
+    return rule
 
 
 def mirrored_heading(e: ir.Expr) -> ir.Expr:
@@ -212,13 +290,14 @@ def _is_even(shape: ir.Shape, ordered: bool) -> bool:
 
 
 def compare_step(
-    game: ir.Game, other: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
+    game: ir.Game, other: TransformedGame, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
 ) -> list[str]:
     """Takes one step under both rules with the same draws and returns what differs afterwards, in words."""
     same = SameForAll(draws)
-    mine, theirs = step(game, world, actions, params, same), step(other, world, actions, params, same)
+    mine = step(game, world, actions, params, same)
+    theirs = step(other.game, world, actions, other.params(params), same)
     found = differences(mine, theirs)
-    if action_mask(game, mine[0]) != action_mask(other, theirs[0]):
+    if action_mask(game, mine[0]) != action_mask(other.game, theirs[0]):
         found.append("what the agents may do next")
     return found
 

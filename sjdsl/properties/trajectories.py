@@ -159,9 +159,7 @@ class PlayedVerdicts:
         if not self._search.record.number:
             return ()
         ran = set(self._search.record.ran) | (set() if self._on_own_map is None else set(self._on_own_map.record.ran))
-        lines = {
-            leaf.statement.origin.line for leaf in self._leaves if leaf.statement.origin is not None and leaf.statement_id not in ran
-        }
+        lines = {leaf.statement.origin.line for leaf in self._leaves if leaf.statement.origin is not None and leaf.statement_id not in ran}
         return tuple(sorted(lines))
 
     def _use(self, statement: StatementId) -> str:
@@ -200,7 +198,7 @@ class PlayedVerdicts:
             self._transformed[key] = transformed_games(check, trajectory.game)
         for other in self._transformed[key]:
             draws = draws_of(scenario, at)
-            found = compare_step(trajectory.game, other.game, trajectory.worlds[at], trajectory.actions[at], trajectory.params, draws)
+            found = compare_step(trajectory.game, other, trajectory.worlds[at], trajectory.actions[at], trajectory.params, draws)
             if found:
                 return other.said, found
         return None

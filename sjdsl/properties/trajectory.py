@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.interpreter.account import Account
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
@@ -89,9 +90,14 @@ Driver = Callable[[World, int], Sequence[int] | None]  # (state, number of the s
 
 
 def params_of(game: ir.Game, given: Sequence[tuple[str, Value]]) -> dict[str, Value]:
-    """Returns the parameters of a scenario as the interpreter has them."""
+    """Returns the parameters of a scenario as the interpreter has them. A table by agent that was made for more or fewer agents stays as the file has it."""
     types = {p.name: p.type for p in game.params}
-    return default_params(game) | {name: real(value) if types[name].kind == "real" else value for name, value in given}
+    fitting = [(name, value) for name, value in given if _fits(value, types[name].by)]
+    return default_params(game) | {name: real(value) if types[name].kind == "real" else value for name, value in fitting}
+
+
+def _fits(value: Any, by: Sequence[Level]) -> bool:
+    return not by or (len(value) == len(by[0]) and all(_fits(entry, by[1:]) for entry in value))
 
 
 def draws_of(scenario: Scenario, at: int) -> Draws:

@@ -8,7 +8,8 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.ir.implications import compares
-from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_units, over_unit, times_unit
+from sjdsl.compiler.ir.ranges import range_of
+from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_units, over_unit, real, times_unit, without_zero
 
 VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take the remainder of"}
 
@@ -30,7 +31,9 @@ def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir
         case "/":
             if divisor_can_be_zero(right, scope):
                 raise _zero_divisor(e.right.span, right, scope)
-            unit = "fraction" if is_share(left, right) else over_unit(a.unit, b.unit)
+            if is_share(left, right):
+                return ir.Arithmetic(type=real(0.0, 1.0, "fraction"), fn="/", args=(left, right), origin=e.span)
+            unit = over_unit(a.unit, b.unit)
         case "%":
             if a.kind != "int" or b.kind != "int":
                 raise mismatch(scope, e.span, VERBS["%"], a, b, "`%` is for whole numbers")
@@ -56,9 +59,8 @@ def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
 def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, scope: Scope) -> ir.Expr:
     if unit is None:
         raise mismatch(scope, e.span, VERBS[e.op], left.type, right.type)
-    low, high = interval(e.op, left.type, right.type)
-    if unit == "fraction" and e.op == "/":
-        low, high = 0.0, 1.0
+    divisor = without_zero(right.type) if e.op == "/" else right.type
+    low, high = interval(e.op, left.type, divisor)
     kind = "int" if left.type.kind == right.type.kind == "int" and e.op != "/" else "real"
     if kind == "real" and unit in ("count", "steps", "cells"):
         unit = "number"
@@ -72,8 +74,9 @@ def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, s
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
-    """Returns whether neither the interval, a guard nor a `require` excludes 0."""
-    if divisor.type.low > 0 or divisor.type.high < 0:
+    """Returns whether neither its range (as a float32), a guard nor a `require` excludes 0."""
+    computed = range_of(divisor)
+    if computed.low > 0 or computed.high < 0:
         return False
     if isinstance(divisor, ir.Count) and divisor.domain.restriction is None and divisor.domain.where is None and divisor.domain.on is None:
         if divisor.domain.var.who == "cell":

@@ -33,7 +33,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     by, value = _value(declared.value, unit, scope, level)
     if override is not None and declared.is_size:
         value = _overridden(declared, override, by, scope)
-    outside = [(keys, n) for keys, n in zip(product(*by), _flat(value), strict=True) if not low - 1e-9 <= n <= high + 1e-9]
+    outside = [(keys, n) for keys, n in zip(product(*by), _flat(value), strict=True) if not low <= n <= high]
     if outside:
         _report_outside(declared, outside, (low, high), level, scope)
         if not isinstance(value, tuple):

@@ -30,6 +30,7 @@ from sjdsl.compiler.elaborate.row_functions import ROW_FUNCTIONS, beyond_one, ex
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.ranges import apart
 from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
 MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
@@ -288,11 +289,9 @@ def ramp(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
 
 
 def _apart(a: ir.Expr, b: ir.Expr, scope: Scope) -> bool:
-    """Returns whether two numbers are provably different: by their intervals, a guard, or a `require`."""
-    if a.type.high < b.type.low or b.type.high < a.type.low:
+    """Returns whether two numbers are provably different: by their ranges (as float32), a guard, or a `require`."""
+    if apart(a, b):
         return True
-    if isinstance(a, ir.Number) and isinstance(b, ir.Number):
-        return a.value != b.value
     known = scope.facts_and_requires
     return any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))
 

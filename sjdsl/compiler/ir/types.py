@@ -131,6 +131,14 @@ def interval(fn: str, a: ir.Type, b: ir.Type) -> tuple[float, float]:
             raise AssertionError(fn)
 
 
+def without_zero(divisor: ir.Type) -> ir.Type:
+    """Returns the type of a divisor that is known not to be 0: a whole number that begins or ends there begins or ends beside it."""
+    if divisor.kind != "int":
+        return divisor
+    low, high = divisor.low + (divisor.low == 0), divisor.high - (divisor.high == 0)
+    return divisor.model_copy(update={"low": low, "high": high}) if low <= high else divisor
+
+
 def times(x: float, y: float) -> float:
     """Returns the product of two ends of intervals; nothing of something endless is nothing."""
     return 0 if x == 0 or y == 0 else x * y

@@ -1,0 +1,60 @@
+"""The sizes of a game that a check may depend on, and the game in each of these sizes that its file allows."""
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+from math import prod
+
+from sjdsl.compiler import ast, build_composition, ir
+from sjdsl.compiler.ast.node import Node
+from sjdsl.compiler.ast.traverse import walk
+from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.elaborate import Overrides
+from sjdsl.compiler.ir.types import INTEGER_UNITS
+
+MOST = 64  # games that are built for one check
+
+
+def in_all_sizes(composition: Composition, check: ir.Check) -> list[ir.Game] | None:
+    """Returns the game in every combination of the sizes that a check may depend on; None if there are too many, or no end to them."""
+    names = _read(composition, check)
+    values = [_values(declared) for name, declared in composition.constants.items() if declared.is_size and name in names]
+    known = [found for found in values if found is not None]
+    if len(known) < len(values) or prod(map(len, known)) > MOST:
+        return None
+    sizes = [name for name, declared in composition.constants.items() if declared.is_size and name in names]
+    return [game for chosen in product(*known) for game in _built(composition, dict(zip(sizes, chosen, strict=True)))]
+
+
+def _built(composition: Composition, sizes: Mapping[str, int]) -> Iterator[ir.Game]:
+    """Yields the game in these sizes, if the compiler takes it: a `require` may leave some out."""
+    try:
+        yield build_composition(composition, Overrides(sizes)).game
+    except CompileError:
+        return
+
+
+def _values(size: ast.Constant) -> range | None:
+    """Returns the numbers that a size may be set to."""
+    match size:
+        case ast.Constant(unit=ast.Name(text=unit), low=ast.Int(value=low), high=ast.Int(value=high)) if unit in INTEGER_UNITS:
+            return range(low, high + 1)
+        case _:
+            return None
+
+
+def _read(composition: Composition, check: ir.Check) -> set[str]:
+    """Returns the names in a check and, further, in the declarations of these names."""
+    declared: dict[str, list[Node]] = {}
+    tables = (composition.constants, composition.defines, composition.fields, composition.kinds, composition.groups)
+    for table in (*tables, composition.shapes, composition.movers, composition.metrics, composition.agent_fields):
+        for name, node in table.items():
+            declared.setdefault(name, []).append(node)
+    declared["agent"] = [node for node in (composition.number,) if node is not None]
+    written = [c for checks in composition.checks.values() for c in checks if c.span == check.origin]
+    found, waiting = set[str](), list[Node](written)
+    while waiting:
+        new = {node.text for node in walk(waiting.pop()) if isinstance(node, ast.Name)} - found
+        found |= new
+        waiting += [node for name in new for node in declared.get(name, ())]
+    return found
