@@ -133,10 +133,12 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
     """Yields a line for a check; if it failed its counterexample, else the lines that never ran, and on which other map it would fail."""
     yield f"  {STATUS[verdict.status]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
     yield from (INDENT + line for line in verdict.trace)
-    for lines, where in ((verdict.untested, "in any trajectory"), (verdict.unreached, "in its own episodes")):
-        if lines:
-            yield f"{INDENT}depends on {'lines that' if len(lines) > 1 else 'a line that'} never ran {where}:"
-            yield from (f"{INDENT}  {line}" for line in lines)
+    if verdict.untested:
+        yield f"{INDENT}depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran:"
+        yield from (f"{INDENT}  {line}" for line in verdict.untested)
+    if verdict.unreached:
+        lines = list(dict.fromkeys(line.partition("  ")[0] for line in verdict.unreached))
+        yield f"{INDENT}its own episodes never reached {', '.join(lines)}"
     if verdict.note is not None:
         yield f"{INDENT}note: on other maps it would fail: {where_else(verdict.note)} (--any-map shows how)"
 

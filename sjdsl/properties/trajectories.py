@@ -3,6 +3,7 @@
 What small maps refute is looked for on the game's own map. Only what fails there fails; the rest is a note.
 """
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
@@ -48,6 +49,18 @@ def overflow_verdict(family: GameFamily, trajectory: Trajectory, how: How, trace
     said = f"a real leaves float32, which ends at {LARGEST}, " + (f"in step {steps}" if trajectory.worlds else "in phase start")
     told = list(trace) if how == "examples" else [*trace, *describe_overflow(family, trajectory)]
     return Verdict(family.text_of(node), file, line, False, how, said, tuple(told), scenario=scenario)
+
+
+def statement_lines(family: GameFamily, statements: Collection[StatementId]) -> list[str]:
+    """Returns the lines of statements, with their text, in the order of the rules; in which use, if their phase is used several times."""
+    rules, leaves = Rules(family.composition.sources), leaf_statements(family.own)
+    uses = Counter(leaf.statement_id[1:] for leaf in leaves)
+    said = []
+    for leaf in leaves:
+        if leaf.statement_id in statements:
+            use = f"  (in {leaf.statement_id[0]})" if uses[leaf.statement_id[1:]] > 1 else ""
+            said.append(f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}{use}")
+    return list(dict.fromkeys(said))
 
 
 class PlayedVerdicts:
@@ -114,21 +127,11 @@ class PlayedVerdicts:
         Of a check that fails on another map: that never ran on the game's own.
         """
         record, rules = self._record(number), Rules(self.family.composition.sources)
-        said = self.lines(self._needed[number] - set(record.ran))
+        said = statement_lines(self.family, self._needed[number] - set(record.ran))
         check = self.family.own.checks[number]
         if check.sort == "once" and not record.triggers[number]:
             said.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
         return tuple(said)
-
-    def lines(self, statements: Collection[StatementId]) -> list[str]:
-        """Returns the lines of statements, with their text, in the order of the rules."""
-        rules, leaves = Rules(self.family.composition.sources), [leaf for leaf in self._leaves if leaf.statement_id in statements]
-        said = [f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}{self._use(leaf.statement_id)}" for leaf in leaves]
-        return list(dict.fromkeys(said))
-
-    def needed(self, number: int) -> frozenset[StatementId]:
-        """Returns the statements that a check depends on."""
-        return self._needed[number]
 
     def passed(self, number: int) -> Verdict:
         """Returns the verdict on a check without a counterexample that counts."""
@@ -159,14 +162,8 @@ class PlayedVerdicts:
         if not self._search.record.number:
             return ()
         ran = set(self._search.record.ran) | (set() if self._on_own_map is None else set(self._on_own_map.record.ran))
-        lines = {
-            leaf.statement.origin.line for leaf in self._leaves if leaf.statement.origin is not None and leaf.statement_id not in ran
-        }
+        lines = {leaf.statement.origin.line for leaf in self._leaves if leaf.statement.origin is not None and leaf.statement_id not in ran}
         return tuple(sorted(lines))
-
-    def _use(self, statement: StatementId) -> str:
-        """Returns in which use of a phase a statement stands, if its phase is used several times."""
-        return f"  (in {statement[0]})" if sum(leaf.statement_id[1:] == statement[1:] for leaf in self._leaves) > 1 else ""
 
     def _overflow(self, c: Counterexample) -> Verdict:
         return overflow_verdict(self.family, c.trajectory, "examples", self._described(c), up_to(c.scenario, c.where.at))
