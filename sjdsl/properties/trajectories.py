@@ -102,6 +102,10 @@ class PlayedVerdicts:
         """Returns the verdicts on the checks that have a counterexample that counts."""
         return {c.number: self._verdict(c) for c in self._found() if c.number != FLOATS}
 
+    def fail_elsewhere(self) -> set[int]:
+        """Returns the checks with a counterexample that does not count."""
+        return {c.number for c in self._elsewhere() if c.number != FLOATS}
+
     def faults(self) -> list[Verdict]:
         """Returns the verdict on a real that leaves float32 in a trajectory, if one did."""
         return [self._overflow(c) for c in self._found() if c.number == FLOATS]

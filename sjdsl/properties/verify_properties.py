@@ -73,6 +73,10 @@ class Verification:
         verdict = self._expectations[number]
         return self._with_untested_lines(number, verdict) if verdict.passed else verdict
 
+    def fail_elsewhere(self) -> set[int]:
+        """Returns the checks without a verdict that fail on another map: the game's own was not searched to the end."""
+        return self._trajectories.fail_elsewhere() - self.decided().keys()
+
     def _with_untested_lines(self, number: int, verdict: Verdict) -> Verdict:
         """Returns the verdict on an `expect` with the lines that ran in no trajectory; if all play at random, also in none of its episodes."""
         untested = self.trajectories.missing(number)
@@ -83,7 +87,7 @@ class Verification:
 
     def decided(self) -> dict[int, Verdict]:
         """Returns the verdicts that are certain by now: after an interruption, what need not be played again."""
-        played = self._trajectories.failed() | vars(self).get("_verdicts", {})
+        played: dict[int, Verdict] = self._trajectories.failed() | vars(self).get("_verdicts", {})
         missed = {i: verdict for i, verdict in self._expectations.items() if not verdict.passed}
         return self._static | played | missed
 
