@@ -15,8 +15,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Adds `--sj` and what goes with it."""
     group = parser.getgroup("sjdsl", "checks of .sj games")
     group.addoption("--sj", action="store_true", help="collect .sj files: each check of a game is a test")
-    group.addoption("--sj-examples", type=int, default=400, metavar="N", help="random trajectories on small maps for each game (400)")
+    group.addoption("--sj-examples", type=int, default=400, metavar="N", help="random trajectories for each game (400)")
     group.addoption("--sj-seed", type=int, default=0, metavar="S", help="the same seed plays the same (0)")
+    group.addoption("--sj-any-map", action="store_true", help="a check must hold on every map, not only on the game's own")
     group.addoption("--sj-strict", action="store_true", help="an untested check fails; otherwise it is skipped")
     group.addoption("--sj-variant", default=None, metavar="V", help="a variant of the games; several as a+b")
 
@@ -38,7 +39,8 @@ class GameFile(pytest.File):
 
         option = self.config.getoption
         variants = tuple(option("sj_variant").split("+")) if option("sj_variant") else ()
-        return Verification(GameFamily(read_source(self.path), variants), Effort(option("sj_examples"), seed=option("sj_seed")))
+        effort = Effort(option("sj_examples"), seed=option("sj_seed"), any_map=option("sj_any_map"))
+        return Verification(GameFamily(read_source(self.path), variants), effort)
 
     def collect(self) -> Iterable["CheckItem"]:
         from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -76,7 +78,10 @@ class CheckItem(pytest.Item):
             raise CheckFailed(self.parent.verification.faults[0])
         if verdict.untested:
             pytest.skip("untested: these lines never ran: " + "; ".join(verdict.untested))
-        self.add_report_section("call", "check", f"{verdict.how}: {verdict.reason}")  # `pytest -rP` shows it
+        said = [f"{verdict.how}: {verdict.reason}"]
+        if verdict.note is not None:
+            said += [f"note: on other maps it would fail: it {verdict.note.reason}", *verdict.note.trace]
+        self.add_report_section("call", "check", "\n".join(said))  # `pytest -rP` shows it
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *rest: Any) -> Any:
         """Returns the counterexample to a failed check, or what is wrong with the file; a Python traceback only for faults of our own."""
@@ -100,7 +105,7 @@ class CheckItem(pytest.Item):
 def _told(verdict: "Verdict") -> str:
     status = "failed" if verdict.status == "failed" else f"is {verdict.status}"
     head = f"{Path(verdict.file).name}:{verdict.line}: the check {status}: {verdict.text}"
-    never = ["it depends on lines that never ran in any trajectory:"] * bool(verdict.untested)
+    never = ["it depends on lines that never ran:"] * bool(verdict.untested)
     return "\n".join([head, verdict.reason, *never, *(f"  {line}" for line in (*verdict.untested, *verdict.trace))])
 
 

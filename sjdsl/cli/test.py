@@ -102,7 +102,8 @@ class FileTest:
                 yield from verdict_lines(verdict)
         undecided = self._undecided()
         for check in undecided:
-            yield f"  not yet   {PurePath(check['file']).name}:{check['line']}  {check['check']}"
+            elsewhere = "  [fails on another map; the game's own was not searched to the end]" if check["fails_elsewhere"] else ""
+            yield f"  not yet   {PurePath(check['file']).name}:{check['line']}  {check['check']}{elsewhere}"
         missed = sum(not verdict.passed for verdict in self.decided.values())
         parts = [f"{len(self.decided)} of {len(self.decided) + len(undecided)} checks decided"] + [f"{missed} not passed"] * bool(missed)
         yield f"{name}: interrupted: {', '.join(parts)}"
@@ -111,9 +112,14 @@ class FileTest:
         """Returns the checks without a verdict."""
         if self.verification is None:
             return []
-        family = self.verification.family
-        checks = [family.own.checks[number] for number in self.verification.numbers if number not in self.decided]
-        return [{"check": family.text_of(c), "file": c.origin.file, "line": c.origin.line} for c in checks if c.origin is not None]
+        family, found = self.verification.family, []
+        elsewhere = self.verification.fail_elsewhere()
+        for number in self.verification.numbers:
+            check = family.own.checks[number]
+            if number not in self.decided and check.origin is not None:
+                place = {"file": check.origin.file, "line": check.origin.line}
+                found.append({"check": family.text_of(check), **place, "fails_elsewhere": number in elsewhere})
+        return found
 
     def document(self) -> dict[str, Any]:
         """Returns the verdicts as values that JSON can hold."""
@@ -133,10 +139,12 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
     """Yields a line for a check; if it failed its counterexample, else the lines that never ran, and on which other map it would fail."""
     yield f"  {STATUS[verdict.status]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
     yield from (INDENT + line for line in verdict.trace)
-    for lines, where in ((verdict.untested, "in any trajectory"), (verdict.unreached, "in its own episodes")):
-        if lines:
-            yield f"{INDENT}depends on {'lines that' if len(lines) > 1 else 'a line that'} never ran {where}:"
-            yield from (f"{INDENT}  {line}" for line in lines)
+    if verdict.untested:
+        yield f"{INDENT}depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran:"
+        yield from (f"{INDENT}  {line}" for line in verdict.untested)
+    if verdict.unreached:
+        lines = list(dict.fromkeys(line.partition("  ")[0] for line in verdict.unreached))
+        yield f"{INDENT}its own episodes never reached {', '.join(lines)}"
     if verdict.note is not None:
         yield f"{INDENT}note: on other maps it would fail: {where_else(verdict.note)} (--any-map shows how)"
 

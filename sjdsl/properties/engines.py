@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -11,8 +12,11 @@ from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import World, default_params
 from sjdsl.interpreter.step import step
+from sjdsl.properties.counted_statements import CountedGame, count_statements
+from sjdsl.properties.coverage import statements_run
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import STATES
+from sjdsl.properties.statements import StatementId, leaf_statements, statements_needed_by
 from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of, params_of, play
 
 NOTHING = ir.Check(sort="symmetric", words=("agents",))  # stands for a check that reads nothing in an episode
@@ -24,13 +28,15 @@ Total = tuple[str, str | None]
 class Episode:
     """One episode: the values each check reads in the first state and after each step, the actions, the final totals of events.
 
-    left: the step in which a real left float32; None if none did. `values` ends before it.
+    ran: which of the statements that an `expect` depends on ran in it. left: the step in which a real left float32; None if none did.
+    `values` ends before it.
     """
 
     number: int
     values: list[list[tuple[Any, ...]]]
     actions: list[tuple[int, ...]]
     totals: dict[Total, int]
+    ran: frozenset[StatementId]
     left: int | None = None
 
 
@@ -41,6 +47,19 @@ class EpisodeRunner:
         self.family, self.seed = family, seed
         self.checks = [check if check.sort in (*STATES, "expect") else NOTHING for check in family.own.checks]
         self._player: Any = None
+
+    @cached_property
+    def counted(self) -> CountedGame:
+        """The game with counts of the statements that an `expect` depends on."""
+        expects = [check for check in self.family.own.checks if check.sort == "expect"]
+        return count_statements(self.family.own, {statement for check in expects for statement in self._needed_by(check)})
+
+    def counted_for(self, number: int) -> frozenset[StatementId]:
+        """Returns the statements that a check depends on, of those that are counted."""
+        return self._needed_by(self.family.own.checks[number]) & frozenset(self.counted.events.values())
+
+    def _needed_by(self, check: ir.Check) -> frozenset[StatementId]:
+        return statements_needed_by(check, self.family.own, leaf_statements(self.family.own))
 
     @property
     def length(self) -> int:
@@ -81,9 +100,9 @@ class EpisodeRunner:
     def _interpreted(self, policies: Sequence[ir.Policy], number: int) -> Episode:
         trajectory = play(self.family.own, self.scenario(policies, number), self.length, self.checks)
         left = None if trajectory.left is None else len(trajectory.outcomes)
-        return Episode(
-            number, [trajectory.values(check) for check in self.checks], trajectory.actions, dict((trajectory.totals or [{}])[-1]), left
-        )
+        values, totals = [trajectory.values(check) for check in self.checks], dict((trajectory.totals or [{}])[-1])
+        ran = frozenset(statement for features in trajectory.features for statement in statements_run(features))
+        return Episode(number, values, trajectory.actions, totals, ran & frozenset(self.counted.events.values()), left)
 
     def overflow(self, episode: Episode, policies: Sequence[ir.Policy]) -> Trajectory:
         """Returns the end of an episode in which a real leaves float32: the state before, and the step."""
@@ -105,7 +124,7 @@ class EpisodeRunner:
         if self._player is None:
             from sjdsl.properties.episodes import Player
 
-            self._player = Player(self.family.environment, self.checks)
+            self._player = Player(self.family.compiled(self.counted.game), self.checks)
         trajectory = self._player.play(self._player.script(policies), self.seed, first, number)
         found = []
         for i in range(number):
@@ -115,9 +134,11 @@ class EpisodeRunner:
                 columns = trajectory.values[i, : steps + 1, at : at + len(check.values)]
                 values.append([tuple(_value(x, e) for x, e in zip(row, check.values, strict=True)) for row in columns.tolist()])
                 at += len(check.values)
-            totals = {total: int(counts[i]) for total, counts in trajectory.totals.items()}
+            counts = {total: int(counted[i]) for total, counted in trajectory.totals.items()}
+            totals = {total: count for total, count in counts.items() if total[0] not in self.counted.events}
+            ran = frozenset(statement for event, statement in self.counted.events.items() if counts[event, None])
             actions = [tuple(a) for a in trajectory.actions[i, : steps + (left is not None)].tolist()]
-            found.append(Episode(first + i, values, actions, totals, left))
+            found.append(Episode(first + i, values, actions, totals, ran, left))
         return found
 
 

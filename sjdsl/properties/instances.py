@@ -139,12 +139,11 @@ class GameFamily:
                 fitting.append(glyph)
         return tuple(fitting) or glyphs
 
-    @cached_property
-    def environment(self) -> "Environment":
-        """The compiled game. Raises CompileError for what cannot be compiled exactly."""
+    def compiled(self, game: ir.Game) -> "Environment":
+        """Returns an instance as a compiled game. Raises CompileError for what cannot be compiled exactly."""
         from sjdsl.factory import environment_of
 
-        return environment_of(Build(self.own, self.warnings, self.composition.sources), self.source, {})
+        return environment_of(Build(game, self.warnings, self.composition.sources), self.source, {})
 
     def text_of(self, node: ir.Node) -> str:
         """Returns how a node is written, on one line and without comments."""

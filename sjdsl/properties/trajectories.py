@@ -3,6 +3,7 @@
 What small maps refute is looked for on the game's own map. Only what fails there fails; the rest is a note.
 """
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
@@ -50,6 +51,18 @@ def overflow_verdict(family: GameFamily, trajectory: Trajectory, how: How, trace
     return Verdict(family.text_of(node), file, line, False, how, said, tuple(told), scenario=scenario)
 
 
+def statement_lines(family: GameFamily, statements: Collection[StatementId]) -> list[str]:
+    """Returns the lines of statements, with their text, in the order of the rules; in which use, if their phase is used several times."""
+    rules, leaves = Rules(family.composition.sources), leaf_statements(family.own)
+    uses = Counter(leaf.statement_id[1:] for leaf in leaves)
+    said = []
+    for leaf in leaves:
+        if leaf.statement_id in statements:
+            use = f"  (in {leaf.statement_id[0]})" if uses[leaf.statement_id[1:]] > 1 else ""
+            said.append(f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}{use}")
+    return list(dict.fromkeys(said))
+
+
 class PlayedVerdicts:
     """Random trajectories, played for all checks together: on small maps, or on the own map alone where rules read rows or columns."""
 
@@ -89,6 +102,10 @@ class PlayedVerdicts:
         """Returns the verdicts on the checks that have a counterexample that counts."""
         return {c.number: self._verdict(c) for c in self._found() if c.number != FLOATS}
 
+    def fail_elsewhere(self) -> set[int]:
+        """Returns the checks with a counterexample that does not count."""
+        return {c.number for c in self._elsewhere() if c.number != FLOATS}
+
     def faults(self) -> list[Verdict]:
         """Returns the verdict on a real that leaves float32 in a trajectory, if one did."""
         return [self._overflow(c) for c in self._found() if c.number == FLOATS]
@@ -114,21 +131,11 @@ class PlayedVerdicts:
         Of a check that fails on another map: that never ran on the game's own.
         """
         record, rules = self._record(number), Rules(self.family.composition.sources)
-        said = self.lines(self._needed[number] - set(record.ran))
+        said = statement_lines(self.family, self._needed[number] - set(record.ran))
         check = self.family.own.checks[number]
         if check.sort == "once" and not record.triggers[number]:
             said.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
         return tuple(said)
-
-    def lines(self, statements: Collection[StatementId]) -> list[str]:
-        """Returns the lines of statements, with their text, in the order of the rules."""
-        rules, leaves = Rules(self.family.composition.sources), [leaf for leaf in self._leaves if leaf.statement_id in statements]
-        said = [f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}{self._use(leaf.statement_id)}" for leaf in leaves]
-        return list(dict.fromkeys(said))
-
-    def needed(self, number: int) -> frozenset[StatementId]:
-        """Returns the statements that a check depends on."""
-        return self._needed[number]
 
     def passed(self, number: int) -> Verdict:
         """Returns the verdict on a check without a counterexample that counts."""
@@ -161,10 +168,6 @@ class PlayedVerdicts:
         ran = set(self._search.record.ran) | (set() if self._on_own_map is None else set(self._on_own_map.record.ran))
         lines = {leaf.statement.origin.line for leaf in self._leaves if leaf.statement.origin is not None and leaf.statement_id not in ran}
         return tuple(sorted(lines))
-
-    def _use(self, statement: StatementId) -> str:
-        """Returns in which use of a phase a statement stands, if its phase is used several times."""
-        return f"  (in {statement[0]})" if sum(leaf.statement_id[1:] == statement[1:] for leaf in self._leaves) > 1 else ""
 
     def _overflow(self, c: Counterexample) -> Verdict:
         return overflow_verdict(self.family, c.trajectory, "examples", self._described(c), up_to(c.scenario, c.where.at))

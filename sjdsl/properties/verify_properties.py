@@ -19,7 +19,7 @@ from sjdsl.properties.search import Progress
 from sjdsl.properties.shortest_paths import TooLarge
 from sjdsl.properties.sizes import in_all_sizes
 from sjdsl.properties.symmetry import names_agents, one_sided_action, order_of_sending, tells_apart, why_symmetric
-from sjdsl.properties.trajectories import PlayedVerdicts, make_verdict, overflow_verdict
+from sjdsl.properties.trajectories import PlayedVerdicts, make_verdict, overflow_verdict, statement_lines
 from sjdsl.properties.verdict import Effort, Verdict
 
 RANDOM = (ir.Policy(name="random"),)
@@ -66,15 +66,29 @@ class Verification:
         if number in self._played:
             return self._verdicts[number]
         if number not in self._expectations:
+            episodes = self.family.own.checks[number].episodes
+            self._progress(f"{episodes} episodes of `{self.family.text_of(self.family.own.checks[number])}`")
             verdict, fault = check_expectation(self.family, self._runner, number)
             self._faults += fault
             self._expectations[number] = verdict
         verdict = self._expectations[number]
-        return replace(verdict, untested=self.trajectories.missing(number)) if verdict.passed else verdict
+        return self._with_untested_lines(number, verdict) if verdict.passed else verdict
+
+    def fail_elsewhere(self) -> set[int]:
+        """Returns the checks without a verdict that fail on another map: the game's own was not searched to the end."""
+        return self._trajectories.fail_elsewhere() - self.decided().keys()
+
+    def _with_untested_lines(self, number: int, verdict: Verdict) -> Verdict:
+        """Returns the verdict on an `expect` with the lines that ran in no trajectory; if all play at random, also in none of its episodes."""
+        untested = self.trajectories.missing(number)
+        unreached = tuple(line for line in verdict.unreached if line not in untested)
+        if any(policy.name != "random" for policy in self.family.own.checks[number].policies):
+            return replace(verdict, untested=untested, unreached=unreached)
+        return replace(verdict, untested=(*untested, *(f"{line}  (in none of its own episodes)" for line in unreached)), unreached=())
 
     def decided(self) -> dict[int, Verdict]:
         """Returns the verdicts that are certain by now: after an interruption, what need not be played again."""
-        played = self._trajectories.failed() | vars(self).get("_verdicts", {})
+        played: dict[int, Verdict] = self._trajectories.failed() | vars(self).get("_verdicts", {})
         missed = {i: verdict for i, verdict in self._expectations.items() if not verdict.passed}
         return self._static | played | missed
 
@@ -118,6 +132,8 @@ class Verification:
         """The verdicts on the checks about every trajectory."""
         checks, found = self.family.own.checks, self.trajectories.failed()
         left = [i for i in self._played if i not in found and checks[i].sort in STATES]
+        if left:
+            self._progress(f"{self.effort.episodes} episodes of random play")
         in_long, fault = check_in_episodes(self.family, self._runner, self.effort, left)
         self._faults += fault
         return {i: self.trajectories.passed(i) for i in self._played} | found | in_long
@@ -213,7 +229,9 @@ def check_expectation(family: GameFamily, runner: EpisodeRunner, number: int) ->
         share = (
             f"{len(episodes)} of {len(episodes)} episodes (at least {100 * least_share(len(episodes)):.1f}% of all, with 95% confidence)"
         )
-        return make_verdict(family, check, True, "episodes", "; ".join([share, *figures])), []
+        ran = frozenset().union(*(episode.ran for episode in episodes))
+        verdict = make_verdict(family, check, True, "episodes", "; ".join([share, *figures]))
+        return replace(verdict, unreached=tuple(statement_lines(family, runner.counted_for(number) - ran))), []
     said = "; ".join([f"{len(episodes) - len(missed)} of {len(episodes)} episodes", *figures])
     values = [value for (value,) in missed[0].values[number]]
     held = [t for t, value in enumerate(values) if value]

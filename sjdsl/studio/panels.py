@@ -12,7 +12,7 @@ from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import HEADINGS, Cell, World
-from sjdsl.properties import GameFamily, verify_properties
+from sjdsl.properties import GameFamily, Verdict, verify_properties
 from sjdsl.studio.counterexample import as_json
 from sjdsl.studio.opened import Opened
 from sjdsl.trace.effects import Effect
@@ -137,18 +137,24 @@ def checks_panel(opened: Opened) -> dict[str, Any]:
     """Returns the verdict on each check of the game as its text has it, with a counterexample in words and as what leads to it."""
     family = GameFamily(opened.source, opened.composition.chosen)
     found = verify_properties(family)
+    verdicts = [_verdict(verdict, opened) for verdict in (*found.verdicts, *found.faults)]
+    return {"trajectories": found.trajectories, "verdicts": verdicts + [_note(note, opened) for note in found.notes]}
+
+
+def _verdict(verdict: Verdict, opened: Opened) -> dict[str, Any]:
     return {
-        "trajectories": found.trajectories,
-        "verdicts": [
-            {
-                "text": verdict.text,
-                "line": verdict.line if verdict.file == opened.source.name else None,
-                "status": verdict.status,
-                "reason": verdict.reason,
-                "untested": list(verdict.untested),
-                "trace": list(verdict.trace),
-                "scenario": None if verdict.scenario is None else as_json(verdict.scenario),
-            }
-            for verdict in (*found.verdicts, *found.faults)
-        ],
+        "text": verdict.text,
+        "line": verdict.line if verdict.file == opened.source.name else None,
+        "status": verdict.status,
+        "reason": verdict.reason,
+        "untested": list(verdict.untested),
+        "unreached": list(verdict.unreached),
+        "trace": list(verdict.trace),
+        "scenario": None if verdict.scenario is None else as_json(verdict.scenario),
+        "note": None if verdict.note is None else _note(verdict.note, opened),
     }
+
+
+def _note(note: Verdict, opened: Opened) -> dict[str, Any]:
+    """Returns what is wrong on another map only."""
+    return _verdict(note, opened) | {"status": "note", "reason": f"{note.reason} on another map"}

@@ -79,7 +79,7 @@ def test_strict(tmp_path: Path, options: tuple[str, ...], status: int, capsys: p
     assert run(["test", str(path), "--examples", "20", *options]) == status
     shown = capsys.readouterr().out
     assert "1 check, 1 untested" in shown
-    assert "depends on a line that never ran in any trajectory:\n                orchard.sj:29  set tree.fruit = ripe" in shown
+    assert "depends on a line that never ran:\n                orchard.sj:29  set tree.fruit = ripe" in shown
 
 
 @pytest.mark.parametrize(("policy", "status"), [("when step >= 0 choose zap", "passed"), ("when step > 99 choose zap", "untested")])
