@@ -23,7 +23,7 @@ from .metrics_files import Row
 from .policies import Policy, trained_policy
 from .processes import any_says
 from .recorder import Recorder
-from .resuming import RunError, TakenError
+from .run_errors import RunError, TakenError
 from .training_functions import TrainState
 
 Show = Callable[[Row], None]  # what is done with a row for people to see

@@ -15,7 +15,8 @@ from sjdsl.trainers.config import make_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
 from sjdsl.trainers.policy_file import POLICIES
-from sjdsl.trainers.resuming import RunError, read_manifest
+from sjdsl.trainers.resuming import read_manifest
+from sjdsl.trainers.run_errors import RunError
 from sjdsl.trainers.run_folder import MANIFEST
 
 EPISODES = 30  # of the evaluation of a seed, at least: the default of `sjdsl train` and `sjdsl evaluate`
