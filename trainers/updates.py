@@ -111,9 +111,10 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                 rows = [start | flatten_metrics(of_seed(measured, index, config)) for index in range(config.seeds)]
                 parameters = compiled.parameters(state)
                 learning = _record(rows, parameters, progress, config, keeping)
-                whole = progress.updates = number
+                progress.updates = number
                 keeping.show(mean_row([rows[index] for index in learning]))
                 _keep_policies(parameters, number, learning, config, keeping)
+                whole = number
                 if any_says(pace.is_due(number, time.perf_counter())):
                     pace.written(*_save(state, parameters, number, learning, config, keeping))
                     saved = number

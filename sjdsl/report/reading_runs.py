@@ -46,7 +46,10 @@ def read_run(path: Path, stage: int | None = None) -> Evidence:
     except RunError as error:
         return Evidence(notes=(f"{error}: it is left out",))
     run = run_of(manifest, stage)
-    parts = [_read_seed(folder, seed, run, manifest) for seed, folder in _folders(path, manifest["config"])]
+    try:
+        parts = [_read_seed(folder, seed, run, manifest) for seed, folder in _folders(path, manifest["config"])]
+    except RunError as error:
+        return Evidence(notes=(f"{error}: {path} is left out",))
     rows = {name: tuple(row for part in parts for row in getattr(part, name)) for name in ("seeds", "measures", "curves")}
     return Evidence(runs=(run,), **rows, notes=_notes(path, manifest, rows["seeds"]))
 
