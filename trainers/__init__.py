@@ -22,8 +22,8 @@ if TYPE_CHECKING:
         trained_policy,
     )
     from .preset import Preset, load_preset
-    from .resuming import RunError
     from .run import Result, resume, train
+    from .run_errors import RunError
     from .step_record import Step
     from .training_functions import Train, TrainState
     from .updates import Update
@@ -76,7 +76,7 @@ __getattr__ = lazy_names(
         "PolicyError": "policies",
         "Preset": "preset",
         "Result": "run",
-        "RunError": "resuming",
+        "RunError": "run_errors",
         "Step": "step_record",
         "Train": "training_functions",
         "TrainState": "training_functions",

@@ -10,7 +10,8 @@ import numpy as np
 
 from .metrics_files import METRICS_JSONL, Row, read_rows
 from .panels import Line, draw_panels, split_lines
-from .resuming import RunError, read_manifest
+from .resuming import read_manifest
+from .run_errors import RunError
 
 POINTS = 200  # of a curve: updates are averaged to as many
 # How a column's name begins, and what it is of an episode.

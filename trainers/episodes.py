@@ -1,5 +1,6 @@
 """Episode statistics inside a jitted loop: summed while an episode runs, recorded when it ends."""
 
+import math
 from typing import Any
 
 import flax
@@ -37,7 +38,8 @@ class FinishedEpisodes:
     length: Array  # [] int32
     returns: Array  # [N] float32
     shaped_returns: Array  # [N] float32
-    equality: Array  # [] float32, NaN if not defined in each of them
+    equality: Array  # [] float32, of those where it is defined
+    equalities: Array  # [] int32, in how many it is
     events: dict[str, Array]  # name -> [N] or [] int32
     metric_means: dict[str, Array]  # name -> [] float32, of means over steps
     metric_finals: dict[str, Array]  # name -> [] float32
@@ -46,11 +48,11 @@ class FinishedEpisodes:
 def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
     """Returns the sums of `num_envs` episodes before their first step."""
     info = info_shapes(env)
-    no_metrics = {name: jnp.zeros(num_envs) for name in info["metrics"]}
+    no_metrics = {name: jnp.zeros(num_envs, jnp.float32) for name in info["metrics"]}
     return EpisodeSums(
         length=jnp.zeros(num_envs, jnp.int32),
-        returns=jnp.zeros((num_envs, env.num_agents)),
-        shaped_returns=jnp.zeros((num_envs, env.num_agents)),
+        returns=jnp.zeros((num_envs, env.num_agents), jnp.float32),
+        shaped_returns=jnp.zeros((num_envs, env.num_agents), jnp.float32),
         events={name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info["events"].items()},
         metric_sums=no_metrics,
         metric_finals=no_metrics,
@@ -75,25 +77,29 @@ def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpis
     def where_done(leaf: Array) -> Array:
         return done.reshape(done.shape + (1,) * (leaf.ndim - 1))
 
+    equal = equality(sums.returns)
     ended = FinishedEpisodes(
         episodes=jnp.ones_like(sums.length),
         length=sums.length,
         returns=sums.returns,
         shaped_returns=sums.shaped_returns,
-        equality=equality(sums.returns),
+        equality=jnp.nan_to_num(equal),
+        equalities=jnp.isfinite(equal).astype(jnp.int32),
         events=sums.events,
         metric_means=sums.metric_means,
         metric_finals=sums.metric_finals,
     )
     running = jax.tree.map(lambda leaf: jnp.where(where_done(leaf), 0, leaf), sums)
-    return running, jax.tree.map(lambda leaf: jnp.where(where_done(leaf), leaf, 0).sum(axis=0), ended)
+    return running, jax.tree.map(lambda leaf: jnp.where(where_done(leaf), leaf, 0).sum(axis=0, dtype=leaf.dtype), ended)
 
 
 def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
-    """Returns the mean finished episode; all NaN but the count when none has finished."""
-    mean = jax.tree.map(lambda leaf: leaf / total.episodes, total)
+    """Returns the mean finished episode. Zeros stand for what has no value, so that no program gives NaN: see `without_value`."""
+    number = jnp.maximum(total.episodes, 1)
+    mean = jax.tree.map(lambda leaf: leaf / number, total)
     return {
         "episodes": total.episodes,
+        "equalities": total.equalities,
         "episode_length": mean.length,
         "collective_return": collective_return(mean.returns),
         "agent_return": mean.returns,
@@ -103,3 +109,11 @@ def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
         "mean": mean.metric_means,
         "final": mean.metric_finals,
     }
+
+
+def without_value(metrics: dict[str, Any]) -> set[str]:
+    """Returns which metrics of a mean episode have no value: all but the count where none finished; equality, if one of them has none."""
+    of_episodes = {"episode_length", "collective_return", "agent_return", "shaped_agent_return", "equality", "event", "mean", "final"}
+    if metrics["episodes"] == 0:
+        return of_episodes
+    return {"equality"} if metrics.get("equalities", math.inf) < metrics["episodes"] else set()

@@ -35,7 +35,7 @@ def draw_any(key: Array, shape: tuple[int, ...], num_actions: int, allowed: Arra
     """Returns actions `shape` int32, each of those allowed with equal probability."""
     if allowed is None:
         return jax.random.randint(key, shape, 0, num_actions, jnp.int32)
-    return jax.random.categorical(key, masked(jnp.zeros(allowed.shape), allowed)).astype(jnp.int32)
+    return jax.random.categorical(key, masked(jnp.zeros(allowed.shape, jnp.float32), allowed)).astype(jnp.int32)
 
 
 def pack_mask(allowed: Array | None) -> Array | None:

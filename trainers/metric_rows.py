@@ -3,19 +3,25 @@
 from collections.abc import Sequence
 from typing import Any
 
+import jax
 import numpy as np
 
+from .episodes import without_value
 from .metrics_files import Row
 
 
 def flatten_metrics(metrics: dict[str, Any]) -> Row:
     """Returns metrics as flat numbers: `{"event": {"eaten": [3, 4]}}` becomes `event_eaten_agent_0` and `…_1`.
 
-    Raw and shaped returns are per agent; their means over agents are `return` and `shaped_return`.
+    Raw and shaped returns are per agent; their means over agents are `return` and `shaped_return`. What has no value is NaN.
     """
     row: Row = {}
-    for name, value in metrics.items():
+    absent = without_value(metrics)
+    for name, measured in metrics.items():
+        value = jax.tree.map(lambda leaf: np.full(np.shape(leaf), np.nan), measured) if name in absent else measured
         match name:
+            case "equalities":
+                pass
             case "agent_return" | "shaped_agent_return":
                 short = name.replace("agent_", "")
                 row[short] = float(np.mean(value))

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
+from .run_errors import RunError
 from .run_files import naming, plain
 
 METRICS_JSONL = "metrics.jsonl"
@@ -69,6 +70,8 @@ def cut_metrics(folder: Path, update: int) -> Iterator[Row]:
         size += len(line)
         kept += 1
         yield known_row(row)
+        if row["update"] == update:
+            break
     _cut(folder / METRICS_JSONL, size)
     table = folder / METRICS_CSV
     _cut(table, _size_of_lines(table, kept + 1) if kept else 0)
@@ -77,7 +80,11 @@ def cut_metrics(folder: Path, update: int) -> Iterator[Row]:
 
 
 def read_rows(path: Path) -> Iterator[Row]:
-    """Yields the rows of a file of JSON lines, one at a time; half a line, of a process that was killed, is none."""
+    """Yields the rows of a file of JSON lines, one at a time; half a line at its end, of a process that was killed, is none.
+
+    Raises:
+      RunError: a line cannot be read.
+    """
     return (known_row(row) for _, row in _whole_lines(path))
 
 
@@ -117,13 +124,15 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
     if not path.exists():
         return
     with open(path, "rb") as file:
-        for line in file:
+        for number, line in enumerate(file, start=1):
+            if not line.endswith(b"\n"):
+                return
             try:
                 row = json.loads(line)
             except ValueError:
-                return
-            if not line.endswith(b"\n"):
-                return
+                row = None
+            if not isinstance(row, dict):
+                raise RunError(f"{path} is damaged: its line {number} cannot be read. Put it back as it was")
             yield line, row
 
 

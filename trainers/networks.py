@@ -56,7 +56,7 @@ class Torso(nn.Module):
         for index, side in enumerate(self.sides):
             shape = (side, side, features.shape[-1], self.channels)
             kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
-            bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:])
+            bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:], jnp.float32)
             features = nn.relu(convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype))
         return self._dense(features.reshape(*lead, -1))
 

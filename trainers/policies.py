@@ -136,7 +136,7 @@ def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bo
 def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
     networks = make_actor_critics(env, config)
     # a critic is not asked; one that sees the state gets zeros
-    state = jnp.zeros((1, 1, *networks.joint_shape)) if networks.joint_shape and networks.from_state else None
+    state = jnp.zeros((1, 1, *networks.joint_shape), jnp.float32) if networks.joint_shape and networks.from_state else None
 
     def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
         never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with `start`

@@ -129,7 +129,7 @@ def check_minibatches(config: PPOConfig) -> None:
 def start_learner(parameters: Any, config: PPOConfig) -> Learner:
     """Returns G learners in one: parameters `[G, ...]`, and an optimiser each."""
     optimiser = make_optimiser(config)
-    result: Learner = jax.vmap(lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser))(parameters)
+    result: Learner = jax.vmap(lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser).replace(step=jnp.int32(0)))(parameters)
     return result
 
 
@@ -153,7 +153,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         result: Array = jax.lax.cond(
             truncated.any(),
             lambda memory, last, joint: _value(networks, parameters, memory, last, joint, jnp.zeros_like(truncated)),
-            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents)),
+            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
             memory,
             info["terminal_observation"],
             joint,
@@ -239,7 +239,7 @@ def _learn_bundle(
 def draw_orders(key: Array, number: int, sequences: int, config: PPOConfig) -> Array:
     """Returns which sequences are in which minibatch, `[G, epochs, minibatches, m]` int32: all once an epoch, in a new order."""
     keys = jax.random.split(key, (number, config.num_epochs))
-    orders = jax.vmap(jax.vmap(lambda own: jax.random.permutation(own, sequences)))(keys)
+    orders = jax.vmap(jax.vmap(lambda own: jax.random.permutation(own, jnp.arange(sequences, dtype=jnp.int32))))(keys)
     return orders.reshape(number, config.num_epochs, config.num_minibatches, -1)
 
 

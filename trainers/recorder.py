@@ -15,6 +15,7 @@ from .evaluation import Evaluation, evaluation_key, make_evaluator, summarise
 from .learning_curve import draw_learning_curve
 from .learning_signs import Signs, is_due
 from .loggers import LoggerName, Loggers, open_loggers
+from .mending import mend_metrics
 from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
 from .policies import trained_policy
 from .policy_file import POLICIES, SUFFIX, remove_policies, write_policy
@@ -163,6 +164,7 @@ def open_recorders(
         recorders: list[Recorder] = []
         for folder, seed in zip(folders, config.seed_numbers, strict=True) if is_first() else ():
             folder.mkdir(parents=True, exist_ok=True)
+            mend_metrics(folder, done, config.evaluate_every)
             history = History(config)
             for row in cut_metrics(folder, done):
                 history.recall(row)

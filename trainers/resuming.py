@@ -9,26 +9,11 @@ from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled
 from .config import ConfigError, make_config
 from .environment import Environment
+from .run_errors import RunError
 from .run_folder import MANIFEST, describe_game, own_files, versions
 from .training_functions import TrainState
 
 PARTS = ("game", "config", "versions")  # of a manifest, without which nothing can be gone on with
-
-
-class RunError(Exception):
-    """A run cannot start, or cannot go on."""
-
-
-class TooLargeError(RunError):
-    """A run needs more memory than there is."""
-
-
-class DiskError(RunError):
-    """A file of a run could not be written; what was saved before is whole."""
-
-
-class TakenError(Exception):
-    """The folder of a run is another process's by now: nothing more is written into it."""
 
 
 def read_manifest(run_dir: Path) -> dict[str, Any]:

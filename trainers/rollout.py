@@ -68,7 +68,7 @@ def start_worlds(env: Environment, num_envs: int, memory: Any, key: Array, partn
         state=state,
         observation=observation,
         fresh=jnp.ones(num_envs, bool),
-        trace=jnp.zeros((num_envs, env.num_agents)),
+        trace=jnp.zeros((num_envs, env.num_agents), jnp.float32),
         memory=memory,
         sums=zero_sums(env, num_envs),
         partners=partners.start(num_envs),
@@ -131,5 +131,5 @@ def collect_rollout(
         return after, (step, finished, info["metrics"])
 
     worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, jax.random.split(key, num_steps))
-    total = jax.tree.map(lambda leaf: leaf.sum(axis=0), finished)
+    total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), finished)
     return worlds, rollout, total, jax.tree.map(jnp.mean, metrics)

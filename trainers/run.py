@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from itertools import zip_longest
@@ -23,12 +23,16 @@ from .policy_file import START, copy_policy
 from .processes import any_says, is_first
 from .progress import ProgressStyle, show_progress
 from .recorder import Recorder, open_recorders
-from .resuming import DiskError, RunError, TakenError, TooLargeError, check_same_run, extended, restore_last
+from .resuming import check_same_run, extended, restore_last
+from .run_errors import DiskError, RunError, TakenError, TooLargeError
 from .run_files import write_json
 from .run_folder import MANIFEST, describe_run
+from .run_lock import is_unused, locked
 from .side_by_side import CheckpointsOfParts, Part, compile_parts, joint_config, kind_of, of_part
 from .training_functions import TrainState
 from .updates import Callback, Keeping, Progress, Saver, diverged_before, divergence, make_teller, run_updates
+
+NOT_EMPTY = "{} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it"
 
 __all__ = ["Result", "Run", "RunError", "resume", "train", "train_side_by_side"]
 
@@ -75,13 +79,22 @@ def train(
       asked: further JSON values kept in the manifest, for whoever resumes the run.
       callback: called with an `Update` after each update, in the first of several processes; the run ends there if it returns True.
     Raises:
-      RunError: the folder is in use, training diverged with every seed, or the disk or the memory is full; what was written until then stays.
+      RunError: the folder is not empty, or another process trains there, training diverged with every seed, or the disk or the memory is full; what was written until then stays.
       ConfigError: the configuration does not fit the environment. PolicyError: a policy that it names cannot be read.
     """
     run_dir = Path(run_dir)
-    if any_says(run_dir.exists() and (not run_dir.is_dir() or any(run_dir.iterdir()))):
-        raise RunError(f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it")
-    return _run((_new(env, config, run_dir, provenance, loggers, asked),), progress, callback)[0]
+    if any_says(not is_unused(run_dir)):
+        raise RunError(NOT_EMPTY.format(run_dir))
+    make_train(env, config)  # what does not fit is said before the folder is made
+    with _held(run_dir):
+        if is_first() and not is_unused(run_dir):  # another process was faster
+            raise RunError(NOT_EMPTY.format(run_dir))
+        return _run((_new(env, config, run_dir, provenance, loggers, asked),), progress, callback)[0]
+
+
+def _held(run_dir: Path, claimed: bool = False) -> AbstractContextManager[None]:
+    """Returns what holds the folder of a run, in the process that writes there."""
+    return locked(run_dir, claimed) if is_first() else nullcontext()
 
 
 def _new(
@@ -93,7 +106,6 @@ def _new(
     asked: Mapping[str, Any] | None,
 ) -> Part:
     """Returns a run that starts in a new or empty folder."""
-    make_train(env, config)  # what does not fit is said before the folder is made
     run_dir.mkdir(parents=True, exist_ok=True)
     if config.init_from and is_first():
         copy_policy(config.init_from, run_dir / START)
@@ -119,16 +131,19 @@ def resume(
       total_timesteps: makes the run longer, also a finished one. Schedules over the whole run, as of the learning rate, are from there
         on those of the longer run.
     Raises:
-      RunError: no such run, or it was of another game or of other versions, or it has done more steps already.
+      RunError: no such run, or another process trains in its folder; it was of another game or of other versions, or has done more steps
+        already; rows of its metrics are lost.
     """
     run_dir = Path(run_dir)
-    manifest = check_same_run(env, run_dir)
-    if total_timesteps is not None:
-        manifest = extended(manifest, run_dir, total_timesteps)
-    manifest = _gone_on(manifest)
-    manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
-    manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
-    return _run((Part(env, make_config(manifest["config"]), run_dir, manifest),), progress, callback)[0]
+    check_same_run(env, run_dir)
+    with _held(run_dir):
+        manifest = check_same_run(env, run_dir)  # again, now that no other process writes it
+        if total_timesteps is not None:
+            manifest = extended(manifest, run_dir, total_timesteps)
+        manifest = _gone_on(manifest)
+        manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
+        manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
+        return _run((Part(env, make_config(manifest["config"]), run_dir, manifest),), progress, callback)[0]
 
 
 @dataclass(frozen=True)
@@ -146,7 +161,8 @@ class Run:
 def train_side_by_side(runs: Sequence[Run], progress: ProgressStyle = "auto", callback: Callback | None = None) -> tuple[Result, ...]:
     """Trains runs that differ in numbers without shape as one program, and writes the folder of each as `train` would.
 
-    A folder that holds the run already, stopped, is gone on with. Figures are those of runs trained apart but for rounding: programs
+    A folder that holds the run already, stopped, is gone on with. Other processes that call this with the same folder are not kept out:
+    whoever calls it sees to that, as sweeps do by claims. Figures are those of runs trained apart but for rounding: programs
     that are compiled apart do not add up in the same order.
 
     Args:
@@ -158,14 +174,18 @@ def train_side_by_side(runs: Sequence[Run], progress: ProgressStyle = "auto", ca
     """
     if len({kind_of(run.env, run.config) for run in runs}) != 1:
         raise RunError("runs that are trained side by side may differ in seeds and in numbers without shape only")
-    parts = []
     for run in runs:
-        if (run.run_dir / MANIFEST).is_file():
-            manifest = _gone_on(check_same_run(run.env, run.run_dir))
-            parts.append(Part(run.env, run.config, run.run_dir, manifest))
-        else:
-            parts.append(_new(run.env, run.config, run.run_dir, run.provenance, run.loggers, run.asked))
-    return _run(parts, progress, callback)
+        make_train(run.env, run.config)  # what does not fit is said before a folder is made
+    with ExitStack() as stack:
+        parts = []
+        for run in runs:
+            stack.enter_context(_held(run.run_dir, claimed=True))
+            if (run.run_dir / MANIFEST).is_file():
+                manifest = _gone_on(check_same_run(run.env, run.run_dir))
+                parts.append(Part(run.env, run.config, run.run_dir, manifest))
+            else:
+                parts.append(_new(run.env, run.config, run.run_dir, run.provenance, run.loggers, run.asked))
+        return _run(parts, progress, callback)
 
 
 def _gone_on(manifest: Mapping[str, Any]) -> dict[str, Any]:

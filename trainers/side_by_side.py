@@ -14,7 +14,7 @@ from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled, Lanes, compile_train
 from .config import Config
 from .environment import Environment, abstract_key
-from .resuming import RunError
+from .run_errors import RunError
 from .run_folder import seed_folders
 from .training_functions import Train, TrainState
 

@@ -23,7 +23,7 @@ from .metrics_files import Row
 from .policies import Policy, trained_policy
 from .processes import any_says
 from .recorder import Recorder
-from .resuming import RunError, TakenError
+from .run_errors import RunError, TakenError
 from .training_functions import TrainState
 
 Show = Callable[[Row, Sequence[str]], None]  # what is done with a row, and with warnings, for people to see
@@ -111,9 +111,10 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                 rows = [start | flatten_metrics(of_seed(measured, index, config)) for index in range(config.seeds)]
                 parameters = compiled.parameters(state)
                 learning = _record(rows, parameters, progress, config, keeping)
-                whole = progress.updates = number
+                progress.updates = number
                 keeping.show(*_shown(rows, learning, keeping))
                 _keep_policies(parameters, number, learning, config, keeping)
+                whole = number
                 if any_says(pace.is_due(number, time.perf_counter())):
                     pace.written(*_save(state, parameters, number, learning, config, keeping))
                     saved = number

@@ -35,7 +35,7 @@ class WindowLayer(nn.Module):
         lead, window = tokens.shape[:-3], tokens.shape[-3:]
         inputs = sum(len(plane.channels) for plane in self.planes) * math.prod(window[1:])
         kernel = self.param("kernel", orthogonal(self.gain), (inputs, self.width))
-        bias = self.param("bias", nn.initializers.zeros, (self.width,))
+        bias = self.param("bias", nn.initializers.zeros, (self.width,), jnp.float32)
         result: Array = weigh(kernel.astype(self.dtype), tokens.reshape(-1, *window), self.planes) + bias.astype(self.dtype)
         return result.reshape(*lead, self.width)
 

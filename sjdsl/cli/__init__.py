@@ -13,7 +13,7 @@ from sjdsl.cache import keep_programs
 from sjdsl.cli.examples import below
 from sjdsl.cli.faults import report_fault
 from sjdsl.cli.pointer import pointed
-from sjdsl.cli.terminal import leave_at_once_if_compiling
+from sjdsl.cli.terminal import INTERRUPTED, leave_at_once_if_compiling
 from sjdsl.near_names import meant
 
 COMMANDS = {
@@ -111,6 +111,8 @@ def main() -> NoReturn:
     try:
         status = run()
         sys.stdout.flush()
+    except KeyboardInterrupt:  # before or after the command itself
+        status = INTERRUPTED
     except BrokenPipeError:  # whoever reads has enough, as `head` has; what is left is written to nobody
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1

@@ -4,13 +4,15 @@ import sys
 
 import click
 
+from sjdsl.cli.terminal import INTERRUPTED
+
 
 def report_fault(error: Exception) -> int:
     """Prints what went wrong and returns the exit status; raises again what is no mistake of the user."""
     match error:
         case click.Abort():
             click.echo("interrupted", err=True)
-            return 130
+            return INTERRUPTED
         case click.UsageError():
             click.echo(f"error: {error.format_message()}", err=True)
             if error.ctx is not None:
@@ -38,7 +40,7 @@ def report_fault(error: Exception) -> int:
 FAULTS_OF_RUNS = {
     "sjdsl.trainers.config_errors": "ConfigError",
     "sjdsl.trainers.policy_file": "PolicyError",
-    "sjdsl.trainers.resuming": "RunError",
+    "sjdsl.trainers.run_errors": "RunError",
     "sjdsl.experiments.refusals": "ExperimentError",
     "sjdsl.report.refusals": "ReportError",
 }

@@ -118,7 +118,7 @@ def command(
     with stages(LOADING):
         from sjdsl.sweeps.engines import Crew
         from sjdsl.sweeps.running import check_sweep, sweep
-        from sjdsl.trainers.resuming import DiskError
+        from sjdsl.trainers.run_errors import DiskError
 
     crew = Crew(engine, workers, options, "auto", lambda line: click.echo(line, err=True))
     if dry_run:

@@ -18,9 +18,16 @@ def can_show_screen() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty() and os.environ.get("TERM", "") not in ("", "dumb")
 
 
+INTERRUPTED = 130  # the exit status of a command that Ctrl-C ended
+
+
 def leave_at_once_if_compiling(status: int) -> None:
-    """Ends the process where a game is still being compiled for a screen that has closed: XLA cannot be stopped, nor survives Python."""
-    if any(thread.name == COMPILING for thread in threading.enumerate()):
+    """Ends the process where XLA may still be at work: it cannot be stopped, nor survives Python.
+
+    That is after Ctrl-C, which may come at any time, and where a game is being compiled for a screen that has closed. Whatever a command
+    closes at its end is closed before.
+    """
+    if status == INTERRUPTED or any(thread.name == COMPILING for thread in threading.enumerate()):
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

@@ -20,6 +20,7 @@ from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers import load_preset, make_config
 from sjdsl.trainers.extensions import find, lasting
+from sjdsl.trainers.run_lock import is_unused
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -107,7 +108,7 @@ def _list_keys(config: "Config") -> None:
 def _require_unused(run_dir: str | None) -> None:
     """Refuses a folder that `train` would refuse, before JAX is imported."""
     path = Path(run_dir or "")
-    if run_dir and path.exists() and (not path.is_dir() or any(path.iterdir())):
+    if run_dir and not is_unused(path):
         raise click.ClickException(
             f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or go on with the run in it: "
             f"sjdsl train --resume {shlex.quote(run_dir)}"

@@ -15,7 +15,8 @@ from sjdsl.trainers.config import make_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
 from sjdsl.trainers.policy_file import POLICIES
-from sjdsl.trainers.resuming import RunError, read_manifest
+from sjdsl.trainers.resuming import read_manifest
+from sjdsl.trainers.run_errors import RunError
 from sjdsl.trainers.run_folder import MANIFEST
 
 EPISODES = 30  # of the evaluation of a seed, at least: the default of `sjdsl train` and `sjdsl evaluate`
@@ -45,7 +46,10 @@ def read_run(path: Path, stage: int | None = None) -> Evidence:
     except RunError as error:
         return Evidence(notes=(f"{error}: it is left out",))
     run = run_of(manifest, stage)
-    parts = [_read_seed(folder, seed, run, manifest) for seed, folder in _folders(path, manifest["config"])]
+    try:
+        parts = [_read_seed(folder, seed, run, manifest) for seed, folder in _folders(path, manifest["config"])]
+    except RunError as error:
+        return Evidence(notes=(f"{error}: {path} is left out",))
     rows = {name: tuple(row for part in parts for row in getattr(part, name)) for name in ("seeds", "measures", "curves")}
     return Evidence(runs=(run,), **rows, notes=_notes(path, manifest, rows["seeds"]))
 

@@ -8,6 +8,7 @@ try, the system lets one succeed, also on a shared file system. No file is ever 
 import json
 import os
 import socket
+import sys
 import threading
 import time
 from collections.abc import Mapping
@@ -23,6 +24,8 @@ from sjdsl.trainers.run_files import naming, write_whole
 
 CLAIMS = "claims"
 BEAT = 15.0  # seconds between two beats
+LINUX = sys.platform == "linux"
+STARTED = 19  # field of /proc/PID/stat behind the name, from 0. Source: proc(5), starttime
 STALE = 180.0  # seconds without a beat, after which another machine's claim is taken over: more than file systems cache for
 
 
@@ -90,8 +93,7 @@ def holder_of(folder: Path, name: str) -> Holder | None:
     last = _last(folder / CLAIMS, name)
     if last is None or not _is_held(last):
         return None
-    content = _read(last)
-    return Holder(str(content.get("host", "?")), int(content.get("pid", 0)))
+    return _holder(_read(last))
 
 
 def left_by(folder: Path, name: str) -> Holder | None:
@@ -100,7 +102,12 @@ def left_by(folder: Path, name: str) -> Holder | None:
     content = {} if last is None else _read(last)
     if last is None or content.get("released") or _is_held(last):
         return None
-    return Holder(str(content.get("host", "?")), int(content.get("pid", 0)))
+    return _holder(content)
+
+
+def _holder(content: Mapping[str, Any]) -> Holder:
+    pid = content.get("pid")
+    return Holder(str(content.get("host", "?")), pid if isinstance(pid, int) else 0)
 
 
 def _last(claims: Path, name: str) -> Path | None:
@@ -121,26 +128,32 @@ def _next(path: Path) -> Path:
 def _is_held(path: Path) -> bool:
     """Whether the process of a claim still runs its cell.
 
-    Of a process of this machine the system knows; of others the heartbeat tells, by the clock of the file system.
+    Of a process of this machine the system knows; of others, and where a claim does not say of which process it is, the heartbeat tells,
+    by the clock of the file system.
     """
     content = _read(path)
     if content.get("released"):
         return False
-    ours = _this_process()
-    if content.get("machine") == ours["machine"]:
-        return _runs(int(content["pid"]), float(content["started"]))
+    pid, started = content.get("pid"), content.get("started")
+    if content.get("machine") == _machine() and isinstance(pid, int) and isinstance(started, int | float):
+        return _started(pid) == started
     try:
         return _clock(path.parent) - path.stat().st_mtime < STALE
     except OSError:
         return True
 
 
-def _runs(pid: int, started: float) -> bool:
+def _started(pid: int) -> float | None:
+    """Returns when a process was started, by a clock that nobody sets; None where there is none of that number, or it has ended."""
     try:
         process = psutil.Process(pid)
-        return bool(abs(process.create_time() - started) < 1.0 and process.status() != psutil.STATUS_ZOMBIE)
-    except psutil.Error:
-        return False
+        if process.status() == psutil.STATUS_ZOMBIE:
+            return None
+        if LINUX:  # in ticks since the machine was started: the time of day would move with the clock
+            return int(Path(f"/proc/{pid}/stat").read_text("utf-8", errors="replace").rpartition(")")[2].split()[STARTED])
+        return float(process.create_time())
+    except (psutil.Error, OSError):
+        return None
 
 
 def _clock(folder: Path) -> float:
@@ -163,11 +176,6 @@ def _read(path: Path) -> dict[str, Any]:
 def _this_process() -> dict[str, Any]:
     pid = os.getpid()
     return {"machine": _machine(), "host": socket.gethostname(), "pid": pid, "started": _started(pid)}
-
-
-@cache
-def _started(pid: int) -> float:
-    return float(psutil.Process(pid).create_time())
 
 
 @cache

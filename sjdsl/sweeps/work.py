@@ -38,9 +38,10 @@ from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator
 from sjdsl.trainers.policies import PolicyError, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import START, policy_path
 from sjdsl.trainers.progress import ProgressStyle
-from sjdsl.trainers.resuming import DiskError, RunError, TakenError, TooLargeError
 from sjdsl.trainers.run import Run, train_side_by_side
+from sjdsl.trainers.run_errors import DiskError, RunError, TakenError, TooLargeError
 from sjdsl.trainers.run_folder import MANIFEST
+from sjdsl.trainers.run_lock import LOCK
 from sjdsl.trainers.side_by_side import kind_of
 from sjdsl.trainers.updates import Update
 
@@ -217,14 +218,14 @@ def _callback(held: Sequence[Held], stop: Callable[[], bool]) -> Callable[[Updat
 
 
 def _clear_half_begun(path: Path) -> None:
-    """Removes what a run leaves that was stopped before its manifest was written: nothing but a copy of the policy it starts with.
+    """Removes what a run leaves that was stopped before its manifest was written: nothing but a copy of the policy it starts with, and its lock.
 
     Raises ExperimentError where there is more: these are files of something else, and stay.
     """
     if not path.is_dir() or (path / MANIFEST).is_file():
         return
     inside = sorted(found.name for found in path.iterdir())
-    ours = {START, str(Path(START).with_suffix(".json")), MANIFEST}
+    ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK}
     others = [name for name in inside if name.removesuffix(".unfinished") not in ours]
     if others:
         raise ExperimentError(

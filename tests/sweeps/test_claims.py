@@ -8,6 +8,7 @@ import threading
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from sjdsl.sweeps import claims
@@ -117,3 +118,28 @@ def test_of_many_who_take_over_one_succeeds(tmp_path: Path) -> None:
             thread.join()
         assert len(taken) == 1
         taken[0].release()
+
+
+@pytest.mark.parametrize("content", [{}, {"pid": "seven"}, {"pid": None, "started": None}, {"started": 1.0}, {"pid": 1}])
+def test_a_claim_that_does_not_say_of_which_process_it_is_holds_by_its_heartbeat(tmp_path: Path, content: dict[str, object]) -> None:
+    own = {"machine": claims._machine()}
+    path = write_claim(tmp_path, 0, {**own, **content}, age=claims.STALE / 2)
+    holder = holder_of(tmp_path, "cell")
+    assert holder is not None
+    assert take(tmp_path, "cell") is None
+    os.utime(path, (0, 0))
+    assert left_by(tmp_path, "cell") is not None
+    claim = take(tmp_path, "cell")
+    assert claim is not None
+    claim.release()
+
+
+def test_a_clock_that_is_set_kills_no_claim(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Linux says when processes were started in time since the machine was: set by the clock, that was a second or a year ago."""
+    claim = take(tmp_path, "cell")
+    assert claim is not None
+    create_time = psutil.Process.create_time
+    monkeypatch.setattr(psutil.Process, "create_time", lambda process: create_time(process) + 3600.0)
+    assert holder_of(tmp_path, "cell") is not None
+    assert take(tmp_path, "cell") is None
+    claim.release()

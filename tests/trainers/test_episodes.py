@@ -1,11 +1,13 @@
 """Figures of episodes that end, against figures worked out by hand."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from probes import uneven
 
-from sjdsl.trainers.episodes import EpisodeSums, add_step, hand_over, mean_episode, zero_sums
+from sjdsl.trainers.episodes import EpisodeSums, add_step, hand_over, mean_episode, without_value, zero_sums
+from sjdsl.trainers.metric_rows import flatten_metrics
 
 
 def played(steps: list[tuple[list[list[float]], list[list[int]], list[int], list[float]]]) -> EpisodeSums:
@@ -50,13 +52,22 @@ def test_two_of_three_episodes_end() -> None:
 def test_equality_is_told_only_if_every_episode_has_it() -> None:
     _, finished = hand_over(played(STEPS), jnp.array([True, True, True]))
     mean = mean_episode(finished)
-    assert np.isnan(mean["equality"])
+    assert without_value(mean) == {"equality"}
     assert float(mean["collective_return"]) == pytest.approx((4 + 6 + 4) / 3)
+    row = flatten_metrics(mean)
+    assert np.isnan(row["equality"])
+    assert row["event_eaten_agent_0"] == pytest.approx(4 / 3)
+    assert "equalities" not in row
 
 
 def test_no_episode_ends() -> None:
     running, finished = hand_over(played(STEPS), jnp.zeros(3, bool))
     mean = mean_episode(finished)
-    assert int(mean["episodes"]) == 0
-    assert np.isnan([mean["collective_return"], mean["equality"], mean["mean"]["apples"], mean["final"]["apples"]]).all()
+    assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(mean)), "a program gives no NaN"
+    row = flatten_metrics(mean)
+    assert row.pop("episodes") == 0
+    assert np.isnan([*row.values()]).all()
+    assert {"collective_return", "equality", "mean_apples", "final_apples", "event_eaten_agent_1", "return", "shaped_return_agent_0"} < {
+        *row
+    }
     assert running.length.tolist() == [2, 2, 2]

@@ -1,0 +1,74 @@
+"""The folder of a run is one process's at a time, and its lock ends with the process."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from probes import matching
+from run_outcomes import SHORT, counting, read_manifest
+
+from sjdsl.trainers import RunError, resume, run, train
+from sjdsl.trainers.run import Run, train_side_by_side
+from sjdsl.trainers.run_lock import LOCK, is_unused, locked
+from sjdsl.trainers.updates import Update
+
+CONFIG = SHORT.model_copy(update={"evaluate_every": 0})
+HOLDS = "from sjdsl.trainers.run_lock import locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1])): print('held', flush=True); time.sleep(600)"
+
+
+@pytest.fixture(autouse=True)
+def learns_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
+
+
+def test_a_second_process_is_refused_until_the_first_has_died(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    train(matching(), CONFIG, folder, "none", callback=lambda update: update.number == 4)
+    before = read_manifest(folder)
+    with subprocess.Popen([sys.executable, "-c", HOLDS, str(folder)], stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "held\n"
+        with pytest.raises(RunError, match=rf"run is in use: process {other.pid} of .* trains there. Wait until it has ended"):
+            resume(matching(), folder, "none")
+        with pytest.raises(RunError, match="in use"):
+            train_side_by_side([Run(matching(), CONFIG, folder)], "none")
+        assert read_manifest(folder) == before, "nothing was written"
+        other.send_signal(signal.SIGKILL)
+    assert resume(matching(), folder, "none").updates == 12
+
+
+def test_a_run_that_is_under_way_is_not_begun_or_resumed_beside(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    said = []
+
+    def beside(update: Update) -> None:
+        if update.number == 3:
+            for start in (lambda: resume(matching(), folder, "none"), lambda: train(matching(), CONFIG, folder, "none")):
+                with pytest.raises(RunError) as error:
+                    start()
+                said.append(str(error.value))
+
+    assert train(matching(), CONFIG, folder, "none", callback=beside).updates == 12
+    assert f"process {os.getpid()}" in said[0]
+    assert "is not empty" in said[1]
+    assert read_manifest(folder)["status"] == "finished"
+    assert [json.loads(line)["update"] for line in (folder / "metrics.jsonl").read_text().splitlines()] == [*range(1, 13)]
+
+
+def test_processes_with_claims_agree_among_themselves(tmp_path: Path) -> None:
+    with locked(tmp_path, claimed=True), locked(tmp_path, claimed=True), pytest.raises(RunError, match="in use"), locked(tmp_path):
+        pass
+
+
+def test_a_lock_that_nobody_holds_is_in_no_ones_way(tmp_path: Path) -> None:
+    """As of a process that was killed before its run began."""
+    (tmp_path / LOCK).write_text("process 1 of nowhere")
+    assert is_unused(tmp_path)
+    assert train(matching(), CONFIG, tmp_path, "none").updates == 12
+    assert not is_unused(tmp_path)
+    (tmp_path / "file").touch()
+    assert not is_unused(tmp_path / "file")

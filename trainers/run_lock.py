@@ -1,0 +1,44 @@
+"""The lock of a run's folder: only one process trains there. The system takes it back when the process ends, however that is."""
+
+import fcntl
+import os
+import socket
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from .run_errors import RunError
+
+LOCK = ".lock"  # stays in the folder: a lock is held by a process, not by the file
+
+
+def is_unused(run_dir: Path) -> bool:
+    """Whether a run may begin in a folder: it is not there, or holds nothing, or but the lock of a run that never began."""
+    return not run_dir.exists() or (run_dir.is_dir() and all(path.name == LOCK for path in run_dir.iterdir()))
+
+
+@contextmanager
+def locked(run_dir: Path, claimed: bool = False) -> Iterator[None]:
+    """Holds the folder of a run, which is made if it is not there.
+
+    Args:
+      claimed: processes with a claim agree otherwise on who is alone, and keep out only those that have none.
+    Raises:
+      RunError: another process trains there.
+    """
+    run_dir.mkdir(parents=True, exist_ok=True)
+    with open(run_dir / LOCK, "a+", encoding="utf-8") as file:
+        try:
+            fcntl.flock(file, (fcntl.LOCK_SH if claimed else fcntl.LOCK_EX) | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.seek(0)
+            holder = file.read().strip() or "another process"
+            raise RunError(f"{run_dir} is in use: {holder} trains there. Wait until it has ended, or name another folder") from None
+        except OSError as error:
+            warnings.warn(f"{run_dir} cannot be locked ({error.strerror}): see to it that no other process trains there", stacklevel=3)
+        with suppress(OSError):  # who it is only helps a message
+            file.truncate(0)
+            file.write(f"process {os.getpid()} of {socket.gethostname()}")
+            file.flush()
+        yield
