@@ -10,7 +10,7 @@ from typing import Any
 import jax
 
 from sjdsl.cache import cached_text
-from sjdsl.compiler import Build, build_composition, compile_build
+from sjdsl.compiler import Build, build_composition, compile_rules
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -53,13 +53,13 @@ def make(
     made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source)))
     if num_agents is not None and made.game.agents.number != num_agents:
         raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
-    return environment_of(made, source, run_time, observation)
+    return environment_of(made, run_time, observation)
 
 
-def environment_of(made: Build, source: Source, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
+def environment_of(made: Build, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
     """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
     key = game_hash(made.game)
-    text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))
+    text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_rules(made))
     module = load_module(text, file, made.game.name)
     return Environment(module, build_params(made.game, module, params), observation, made.game)
 

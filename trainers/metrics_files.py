@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
-from .run_files import naming, plain
+from sjdsl.files import naming
+
+from .run_files import plain
 
 METRICS_JSONL = "metrics.jsonl"
 METRICS_CSV = "metrics.csv"

@@ -13,11 +13,13 @@ from jax.tree_util import keystr, tree_flatten_with_path
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
+from sjdsl.files import write_whole
+
 from .config import Config, ConfigError, make_config
 from .config_errors import RETIRED
 from .digest import digest_of
 from .policy_names import split_name
-from .run_files import write_json, write_whole
+from .run_files import write_json
 
 POLICIES = "policies"
 START = "start.safetensors"  # in the folder of a run that started from another's policy: a copy of it

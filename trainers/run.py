@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from itertools import zip_longest
@@ -307,7 +307,5 @@ def _of_disk(error: OSError, run_dir: Path) -> str:
 
 def _write_if_room(path: Path, manifest: Mapping[str, Any]) -> None:
     """Writes the manifest; a disk that is full leaves the one that was written at the start."""
-    try:
+    with suppress(OSError):
         write_json(path, manifest)
-    except OSError:
-        path.with_name(path.name + ".unfinished").unlink(missing_ok=True)

@@ -2,9 +2,9 @@
 
 import io
 import json
-import os
 import zipfile
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal
@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from sjdsl.files import written_whole
 from sjdsl.replay.episode import Episode, Observation
 from sjdsl.replay.recording import Recording, RecordingError, read_recording
 
@@ -53,8 +54,8 @@ class DatasetWriter:
     def __init__(self, path: Path, header: Header) -> None:
         """Begins a file. `header`: its number of episodes is replaced by how many are added."""
         self.path, self._header = path, header
-        self._unfinished = path.with_name(f"{path.name}.{os.getpid()}")
-        self._zip = zipfile.ZipFile(self._unfinished, "w", zipfile.ZIP_DEFLATED, allowZip64=True)
+        self._open = ExitStack()
+        self._zip = zipfile.ZipFile(self._open.enter_context(written_whole(path)), "w", zipfile.ZIP_DEFLATED, allowZip64=True)
         self.returns: list[np.ndarray] = []
         self.steps = 0
 
@@ -75,17 +76,13 @@ class DatasetWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        del error, trace
         wanted = kind is None or (issubclass(kind, KeyboardInterrupt) and bool(self.returns))
         if wanted:
             header = self._header.model_copy(update={"episodes": len(self.returns)})
             self._write("returns", np.array(self.returns))
             self._write(HEADER, np.array(header.model_dump_json()))
         self._zip.close()
-        if wanted:
-            os.replace(self._unfinished, self.path)
-        else:
-            self._unfinished.unlink(missing_ok=True)
+        self._open.__exit__(*((None, None, None) if wanted else (kind, error, trace)))
 
     def _write(self, name: str, array: np.ndarray) -> None:
         member = zipfile.ZipInfo(f"{name}.npy")  # without the time of day

@@ -1,13 +1,14 @@
 """The file of a recorded episode: its game, its seed, the actions of all agents."""
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
+
+from sjdsl.files import write_whole
 
 
 class RecordingError(Exception):
@@ -34,9 +35,7 @@ class Recording(BaseModel):
 def save_recording(recording: Recording, path: Path) -> None:
     """Writes a file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}")
-    unfinished.write_text(json.dumps(recording.model_dump()) + "\n", encoding="utf-8")
-    os.replace(unfinished, path)
+    write_whole(path, json.dumps(recording.model_dump()) + "\n")
 
 
 def read_recording(path: Path) -> Recording:

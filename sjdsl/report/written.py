@@ -6,13 +6,13 @@ from pathlib import Path
 
 from sjdsl.experiments.pictures import picture_bytes
 from sjdsl.experiments.result_files import write_compact_json
+from sjdsl.files import UNFINISHED, write_whole
 from sjdsl.report.evidence import Evidence, key_of
 from sjdsl.report.evidence_files import is_evidence, read_evidence
 from sjdsl.report.markdown import FIGURES
 from sjdsl.report.page import Picture
 from sjdsl.report.refusals import ReportError
 from sjdsl.report.report import DATA, Report, make_report
-from sjdsl.trainers.run_files import UNFINISHED, write_whole
 
 PAGE, LISTED, MARL_EVAL = "report.md", "report_files.json", "marl_eval.json"
 ENDINGS = ("png", "svg")

@@ -19,7 +19,7 @@ from typing import Any
 
 import psutil
 
-from sjdsl.trainers.run_files import naming, write_whole
+from sjdsl.files import naming, write_whole
 
 CLAIMS = "claims"
 BEAT = 15.0  # seconds between two beats

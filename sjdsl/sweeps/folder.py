@@ -11,12 +11,13 @@ from typing import Any, Literal
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.experiments.folder import differences, read_json
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import Holder, holder_of
 from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX
-from sjdsl.trainers.run_files import UNFINISHED, plain, write_json
+from sjdsl.trainers.run_files import plain, write_json
 from sjdsl.trainers.run_folder import MANIFEST, versions
 from sjdsl.trainers.run_state import FINISHED
 from sjdsl.trainers.updates import divergence
@@ -159,7 +160,7 @@ def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     known = merged(folder, wanted)
     folder.mkdir(parents=True, exist_ok=True)
     if known != read_json(folder / SWEEP):
-        write_json(folder / SWEEP, known, shared=True)
+        write_json(folder / SWEEP, known)
     (folder / CELLS).mkdir(exist_ok=True)
     return known
 

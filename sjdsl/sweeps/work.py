@@ -17,6 +17,7 @@ import sjdsl
 from sjdsl.experiments.folder import read_json
 from sjdsl.experiments.players import acting_kind
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import BEAT, Claim, take
 from sjdsl.sweeps.folder import (
@@ -225,7 +226,7 @@ def _clear_half_begun(path: Path) -> None:
         return
     inside = sorted(found.name for found in path.iterdir())
     ours = {START, str(Path(START).with_suffix(".json")), MANIFEST}
-    others = [name for name in inside if name.removesuffix(".unfinished") not in ours]
+    others = [name for name in inside if name not in ours and not name.endswith(UNFINISHED)]
     if others:
         raise ExperimentError(
             f"{path} holds {', '.join(others[:3])} and no {MANIFEST} that says of which run; --retry puts it aside and begins anew"
