@@ -14,7 +14,7 @@ import jax
 from .algorithms import make_train
 from .checkpoints import Checkpoints
 from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes
-from .config import Config, make_config
+from .config import Config, stored_config
 from .environment import Environment
 from .loggers import LoggerName
 from .metric_rows import mean_row
@@ -128,7 +128,7 @@ def resume(
     manifest = _gone_on(manifest)
     manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
     manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
-    return _run((Part(env, make_config(manifest["config"]), run_dir, manifest),), progress, callback)[0]
+    return _run((Part(env, stored_config(manifest["config"]), run_dir, manifest),), progress, callback)[0]
 
 
 @dataclass(frozen=True)

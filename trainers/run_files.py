@@ -14,7 +14,12 @@ from sjdsl.files import write_whole
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Writes a JSON file whole or not at all; arrays become lists, and what is not finite becomes null."""
-    write_whole(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
+    write_whole(path, json_text(content))
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """Returns the text of a JSON file; arrays become lists, and what is not finite becomes null."""
+    return json.dumps(plain(content), indent=2, allow_nan=False) + "\n"
 
 
 def plain(value: Any) -> Any:

@@ -16,6 +16,7 @@ from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import Holder, holder_of
 from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
+from sjdsl.trainers.config import ConfigError, require_code, stored_config
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX
 from sjdsl.trainers.run_files import plain, write_json
 from sjdsl.trainers.run_folder import MANIFEST, versions
@@ -124,8 +125,9 @@ def _faults_of_others(before: Mapping[str, Any], wanted: Mapping[str, Any], plan
             continue
         told.add(_part(there))
         try:
+            require_code(stored_config(cell.config), f"its cell {cell.name}", ("network", "reward", "policy"))
             here = plain(made_again(plan, cell).described())
-        except (ExperimentError, CompileError) as error:
+        except (ExperimentError, CompileError, ConfigError) as error:
             yield f"its cell {cell.name} can no longer be made: {str(error).splitlines()[0]}"
             return
         what = "; ".join(differences(_flat(there), _flat(here)))

@@ -34,7 +34,7 @@ from sjdsl.sweeps.folder import (
 )
 from sjdsl.sweeps.tables import collective_returns, write_status, write_tables
 from sjdsl.trainers.checkpoints import CHECKPOINTS
-from sjdsl.trainers.config import ConfigError, make_config
+from sjdsl.trainers.config import ConfigError, stored_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
 from sjdsl.trainers.policies import PolicyError, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import START, policy_path
@@ -257,7 +257,7 @@ def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
       PolicyError: a policy cannot be read. ExperimentError: a return is not finite.
     """
     env = environment_of(cell)
-    trained_as = make_config((read_json(path / MANIFEST) or {}).get("config", cell.config))
+    trained_as = stored_config((read_json(path / MANIFEST) or {}).get("config", cell.config))
     for seed, own in seed_dirs(path, cell).items():
         if evaluation_of(own, seed, episodes) is not None:
             continue
@@ -273,7 +273,7 @@ def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
 def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, Any], Evaluation]:
     """Returns what evaluates policies of one network in one game, compiled once for the seeds of a cell, and for cells alike."""
     env = _environment(provenance)
-    config = make_config(json.loads(acting))
+    config = stored_config(json.loads(acting))
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
 
 
