@@ -165,7 +165,8 @@ def shapes(config: Config) -> Any:
 
 
 def read(path: Path) -> None:
-    read_policy(path, shapes)
+    if read_policy(path, shapes)[0] is None:
+        raise PolicyError("it does not fit")
 
 
 def flips(content: bytes) -> Iterator[bytes]:
