@@ -16,7 +16,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.elaborate.world_map import parse_rows, row_spans
+from sjdsl.compiler.elaborate.world_map import parse_file, row_spans
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
@@ -75,7 +75,7 @@ def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[
     if not path.is_file():
         raise FileNotFoundError(f"there is no map file `{map}`")
     problems = Problems()
-    rows, spans = parse_rows(path.read_bytes(), str(map), Span(source.name, 0, 0, 1, 1), problems)
+    rows, spans = parse_file(path, str(map), Span(source.name, 0, 0, 1, 1), problems)
     if problems.found:
         raise CompileError(problems.found)
     return rows, spans

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, make_environment
+from sjdsl.cli.environment_options import SEED, make_environment, named_in
 from sjdsl.cli.evaluate_policy import evaluate_policy
 from sjdsl.cli.evaluation_table import echo_table, interval
 from sjdsl.cli.film import check_film, save_film
@@ -81,7 +81,7 @@ def command(
         evaluate_policy(run, game, episodes, seed, greedy, film, output, described)
         return
     provenance = provenance_of(path, OR_A_GAME)
-    with stages(LOADING):
+    with stages(LOADING), named_in(path):
         env = make_environment(provenance)
     folders = sorted(path.glob("seed_*")) or [path]
     for folder in folders:

@@ -1,6 +1,5 @@
 """`sjdsl play`: lets a person control one agent in the terminal."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -82,7 +81,7 @@ def begin_session(
 
     board = board_of(game)
     whole = int(evaluate(game.episode, Instance(board, declared_world(board, values))))
-    return Session(Interpreted(game, values, seed), choose, agent, min(whole, steps or sys.maxsize))
+    return Session(Interpreted(game, values, seed), choose, agent, whole if steps is None else min(whole, steps))
 
 
 def play_on(

@@ -14,6 +14,7 @@ from sjdsl.cli.environment_options import (
     describe_environment,
     environment_options,
     make_environment,
+    named_in,
     read_assignments,
 )
 from sjdsl.cli.evaluate import evaluate_run, list_files
@@ -161,7 +162,7 @@ def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] |
     kept = manifest.get("asked", {}).get("callback")
     if callback is None and kept is not None:
         require_allowed("callback", kept, str(path / "manifest.json"))
-    with stages(LOADING):
+    with stages(LOADING), named_in(path / "manifest.json"):
         env = make_environment(manifest["provenance"])
     found, asked = find_callback(callback or kept)
     total = None if longer is None else make_config(total_timesteps=longer).total_timesteps

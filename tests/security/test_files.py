@@ -137,7 +137,7 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
 def test_a_data_set_is_written_the_same_way(tmp_path: Path) -> None:
     target, victim = planted(tmp_path, "a.npz")
     header = Header(
-        game="coins", environment={}, hash="0", policy="stay", policy_digest=None, seed=0, episodes=0, observation="none", planes=[],
+        game="coins", environment={"game": "coins"}, hash="0", policy="stay", policy_digest=None, seed=0, episodes=0, observation="none", planes=[],
         action_names=[], versions={},
     )  # fmt: skip
     with DatasetWriter(target, header):
