@@ -6,15 +6,15 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, NonNegativeInt
+from pydantic import BaseModel, ConfigDict, NonNegativeInt, ValidationError
 
 from sjdsl.files import written_whole
 from sjdsl.replay.arrays import FAULTS, TooLarge, read_arrays
 from sjdsl.replay.episode import Episode, Observation
-from sjdsl.replay.recording import Recording, RecordingError, Seed, check_arguments, read_recording
+from sjdsl.replay.recording import Arguments, Recording, RecordingError, Seed, read_recording
 
 SUFFIX = ".npz"
 HEADER = "header"
@@ -34,7 +34,7 @@ class Header(BaseModel):
 
     format: Literal["sjdsl-episodes-1"] = "sjdsl-episodes-1"
     game: str
-    environment: Annotated[dict[str, Any], AfterValidator(check_arguments)]
+    environment: dict[str, Any]
     hash: str
     policy: str
     policy_digest: str | None
@@ -199,10 +199,18 @@ def load_recording(path: Path, episode: int = 0) -> Recording:
     """
     if path.is_file() and is_dataset(path):
         try:
-            return Dataset(path).recording(episode)
+            recording = Dataset(path).recording(episode)
         except IndexError as error:
             raise RecordingError(str(error)) from None
-    recording = read_recording(path)
-    if episode != 0:
-        raise RecordingError(f"{path} has no episode {episode}: it has one, number 0")
+    else:
+        recording = read_recording(path)
+        if episode != 0:
+            raise RecordingError(f"{path} has no episode {episode}: it has one, number 0")
+    try:
+        Arguments.model_validate(recording.environment)
+    except ValidationError as error:
+        (first, *_) = error.errors()
+        raise RecordingError(
+            f"{path} does not say how its game is made: environment.{'.'.join(map(str, first['loc']))}: {first['msg']}"
+        ) from None
     return recording

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sjdsl.files import LARGEST_JSON, read_text, write_whole
 
@@ -28,12 +28,6 @@ class Arguments(BaseModel):
     observation: Literal["tokens", "onehot"] = "tokens"
 
 
-def check_arguments(environment: dict[str, Any]) -> dict[str, Any]:
-    """Returns the arguments of `sjdsl.make` as they are. Raises ValidationError, a ValueError, for others."""
-    Arguments.model_validate(environment)
-    return environment
-
-
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
@@ -47,7 +41,7 @@ class Recording(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     format: Literal["sjdsl-episode-1"] = "sjdsl-episode-1"
-    environment: Annotated[dict[str, Any], AfterValidator(check_arguments)]
+    environment: dict[str, Any]
     hash: str
     seed: Seed
     actions: list[list[int]]
