@@ -28,13 +28,14 @@ def written_whole(path: Path) -> Iterator[BinaryIO]:
     kept = _permissions(path)
     unfinished = path.with_name(f"{secrets.token_hex(8)}{UNFINISHED}")  # no longer for a long name
     try:
-        with naming(path), open(unfinished, "xb", opener=lambda name, flags: _create(name, flags, kept)) as file:
-            if kept is not None and hasattr(os, "fchmod"):
-                os.fchmod(file.fileno(), kept)  # of which the umask has perhaps taken some
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(unfinished, path)
+        with naming(path):
+            with open(unfinished, "xb", opener=lambda name, flags: _create(name, flags, kept)) as file:
+                if kept is not None and hasattr(os, "fchmod"):
+                    os.fchmod(file.fileno(), kept)  # of which the umask has perhaps taken some
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(unfinished, path)
     except BaseException as error:
         if isinstance(error, OSError) and error.filename == str(unfinished):
             error.filename, error.filename2 = str(path), None

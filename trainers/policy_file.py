@@ -24,8 +24,9 @@ from .run_files import json_text
 POLICIES = "policies"
 START = "start.safetensors"  # in the folder of a run that started from another's policy: a copy of it
 SUFFIX = ".safetensors"
-DIGEST = "sha256"  # in the metadata of the file: of its tensors, their names, dtypes and shapes
-DESCRIBED = "sha256_of_json"  # in the same place: of the `.json` beside it, every byte
+# In the metadata of the file, two digests: of its tensors, with their names, dtypes and shapes, and of the bytes of the `.json` beside it.
+# They have one key, for safetensors writes several in no order, and files that are equal have to have the same bytes.
+DIGEST = "sha256"
 LARGEST_JSON = 2**20  # bytes of that
 UNREADABLE = (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError, SafetensorError, ConfigError)
 
@@ -52,7 +53,7 @@ def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> N
     tensors = {keystr(place): np.ascontiguousarray(leaf) for place, leaf in leaves}
     text = json_text(described).encode()
     write_whole(path.with_suffix(".json"), text)
-    write_whole(path, save(tensors, {DIGEST: digest_of(tensors), DESCRIBED: hashlib.sha256(text).hexdigest()}))
+    write_whole(path, save(tensors, {DIGEST: digests_of(tensors, text)}))
 
 
 def copy_policy(name: str, path: Path) -> None:
@@ -113,7 +114,8 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     try:
         with safe_open(path, "np") as file:
             metadata = file.metadata() or {}
-            described = _read_description(path.with_suffix(".json"), metadata)
+            of_tensors, _, of_json = metadata.get(DIGEST, "").partition(" ")
+            described = _read_description(path.with_suffix(".json"), of_json)
             require_code(described.config, str(path.with_suffix(".json")), ("network", "policy"))
             leaves, structure = tree_flatten_with_path(shapes_of(described.config))
             wanted = {keystr(place): leaf.shape for place, leaf in leaves}
@@ -125,14 +127,24 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
         raise PolicyError(str(error)) from None
     except UNREADABLE as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
-    _check_tensors(path, tensors, metadata)
+    if metadata.keys() - {DIGEST} or (of_tensors and digest_of(tensors) != of_tensors):
+        raise PolicyError(f"{path} is damaged: its tensors are not those that were written; take another policy of the run")
+    if not of_json:
+        lacking = "digest of its description" if of_tensors else "digest"
+        warnings.warn(f"{path} has no {lacking}, as files of earlier versions: whether it is damaged cannot be told", stacklevel=2)
+    _require_finite(path, tensors)
     return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
 
 
-def _read_description(path: Path, metadata: Mapping[str, str]) -> Described:
-    """Returns what stands in the file beside the tensors, by the metadata of which it must be the one that was written."""
+def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
+    """Returns what the metadata of a policy hold of its tensors and of the file beside it."""
+    return f"{digest_of(tensors)} {hashlib.sha256(description).hexdigest()}"
+
+
+def _read_description(path: Path, digest: str) -> Described:
+    """Returns what stands in the file beside the tensors; with a digest, only if it is the one that was written."""
     written = read_bytes(path, LARGEST_JSON)
-    if DESCRIBED in metadata and hashlib.sha256(written).hexdigest() != metadata[DESCRIBED]:
+    if digest and hashlib.sha256(written).hexdigest() != digest:
         raise ValueError(f"{path} is damaged: it is not the one that was written; take another policy of the run")
     content = parse_json(written)
     game, update, env_steps = content["game"], content["update"], content["env_steps"]
@@ -143,15 +155,7 @@ def _read_description(path: Path, metadata: Mapping[str, str]) -> Described:
     return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))
 
 
-def _check_tensors(path: Path, tensors: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> None:
-    """Raises PolicyError where tensors are not those that were written, or not finite."""
-    if metadata.keys() not in ({DIGEST, DESCRIBED}, {DIGEST}, set()):
-        raise PolicyError(f"{path} is damaged: what it says of itself is not what was written; take another policy of the run")
-    if DESCRIBED not in metadata:
-        what = "digest of its description" if metadata else "digest"
-        warnings.warn(f"{path} has no {what}, as files of earlier versions: whether it is damaged cannot be told", stacklevel=3)
-    if metadata and digest_of(tensors) != metadata[DIGEST]:
-        raise PolicyError(f"{path} is damaged: its tensors are not those that were written; take another policy of the run")
+def _require_finite(path: Path, tensors: Mapping[str, np.ndarray]) -> None:
     bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
     if bad:
         raise PolicyError(f"{path} holds numbers that are not finite, in {', '.join(bad)}: no agent can act by it; take another policy")

@@ -1,6 +1,5 @@
 """Loading a policy runs no code that only its files name, and a damaged one is refused with a message."""
 
-import hashlib
 import json
 import sys
 import warnings
@@ -21,7 +20,7 @@ from sjdsl.cli import run as command_line
 from sjdsl.trainers import Config, PolicyError, RunError, allow_code, find_policy, load_policy, make_config, resume
 from sjdsl.trainers.digest import digest_of
 from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.policy_file import DESCRIBED, DIGEST, read_policy, write_policy
+from sjdsl.trainers.policy_file import DIGEST, digests_of, read_policy, write_policy
 from sjdsl.trainers.run_folder import describe_game, versions
 
 SMALL = {"algorithm": "ippo", "network": "mlp", "network_width": 4}
@@ -66,7 +65,7 @@ def rewrite(path: Path, content: object) -> None:
     text = json.dumps(content).encode()
     path.with_suffix(".json").write_bytes(text)
     tensors = load_file(path)
-    save_file(tensors, path, {DIGEST: digest_of(tensors), DESCRIBED: hashlib.sha256(text).hexdigest()})
+    save_file(tensors, path, {DIGEST: digests_of(tensors, text)})
 
 
 @pytest.fixture
