@@ -2,10 +2,10 @@
 
 import hashlib
 import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from sjdsl.files import write_whole
 from sjdsl.version import __version__
 
 
@@ -34,9 +34,7 @@ def cached_text(key: str, make: Callable[[], str]) -> tuple[str, str]:
     text = make()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False, encoding="utf-8") as file:
-            file.write(f"# {hashlib.sha256(text.encode()).hexdigest()}\n{text}")
-        os.replace(file.name, path)
+        write_whole(path, f"# {hashlib.sha256(text.encode()).hexdigest()}\n{text}")
     except OSError:
         pass
     return text, str(path)

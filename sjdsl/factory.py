@@ -10,13 +10,13 @@ from typing import Any
 import jax
 
 from sjdsl.cache import cached_text
-from sjdsl.compiler import Build, build_composition, compile_build
+from sjdsl.compiler import Build, build_composition, compile_rules
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.elaborate.world_map import parse_rows, row_spans
+from sjdsl.compiler.elaborate.world_map import parse_file, row_spans
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
@@ -53,13 +53,13 @@ def make(
     made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source)))
     if num_agents is not None and made.game.agents.number != num_agents:
         raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
-    return environment_of(made, source, run_time, observation)
+    return environment_of(made, run_time, observation)
 
 
-def environment_of(made: Build, source: Source, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
+def environment_of(made: Build, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
     """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
     key = game_hash(made.game)
-    text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_build(made, source))
+    text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_rules(made))
     module = load_module(text, file, made.game.name)
     admit = partial(admitted_params, made.game, module)
     return Environment(module, build_params(made.game, module, params), observation, made.game, admit)
@@ -76,7 +76,7 @@ def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[
     if not path.is_file():
         raise FileNotFoundError(f"there is no map file `{map}`")
     problems = Problems()
-    rows, spans = parse_rows(path.read_bytes(), str(map), Span(source.name, 0, 0, 1, 1), problems)
+    rows, spans = parse_file(path, str(map), Span(source.name, 0, 0, 1, 1), problems)
     if problems.found:
         raise CompileError(problems.found)
     return rows, spans

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from .config import Config, ConfigError, PPOConfig, VDNConfig, make_config
     from .estimates import Estimate, estimate
     from .evaluation import Evaluation, evaluate, save_evaluation, summarise
-    from .extensions import register
+    from .extensions import allow_code, register
     from .policies import (
         MemoryPolicy,
         Policy,
@@ -45,6 +45,7 @@ __all__ = [
     "TrainState",
     "Update",
     "VDNConfig",
+    "allow_code",
     "estimate",
     "evaluate",
     "find_policy",
@@ -82,6 +83,7 @@ __getattr__ = lazy_names(
         "TrainState": "training_functions",
         "Update": "updates",
         "VDNConfig": "config",
+        "allow_code": "extensions",
         "estimate": "estimates",
         "evaluate": "evaluation",
         "find_policy": "policies",

@@ -16,9 +16,10 @@ import jax
 import jax.numpy as jnp
 from jax.tree_util import keystr, tree_flatten_with_path
 
+from sjdsl.files import naming
+
 from .digest import digest_of
 from .processes import is_first
-from .run_files import naming
 from .seal import damage_of, seal
 
 CHECKPOINTS = "checkpoints"

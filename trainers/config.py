@@ -3,7 +3,7 @@
 import math
 import operator
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
@@ -24,15 +24,16 @@ from pydantic import (
 
 from sjdsl.near_names import meant
 
-from .config_errors import ConfigError, sentence_of
-from .extensions import Kind, find, is_own, lasting, name_of
-from .policy_names import lasting_name
+from .config_errors import RETIRED, ConfigError, sentence_of
+from .extensions import Kind, find, is_own, lasting, name_of, require_allowed
+from .policy_names import lasting_name, split_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
 Algorithm = Literal["ippo", "mappo", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
+STORED: Collection[str] = []  # as pydantic's context: the configuration comes from a file, and nobody asks for its settings now
 SEEDS = 2**32  # how many there are: JAX makes a key of the lower 32 bits, so that a larger seed would be another's run
 
 
@@ -40,7 +41,7 @@ def _whole_number(value: Any) -> Any:
     """Returns `1e6` and `"1e6"` as 1000000; anything else as it came."""
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return value
     return int(number) if not isinstance(value, bool | int) and number.is_integer() else value
 
@@ -58,10 +59,15 @@ def _odd(value: int) -> int:
     return value
 
 
-def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any], Any]:
-    """Returns a check of `names` and of what users bring along: that is found at once, and a function that is passed gets a name."""
+def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, ValidationInfo], Any]:
+    """Returns a check of `names` and of what users bring along: a function that is passed gets a name, and what is named is found at once.
 
-    def check(value: Any) -> Any:
+    In a stored configuration names stay names: to find them would run their code.
+    """
+
+    def check(value: Any, given: ValidationInfo) -> Any:
+        if given.context is STORED and isinstance(value, str):
+            return value
         if callable(value):
             return name_of(kind, value)
         if not isinstance(value, str) or (value not in names and not is_own(kind, value)):
@@ -74,13 +80,15 @@ def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any], Any]:
     return check
 
 
-def _partners(value: Any) -> Any:
+def _partners(value: Any, given: ValidationInfo) -> Any:
     """Returns partners, `{1: "random"}` or `"1,2=random,3=runs/a"`, as pairs of an agent's number and its policy's name."""
     if isinstance(value, str):
         parts = re.findall(r"\s*([\d,\s]+)=([^,]+)", value)
         if not value.strip() or re.sub(r"\s*([\d,\s]+)=([^,]+)(,|$)", "", value):
             raise ValueError("of the form AGENT=POLICY, such as 1=random or 1,2=runs/a")
         value = {int(agent): policy.strip() for agents, policy in parts for agent in agents.replace(" ", "").strip(",").split(",")}
+    if given.context is STORED:  # as it was checked and written, with whole paths
+        return value
     if isinstance(value, Mapping):
         value = value.items()
     return tuple(sorted((int(agent), lasting_name(policy)) for agent, policy in value))
@@ -98,6 +106,10 @@ class Only:
 def only(setting: str, *values: str) -> Only:
     """Returns that a setting is read only where another has one of some values."""
     return Only(setting, " or ".join(values), lambda value: value in values)
+
+
+def _policy_name(value: Any, given: ValidationInfo) -> Any:
+    return value if given.context is STORED else lasting_name(value)
 
 
 Count = Annotated[PositiveInt, BeforeValidator(_whole_number)]
@@ -133,7 +145,7 @@ class Config(BaseModel):
     anneal_learning_rate: bool = True  # linearly to zero over the run
     max_gradient_norm: PositiveFloat = 0.5
 
-    init_from: Annotated[str, BeforeValidator(lasting_name)] = ""  # the policy whose parameters the run starts with; "": drawn ones
+    init_from: Annotated[str, BeforeValidator(_policy_name)] = ""  # the policy whose parameters the run starts with; "": drawn ones
     partners: Partners = ()  # (agent, policy): agents that act by a given policy and do not learn
 
     reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", get_args(RewardMode)))] = "individual"  # or one's own, of a `Step`
@@ -289,11 +301,40 @@ def make_config(values: Mapping[str, Any] | None = None, *, asked: Collection[st
     Raises:
       ConfigError: an unknown algorithm or key, a wrong value, or a setting that was asked for and that nothing reads; one line a fault.
     """
-    given = {**(values or {}), **more}
+    return _config({**(values or {}), **more}, asked)
+
+
+def stored_config(values: Any) -> Config:
+    """Returns the configuration that a file of a run or of a policy holds; nothing that it names is imported.
+
+    Raises:
+      ConfigError: it is none of this version; one line a fault.
+    """
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
+    return _config({key: value for key, value in values.items() if key not in RETIRED}, STORED)
+
+
+def require_code(config: Config, place: str, kinds: Sequence[Kind]) -> None:
+    """Checks that the caller has named the code of a stored configuration. Raises NotAllowed.
+
+    Args:
+      place: where it is stored.
+      kinds: what is going to be used: to act, networks and policies of partners; to go on training, rewards too.
+    """
+    named: dict[Kind, tuple[str, ...]] = {"network": (config.network,), "reward": (config.reward,)}
+    named["policy"] = tuple(policy for _, policy in config.partners if not split_name(policy)[0].exists())
+    for kind in kinds:
+        for name in named[kind]:
+            require_allowed(kind, name, place)
+
+
+def _config(given: dict[str, Any], asked: Collection[str] | None) -> Config:
     algorithm = given.setdefault("algorithm", "ippo")
-    if algorithm not in CLASSES:
+    if not isinstance(algorithm, str) or algorithm not in CLASSES:
         raise ConfigError(f"unknown algorithm {algorithm!r}{meant(str(algorithm), CLASSES, 'known:')}")
-    if asked is None:
-        return CLASSES[algorithm](**given)
     config = CLASSES[algorithm].model_validate(given, context=asked)
-    return CLASSES[algorithm](**{name: value for name, value in given.items() if name in asked or name not in config.unread})
+    if asked is None:
+        return config
+    read = {name: value for name, value in given.items() if name in asked or name not in config.unread}
+    return CLASSES[algorithm].model_validate(read, context=asked)

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from sjdsl.files import written_whole
+
 from .metrics_files import METRICS_JSONL, Row, read_rows
 from .panels import Line, draw_panels, split_lines
 from .resuming import read_manifest
@@ -67,7 +69,9 @@ def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> No
     """
     lines = [curve_line(label, folder, metric) for label, folder in runs]
     path.parent.mkdir(parents=True, exist_ok=True)
-    draw_panels(split_lines(lines, in_words(metric))).savefig(path, dpi=110)
+    picture = draw_panels(split_lines(lines, in_words(metric)))
+    with written_whole(path) as file:
+        picture.savefig(file, format=path.suffix.removeprefix(".") or "png", dpi=110)
 
 
 def curve_line(label: str, folder: Path, metric: str) -> Line:

@@ -2,10 +2,14 @@
 
 A name is one that was registered, or `FILE.py:NAME`, or `package.module:NAME`. What is passed in Python is registered under the
 place it was written at, so that another process finds it again where that place can be imported.
+
+A name that stands in a file, as in the JSON of a policy, leads to code only where the caller has named that code, too: by
+`allow_code`, by `register`, or by using it in this process.
 """
 
 import importlib
 import importlib.util
+import shlex
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +20,11 @@ from .config_errors import ConfigError
 Kind = Literal["network", "reward", "policy", "callback"]
 
 _REGISTERED: dict[tuple[Kind, str], Any] = {}
+_ALLOWED: set[str] = set()  # names of code that the caller has named
+
+
+class NotAllowed(ConfigError):
+    """A file leads to code that the caller has not named."""
 
 
 def register(kind: Kind, name: str, thing: object) -> None:
@@ -44,9 +53,37 @@ def name_of(kind: Kind, thing: Any) -> str:
 
 def lasting(kind: Kind, name: str) -> str:
     """Returns a name as it holds in every folder: files by their whole path."""
+    return name if (kind, name) in _REGISTERED else _lasting(name)
+
+
+def _lasting(name: str) -> str:
     file, colon, inside = name.rpartition(":")
-    is_file = colon and file.endswith(".py") and (kind, name) not in _REGISTERED
-    return f"{Path(file).resolve()}:{inside}" if is_file else name
+    return f"{Path(file).resolve()}:{inside}" if colon and file.endswith(".py") else name
+
+
+def allow_code(*names: str) -> None:
+    """Lets stored policies and runs lead to code of one's own, which runs when they are loaded.
+
+    Args:
+      names: each `FILE.py:NAME` or `package.module:NAME`, as the refusal of a policy that needs it has it.
+    Raises:
+      ValueError: a name is of another form.
+    """
+    for name in names:
+        file, _, inside = name.rpartition(":")
+        if not file or not inside:
+            raise ValueError(f"`{name}` names no code: it must be FILE.py:NAME or package.module:NAME")
+        _ALLOWED.add(_lasting(name))
+
+
+def require_allowed(kind: Kind, name: str, place: str) -> None:
+    """Checks that code which `place` names was named by the caller, too. Raises NotAllowed, which says how to."""
+    if ":" not in name or (kind, name) in _REGISTERED or _lasting(name) in _ALLOWED:
+        return
+    raise NotAllowed(
+        f"{place} names a {kind} of your own, `{name}`, and to use it runs that code. Where you know what it does, allow it: "
+        f"--allow-code {shlex.quote(name)}, in Python sjdsl.trainers.allow_code({name!r})"
+    )
 
 
 def is_own(kind: Kind, name: str) -> bool:
@@ -55,7 +92,7 @@ def is_own(kind: Kind, name: str) -> bool:
 
 
 def find(kind: Kind, name: str) -> Any:
-    """Returns the thing of a name.
+    """Returns the thing of a name, which the caller gives, or `require_allowed` has let pass.
 
     Raises:
       ConfigError: there is none.
@@ -76,6 +113,7 @@ def find(kind: Kind, name: str) -> Any:
             f"the {kind} `{name}` is not found: {file} has no `{inside}`. What was made in a function or typed in has to be registered "
             f"again: sjdsl.trainers.register({kind!r}, {name!r}, …)"
         )
+    _ALLOWED.add(_lasting(name))
     return found
 
 

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from sjdsl.files import write_whole
+
 from .learning_signs import FIGURES
 from .metrics_files import Row
 from .panels import Line, Panel, draw_panels, split_lines
-from .run_files import write_whole
 
 LEARNING_CURVE = "learning_curve.png"
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from sjdsl.files import write_whole
+
 from .config import Config, ConfigError
 from .metrics_files import Row
-from .run_files import write_whole
 
 LoggerName = Literal["tensorboard", "wandb"]
 PACKAGE = {"tensorboard": "tensorboardX", "wandb": "wandb"}

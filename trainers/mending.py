@@ -6,15 +6,16 @@ What a process that is killed leaves is half a line at the end. Anything else ha
 import csv
 import json
 import math
-import os
 import warnings
 from collections.abc import Iterator
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
+from sjdsl.files import written_whole
+
 from .metrics_files import EVALUATIONS, METRICS_CSV, METRICS_JSONL, Metrics, Row, known_row
 from .run_errors import RunError
-from .run_files import UNFINISHED, naming
 
 
 def mend_metrics(folder: Path, done: int, evaluate_every: int) -> None:
@@ -113,17 +114,12 @@ def _json(text: str) -> Any:
 
 def _write_again(folder: Path, rows: Iterator[Row], done: int) -> None:
     """Writes both files with the rows up to an update, one at a time, and puts them in the place of the old ones."""
-    unfinished = [folder / f"{name}{UNFINISHED}" for name in (METRICS_JSONL, METRICS_CSV)]
-    with (
-        naming(folder / METRICS_JSONL),
-        open(unfinished[0], "w", encoding="utf-8") as lines,
-        open(unfinished[1], "w", encoding="utf-8", newline="") as table,
-    ):
-        metrics = Metrics(lines, table)
+    with written_whole(folder / METRICS_JSONL) as lines, written_whole(folder / METRICS_CSV) as table:
+        texts = [TextIOWrapper(file, encoding="utf-8", newline="") for file in (lines, table)]
+        metrics = Metrics(*texts)
         for row in rows:
             if row["update"] > done:
                 break
             metrics.append(row)
-        metrics.to_disk()
-    for path in unfinished:
-        os.replace(path, path.with_name(path.name.removesuffix(UNFINISHED)))
+        for text in texts:
+            text.detach()

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
+from sjdsl.files import naming
+
 from .run_errors import RunError
-from .run_files import naming, plain
+from .run_files import plain
 
 METRICS_JSONL = "metrics.jsonl"
 METRICS_CSV = "metrics.csv"

@@ -2,7 +2,9 @@
 
 import inspect
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, cast
 
@@ -191,11 +193,28 @@ def load_policy(
       greedy: take the best action, or draw one; None: as the algorithm is meant to act, see `trained_policy`.
       which: of a folder, `last` or `best`, by its evaluations, or the number of an update.
     Raises:
-      PolicyError: no such policy, or it cannot be read, or it does not fit `env`.
+      PolicyError: no such policy, or it cannot be read, or it does not fit `env`; or it needs code of one's own, a network or a partner's
+        policy, which `allow_code` has not been told of.
     """
     path = policy_path(Path(source), which if update is None else update)
     parameters, described = read_parameters(path, env)
-    return trained_policy(env, described.config, parameters, greedy)
+    with _once(path.resolve()):
+        return trained_policy(env, described.config, parameters, greedy)
+
+
+_LOADING: ContextVar[frozenset[Path]] = ContextVar("_LOADING", default=frozenset())
+
+
+@contextmanager
+def _once(path: Path) -> Iterator[None]:
+    """Raises PolicyError where the partners of a policy act by that policy, by themselves or by their own partners."""
+    if path in _LOADING.get():
+        raise PolicyError(f"{path} is a policy whose partners act by itself: there is no end to loading it")
+    before = _LOADING.set(_LOADING.get() | {path})
+    try:
+        yield
+    finally:
+        _LOADING.reset(before)
 
 
 def load_parameters(name: str, env: Environment, config: Config) -> Any:

@@ -1,6 +1,6 @@
 """Stored policies: parameters as safetensors, and a JSON file that says what they belong to."""
 
-import json
+import hashlib
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,16 +13,22 @@ from jax.tree_util import keystr, tree_flatten_with_path
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
-from .config import Config, ConfigError, make_config
-from .config_errors import RETIRED
+from sjdsl.files import parse_json, read_bytes, write_whole
+
+from .config import Config, ConfigError, require_code, stored_config
 from .digest import digest_of
+from .extensions import NotAllowed
 from .policy_names import split_name
-from .run_files import write_json, write_whole
+from .run_files import json_text
 
 POLICIES = "policies"
 START = "start.safetensors"  # in the folder of a run that started from another's policy: a copy of it
 SUFFIX = ".safetensors"
-DIGEST = "sha256"  # in the metadata of the file: of its tensors, their names, dtypes and shapes
+# In the metadata of the file, two digests: of its tensors, with their names, dtypes and shapes, and of the bytes of the `.json` beside it.
+# They have one key, for safetensors writes several in no order, and files that are equal have to have the same bytes.
+DIGEST = "sha256"
+LARGEST_JSON = 2**20  # bytes of that
+UNREADABLE = (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError, SafetensorError, ConfigError)
 
 
 class PolicyError(Exception):
@@ -37,6 +43,7 @@ class Described:
     config: Config
     update: int
     env_steps: int
+    seed: int
 
 
 def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> None:
@@ -44,8 +51,9 @@ def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> N
     path.parent.mkdir(parents=True, exist_ok=True)
     leaves, _ = tree_flatten_with_path(jax.device_get(parameters))
     tensors = {keystr(place): np.ascontiguousarray(leaf) for place, leaf in leaves}
-    write_json(path.with_suffix(".json"), described)
-    write_whole(path, save(tensors, {DIGEST: digest_of(tensors)}))
+    text = json_text(described).encode()
+    write_whole(path.with_suffix(".json"), text)
+    write_whole(path, save(tensors, {DIGEST: digests_of(tensors, text)}))
 
 
 def copy_policy(name: str, path: Path) -> None:
@@ -100,32 +108,54 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
       path: the `.safetensors` file.
       shapes_of: the tree of shapes that a configuration's parameters have.
     Raises:
-      PolicyError: a file is missing, damaged, or of no configuration this version knows; or a number in it is not finite.
+      PolicyError: a file is missing, damaged, or of no configuration this version knows; or a number in it is not finite; or it leads to
+      code that the caller has not named (`allow_code`). A reward of one's own is no part of acting, and is not imported.
     """
     try:
-        content = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-        config = {key: value for key, value in content["config"].items() if key not in RETIRED}
-        described = Described(content["game"], make_config(config, asked=()), content["update"], content["env_steps"])
-        tensors = _read_tensors(path)
-    except (OSError, ValueError, KeyError, SafetensorError, ConfigError) as error:
+        with safe_open(path, "np") as file:
+            metadata = file.metadata() or {}
+            of_tensors, _, of_json = metadata.get(DIGEST, "").partition(" ")
+            described = _read_description(path.with_suffix(".json"), of_json)
+            require_code(described.config, str(path.with_suffix(".json")), ("network", "policy"))
+            leaves, structure = tree_flatten_with_path(shapes_of(described.config))
+            wanted = {keystr(place): leaf.shape for place, leaf in leaves}
+            found = {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}  # noqa: SIM118 (it is no mapping)
+            if found != wanted:  # and nothing of the file, however large, has to be read
+                return None, described
+            tensors = {name: file.get_tensor(name) for name in wanted}
+    except NotAllowed as error:
+        raise PolicyError(str(error)) from None
+    except UNREADABLE as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
-    leaves, structure = tree_flatten_with_path(shapes_of(described.config))
-    wanted = {keystr(place): leaf.shape for place, leaf in leaves}
-    if {name: tensor.shape for name, tensor in tensors.items()} != wanted:
-        return None, described
+    if metadata.keys() - {DIGEST} or (of_tensors and digest_of(tensors) != of_tensors):
+        raise PolicyError(f"{path} is damaged: its tensors are not those that were written; take another policy of the run")
+    if not of_json:
+        lacking = "digest of its description" if of_tensors else "digest"
+        warnings.warn(f"{path} has no {lacking}, as files of earlier versions: whether it is damaged cannot be told", stacklevel=2)
+    _require_finite(path, tensors)
     return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
 
 
-def _read_tensors(path: Path) -> dict[str, np.ndarray]:
-    """Returns the tensors of a file that are those written, and finite."""
-    with safe_open(path, "np") as file:
-        metadata = file.metadata() or {}
-        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (it is no mapping)
-    if DIGEST not in metadata:
-        warnings.warn(f"{path} has no digest, as files of earlier versions: whether it is damaged cannot be told", stacklevel=2)
-    elif digest_of(tensors) != metadata[DIGEST]:
-        raise PolicyError(f"{path} is damaged: its tensors are not those that were written; take another policy of the run")
+def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
+    """Returns what the metadata of a policy hold of its tensors and of the file beside it."""
+    return f"{digest_of(tensors)} {hashlib.sha256(description).hexdigest()}"
+
+
+def _read_description(path: Path, digest: str) -> Described:
+    """Returns what stands in the file beside the tensors; with a digest, only if it is the one that was written."""
+    written = read_bytes(path, LARGEST_JSON)
+    if digest and hashlib.sha256(written).hexdigest() != digest:
+        raise ValueError(f"{path} is damaged: it is not the one that was written; take another policy of the run")
+    content = parse_json(written)
+    game, update, env_steps = content["game"], content["update"], content["env_steps"]
+    texts, numbers = (game["name"], game["hash"], *game["action_names"]), (update, env_steps, *game["observation_shape"])
+    if not all(isinstance(text, str) for text in texts) or not all(isinstance(number, int) for number in numbers):
+        raise ValueError(f"{path} does not describe a policy")
+    config = stored_config(content["config"])
+    return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))
+
+
+def _require_finite(path: Path, tensors: Mapping[str, np.ndarray]) -> None:
     bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
     if bad:
         raise PolicyError(f"{path} holds numbers that are not finite, in {', '.join(bad)}: no agent can act by it; take another policy")
-    return tensors

@@ -1,14 +1,16 @@
 """Resumes a stopped run from its latest readable checkpoint, and refuses if the run would differ."""
 
-import json
 import warnings
 from pathlib import Path
 from typing import Any
 
+from sjdsl.files import read_json
+
 from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled
-from .config import ConfigError, make_config
+from .config import ConfigError, require_code, stored_config
 from .environment import Environment
+from .extensions import NotAllowed
 from .run_errors import RunError
 from .run_folder import MANIFEST, describe_game, own_files, versions
 from .training_functions import TrainState
@@ -23,7 +25,7 @@ def read_manifest(run_dir: Path) -> dict[str, Any]:
       RunError: there is none that can be read.
     """
     try:
-        manifest = json.loads((run_dir / MANIFEST).read_text(encoding="utf-8"))
+        manifest = read_json(run_dir / MANIFEST)
     except (OSError, ValueError):
         manifest = None
     if not isinstance(manifest, dict) or not all(isinstance(manifest.get(part), dict) for part in PARTS):
@@ -35,7 +37,8 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
     """Returns the manifest of a run that can be gone on with in `env`.
 
     Raises:
-      RunError: there is no such run; its game had other rules or numbers; it was made by other versions, whose figures differ.
+      RunError: there is no such run; its game had other rules or numbers; it was made by other versions, whose figures differ; it needs
+        code that the caller has not named (`allow_code`).
     """
     manifest = read_manifest(run_dir)
     then, now = manifest["game"], describe_game(env)
@@ -54,8 +57,11 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
         listed = ", ".join(f"{name} {version} (here {known.get(name)})" for name, version in other.items())
         raise RunError(f"{run_dir} was made with {listed}; its figures would not go on alike: install those, or start a new run")
     try:
-        config = make_config(manifest["config"])
-    except (ConfigError, KeyError, TypeError) as error:
+        config = stored_config(manifest["config"])
+        require_code(config, str(run_dir / MANIFEST), ("network", "reward", "policy"))
+    except NotAllowed as error:
+        raise RunError(str(error)) from None
+    except ConfigError as error:
         raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
     files = own_files(config)
     changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
@@ -71,7 +77,7 @@ def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> d
       RunError: it has done them already.
     """
     config = manifest["config"]
-    longer = make_config({**config, "total_timesteps": total_timesteps})
+    longer = stored_config({**config, "total_timesteps": total_timesteps})
     done = int(manifest.get("updates", 0))
     if longer.num_updates < done or longer.total_timesteps < config["total_timesteps"]:
         raise RunError(

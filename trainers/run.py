@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from itertools import zip_longest
@@ -14,7 +14,7 @@ import jax
 from .algorithms import make_train
 from .checkpoints import Checkpoints
 from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes, with_spread_starts
-from .config import Config, make_config
+from .config import Config, stored_config
 from .environment import Environment, episode_length
 from .loggers import LoggerName
 from .metric_rows import mean_row
@@ -143,7 +143,7 @@ def resume(
         manifest = _gone_on(manifest)
         manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
         manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
-        return _run((Part(env, make_config(manifest["config"]), run_dir, manifest),), progress, callback)[0]
+        return _run((Part(env, stored_config(manifest["config"]), run_dir, manifest),), progress, callback)[0]
 
 
 @dataclass(frozen=True)
@@ -331,7 +331,5 @@ def _of_disk(error: OSError, run_dir: Path) -> str:
 
 def _write_if_room(path: Path, manifest: Mapping[str, Any]) -> None:
     """Writes the manifest; a disk that is full leaves the one that was written at the start."""
-    try:
+    with suppress(OSError):
         write_json(path, manifest)
-    except OSError:
-        path.with_name(path.name + ".unfinished").unlink(missing_ok=True)

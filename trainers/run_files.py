@@ -1,23 +1,25 @@
-"""Writes files atomically: each is complete or not there."""
+"""Writes results as JSON."""
 
 import json
 import math
-import os
-import socket
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
 
-UNFINISHED = ".unfinished"  # ends the name of a file that is being written
+from sjdsl.files import write_whole
 
 
-def write_json(path: Path, content: Mapping[str, Any], shared: bool = False) -> None:
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Writes a JSON file whole or not at all; arrays become lists, and what is not finite becomes null."""
-    write_whole(path, (json.dumps(plain(content), indent=2, allow_nan=False) + "\n").encode(), shared)
+    write_whole(path, json_text(content))
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """Returns the text of a JSON file; arrays become lists, and what is not finite becomes null."""
+    return json.dumps(plain(content), indent=2, allow_nan=False) + "\n"
 
 
 def plain(value: Any) -> Any:
@@ -33,24 +35,3 @@ def plain(value: Any) -> Any:
             return value if math.isfinite(value) else None
         case _:
             return value
-
-
-def write_whole(path: Path, content: bytes, shared: bool = False) -> None:
-    """Writes a file under another name, to the disk, and then gives it its own. `shared`: several processes may write it at once."""
-    writer = f".{socket.gethostname()}.{os.getpid()}" if shared else ""
-    unfinished = path.with_name(f"{path.name}{writer}{UNFINISHED}")
-    with naming(path), open(unfinished, "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(unfinished, path)
-
-
-@contextmanager
-def naming(path: Path | str) -> Iterator[None]:
-    """Has an OSError say which file could not be written: the system names none when a disk is full."""
-    try:
-        yield
-    except OSError as error:
-        error.filename = error.filename or str(path)
-        raise

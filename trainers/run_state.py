@@ -1,9 +1,10 @@
 """How the training that a stored policy is of has gone: whether it has ended, and which of its seeds have diverged."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+
+from sjdsl.files import read_json
 
 from .policy_file import PolicyError
 from .run_folder import MANIFEST
@@ -36,7 +37,7 @@ def run_state(folder: Path) -> RunState | None:
     if not file.is_file():
         return None
     try:
-        manifest = json.loads(file.read_text(encoding="utf-8"))
+        manifest = read_json(file)
         diverged = {entry["seed"]: entry["update"] for entry in manifest.get("diverged", [])}
         status = str(manifest.get("status", FINISHED))
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:

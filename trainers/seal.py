@@ -1,8 +1,9 @@
 """Seals a finished folder with the digest of each of its files, so that damage is found before anybody reads what it holds."""
 
 import hashlib
-import json
 from pathlib import Path
+
+from sjdsl.files import read_json
 
 from .run_files import write_json
 
@@ -20,7 +21,7 @@ def damage_of(folder: Path) -> str | None:
     if not path.exists():
         return None
     try:
-        written = json.loads(path.read_bytes())["sha256"]
+        written = read_json(path)["sha256"]
     except (ValueError, KeyError, TypeError):
         return SEAL
     found = _digests(folder)

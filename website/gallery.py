@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import Written, read_written, rule_sheet
+from sjdsl.doc.wording import plain
 from sjdsl.games_folder import find_game, main_games, melting_pot_games
 from sjdsl.substrates import Substrate, written_substrates
 from website.boards import Board, rules_of
@@ -35,11 +36,11 @@ class Shown:
 
     @property
     def title(self) -> str:
-        return self.written.game.title or self.name
+        return plain(self.written.game.title or self.name)
 
     @property
     def summary(self) -> str:
-        return dict(self.written.game.about).get("summary", "")
+        return plain(dict(self.written.game.about).get("summary", ""))
 
 
 def shown_names() -> tuple[str, ...]:

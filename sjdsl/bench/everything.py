@@ -16,6 +16,7 @@ from sjdsl.bench.stored import Found, read_found, write_found
 from sjdsl.bench.timing import Report, measure
 from sjdsl.bench.training import Training, measure_training
 from sjdsl.bench.training_setups import training_setups
+from sjdsl.files import read_json, write_whole
 from sjdsl.runtime.env import Environment
 
 PARTS = "parts.json"  # what was measured, what was not, and why
@@ -170,14 +171,14 @@ def joined(before: Found, found: Found) -> Found:
 def _write_parts(folder: Path, done: Sequence[Done], command: str) -> None:
     rows = [{**asdict(part), "seconds": round(part.seconds, 1)} for part in done]
     text = json.dumps({"command": command, "machine": describe_machine(), "parts": rows}, indent=2)
-    (folder / PARTS).write_text(text + "\n", encoding="utf-8")
+    write_whole(folder / PARTS, text + "\n")
 
 
 def read_parts(folder: Path) -> tuple[str, tuple[Done, ...]]:
     """Returns the command that left these figures, and how each part ended. Raises ValueError where the folder holds none."""
     path = folder / PARTS
     try:
-        stored = json.loads(path.read_text(encoding="utf-8"))
+        stored = read_json(path)
         return stored["command"], tuple(Done(**row) for row in stored["parts"])
     except (OSError, KeyError, TypeError, json.JSONDecodeError) as error:
         raise ValueError(f"{folder} holds no figures of `sjdsl bench --everything` ({type(error).__name__}: {error})") from None

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sjdsl.bench.tables import Table
+from sjdsl.files import write_whole
 
 
 def markdown_section(command: str, machine: str, notes: Iterable[str], tables: Iterable[Table], pictures: Iterable[str]) -> str:
@@ -38,9 +39,9 @@ def replace_section(page: str, name: str, text: str) -> str:
 def new_page(path: Path, names: Iterable[str]) -> None:
     """Writes a page that holds nothing but the marks of some sections."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n".join(f"<!-- {name} -->\n<!-- end {name} -->\n" for name in names), encoding="utf-8")
+    write_whole(path, "\n".join(f"<!-- {name} -->\n<!-- end {name} -->\n" for name in names))
 
 
 def write_section(path: Path, name: str, text: str) -> None:
     """Writes the text between the marks of the page. Raises ValueError where the page has no such marks."""
-    path.write_text(replace_section(path.read_text(encoding="utf-8"), name, text), encoding="utf-8")
+    write_whole(path, replace_section(path.read_text(encoding="utf-8"), name, text))

@@ -7,6 +7,7 @@ from typing import Any
 
 from sjdsl.bench.loop import YARDSTICK
 from sjdsl.bench.timing import Report, Speed
+from sjdsl.files import written_whole
 
 GAMES_A_PANEL = 4  # with the yardstick five lines: more cannot be told apart
 
@@ -46,7 +47,8 @@ def _draw(speeds: Sequence[Speed], title: str, file: Path) -> None:
         axes.legend(fontsize="small")
     panels[0].set_ylabel("environment steps a second")
     figure.suptitle(title)
-    figure.savefig(file, dpi=120)
+    with written_whole(file) as content:
+        figure.savefig(content, format=file.suffix.removeprefix("."), dpi=120)
 
 
 def _draw_line(axes: Any, name: str, line: Sequence[Speed]) -> None:

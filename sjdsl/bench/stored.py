@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from sjdsl.bench.sweep import Sweep
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.bench.training import Training
 from sjdsl.bench.training_split import Split
+from sjdsl.files import read_json, write_whole
 
 Found = Report | Substrates | Sweep | Training | Kernels | Resume
 
@@ -25,15 +25,13 @@ _ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits"
 def write_found(path: Path, found: Found) -> None:
     """Writes all figures to a file, and which sort of measurement they are of; a half-written file never stands there."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(json.dumps({"sort": type(found).__name__.lower(), **dataclasses.asdict(found)}, indent=2) + "\n", encoding="utf-8")
-    os.replace(part, path)
+    write_whole(path, json.dumps({"sort": type(found).__name__.lower(), **dataclasses.asdict(found)}, indent=2) + "\n")
 
 
 def read_found(path: Path) -> Found:
     """Returns the figures of a file. Raises ValueError where it is not one that `write_found` wrote."""
     try:
-        stored = json.loads(path.read_text(encoding="utf-8"))
+        stored = read_json(path)
         sort = _SORTS[stored.pop("sort")]
         return sort(**{name: _value(name, value) for name, value in stored.items()})
     except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:

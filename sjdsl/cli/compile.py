@@ -1,6 +1,5 @@
 """`sjdsl compile`: writes games as Python modules to `generated/`, or checks that those there are up to date."""
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ import click
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
+from sjdsl.cli.page_text import write_text
 from sjdsl.compiler import build, lower_build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.emit.module import render
@@ -68,7 +68,7 @@ def command(
     if output:
         require_folder(modules[0].path.parent)
     for module in modules:
-        write_module(module)
+        write_text(module.path, module.text)
         click.echo(module.summary)
     return 0
 
@@ -98,14 +98,6 @@ def compile_game(name: str, variant: str | None, map_file: str | None, output: s
         path = path / f"{'_'.join((made.game.name, *variants, *['standalone'] * alone))}.py"
     program = lower_build(made, source)
     return Module(path, standalone(program) if alone else render(program))
-
-
-def write_module(module: Module) -> None:
-    """Writes a module whole or not at all."""
-    module.path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = module.path.with_name(f"{module.path.name}.{os.getpid()}")
-    unfinished.write_text(module.text, encoding="utf-8", newline="\n")
-    os.replace(unfinished, module.path)
 
 
 def strays_of(modules: Iterable[Module]) -> list[Path]:

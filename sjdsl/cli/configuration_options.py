@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment_options import SEED, refuse_second
-from sjdsl.cli.policies import check_policy
+from sjdsl.cli.policies import check_policy, code_option
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -18,7 +18,7 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 
 
 def configuration_options(command: Command) -> Command:
-    """Adds --algorithm, --reward, --preset, --set, --seed, --init-from and --partners; `--set` arrives as `changes`."""
+    """Adds --algorithm, --reward, --preset, --set, --seed, --init-from, --partners and --allow-code; `--set` arrives as `changes`."""
     options = (
         click.option("--algorithm", type=click.Choice(ALGORITHMS), help="How to learn: ippo unless the preset has another."),
         click.option(
@@ -51,6 +51,7 @@ def configuration_options(command: Command) -> Command:
             metavar="AGENT=POLICY",
             help="Agents that act by a policy and do not learn, such as 1=random or 1,2=RUN@best.",
         ),
+        code_option,
     )
     for option in reversed(options):
         command = option(command)

@@ -1,7 +1,8 @@
 """The options that describe an environment, and the environment they describe."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -12,6 +13,7 @@ import sjdsl
 from sjdsl.cli.game_file import game_path, map_option, open_game, read_map, split_variants, variant_option
 from sjdsl.compiler import Build, build_composition
 from sjdsl.compiler.compose import compose
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.games_folder import is_name
 from sjdsl.interpreter.numbers import real
 from sjdsl.parameters import param_values, split_sizes
@@ -115,6 +117,20 @@ def make_environment(described: Mapping[str, Any], observation: "Encoding" = "to
         if _is_ours(error):
             raise
         raise click.ClickException(str(error)) from None
+
+
+@contextmanager
+def named_in(file: Path | str) -> Iterator[None]:
+    """Makes what is wrong with a game that a file names a ClickException: nobody has said that its texts, or its map's, may be shown."""
+    try:
+        yield
+    except CompileError as error:
+        found = dict.fromkeys(f"{d.code} {d.title}" for d in error.diagnostics if d.severity == "error")
+        raise click.ClickException(
+            f"{file} names a game, or a map for it, with errors: {', '.join(found)}; `sjdsl check` says where, once you name them"
+        ) from None
+    except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
+        raise click.ClickException(f"{file} names a game that cannot be made as it says: {error}") from None
 
 
 def _is_ours(error: Exception) -> bool:

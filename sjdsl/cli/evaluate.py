@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, make_environment
+from sjdsl.cli.environment_options import SEED, make_environment, named_in
 from sjdsl.cli.evaluate_policy import evaluate_policy
 from sjdsl.cli.evaluation_table import echo_table, interval
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.policies import warnings_as_notes
+from sjdsl.cli.policies import code_option, warnings_as_notes
 from sjdsl.cli.provenance import provenance_of
 from sjdsl.cli.scenarios import OR_A_GAME, check_scenario_options, evaluate_in_scenarios, scenario_options
 from sjdsl.cli.stages import LOADING, stages
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     "--which", type=click.Choice(["last", "best"]), help="The last policy of a run, which is the default, or its best; as in RUN@best."
 )
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif or .mp4, or an .html page.")
+@code_option
 @scenario_options
 def command(
     run: str,
@@ -80,7 +81,7 @@ def command(
         evaluate_policy(run, game, episodes, seed, greedy, film, output, described)
         return
     provenance = provenance_of(path, OR_A_GAME)
-    with stages(LOADING):
+    with stages(LOADING), named_in(path):
         env = make_environment(provenance)
     folders = sorted(path.glob("seed_*")) or [path]
     for folder in folders:

@@ -16,7 +16,7 @@ from sjdsl.cli.environment_options import (
     read_assignments,
 )
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.policies import check_policy
+from sjdsl.cli.policies import check_policy, code_option
 from sjdsl.cli.stages import LOADING, Say, stages
 
 if TYPE_CHECKING:
@@ -27,13 +27,13 @@ FOLDER = "The folder of the results; by default GAME_crossplay or GAME_schelling
 
 
 def experiment_options(command: Command) -> Command:
-    """Adds --episodes, --seed and -o, besides those of an environment; they arrive as `episodes`, `seed`, `output`."""
+    """Adds --episodes, --seed, -o and --allow-code, besides those of an environment; they arrive as `episodes`, `seed`, `output`."""
     output = click.option("-o", "output", metavar="DIR", help=FOLDER)
     seed = click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
     episodes = click.option(
         "--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each line-up."
     )
-    return episodes(seed(output(environment_options(command))))
+    return episodes(seed(output(code_option(environment_options(command)))))
 
 
 @contextmanager

@@ -1,7 +1,5 @@
 """`sjdsl fmt`: formats `.sj` files; their meaning and comments stay."""
 
-import os
-import shutil
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,6 +10,7 @@ from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import decode, read_source
+from sjdsl.files import write_whole
 from sjdsl.format import format_source
 from sjdsl.format.upgrade import upgrade
 
@@ -48,7 +47,7 @@ def command(paths: tuple[str, ...], only_check: bool, raises: bool) -> int:
         if only_check:
             click.echo(f"{path} would be reformatted{raised}")
         else:
-            write_whole(path, text)
+            write_whole(path.resolve(), text)  # a link to the file stays
             click.echo(f"{path} was reformatted{raised}")
     click.echo(_summary(changed, unchanged, problems, only_check))
     return int(problems > 0 or (only_check and changed > 0))
@@ -81,18 +80,6 @@ def files_of(paths: Iterable[str]) -> list[Path]:
 
 def _is_hidden(path: Path) -> bool:
     return any(part.startswith(".") for part in path.parts)
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Writes a file whole or not at all; its permissions stay, and so does a link to it."""
-    target = path.resolve()
-    unfinished = target.with_name(f"{target.name}.{os.getpid()}")
-    try:
-        unfinished.write_text(text, encoding="utf-8", newline="\n")
-        shutil.copymode(target, unfinished)
-        os.replace(unfinished, target)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def _format_stdin(only_check: bool, raises: bool) -> int:

@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.elaborate.world_map import parse_rows
+from sjdsl.compiler.elaborate.world_map import parse_file
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import GamesClash, find_game
 
@@ -42,7 +42,7 @@ def read_map(file: str | None, source: Source) -> Overrides:
     if not path.is_file():
         raise click.ClickException(f"there is no map file `{file}`")
     problems = Problems()
-    rows, spans = parse_rows(path.read_bytes(), file, source.span(0, 0), problems)
+    rows, spans = parse_file(path, file, source.span(0, 0), problems)
     if problems.found:
         raise CompileError(problems.found)
     return Overrides(rows=rows, row_spans=spans)

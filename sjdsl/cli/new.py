@@ -8,6 +8,7 @@ import click
 
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.list import align
+from sjdsl.cli.page_text import write_text
 from sjdsl.games_folder import bundled, game_names
 from sjdsl.starter import game_of, package_files, starting_files
 
@@ -77,8 +78,7 @@ def _write(folder: Path, texts: Mapping[str, str]) -> list[Path]:
             raise click.ClickException(f"{path} is there already; nothing was written")
     require_folder(folder)
     for path, text in paths.items():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
+        write_text(path, text)
         click.echo(path)
     return list(paths)
 

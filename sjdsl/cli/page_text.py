@@ -1,12 +1,11 @@
 """Writes the text of a page so that no reader finds half of it."""
 
-import os
 from pathlib import Path
+
+from sjdsl.files import write_whole
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a text whole or not at all."""
+    """Writes a text whole or not at all; its folder is made."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}")
-    unfinished.write_text(text, encoding="utf-8", newline="\n")
-    os.replace(unfinished, path)
+    write_whole(path, text)

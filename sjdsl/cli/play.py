@@ -1,6 +1,5 @@
 """`sjdsl play`: lets a person control one agent in the terminal."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +8,7 @@ import click
 
 from sjdsl.cli.environment_options import SEED, build_game, describe_environment, environment_options, make_environment, read_assignments
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.policies import NAMES, check_policy, choose_policy
+from sjdsl.cli.policies import NAMES, check_policy, choose_policy, code_option
 from sjdsl.cli.stages import stages
 from sjdsl.cli.terminal import can_show_screen, run_screen
 from sjdsl.compiler.ir.hash import game_hash
@@ -40,6 +39,7 @@ NO_TERMINAL = (
 @click.option("--agent", type=click.IntRange(min=0), metavar="N", default=0, show_default=True, help="The agent to control.")
 @click.option("--watch", is_flag=True, help="Control no agent: all agents follow the policy.")
 @click.option("--others", default="random", show_default=True, metavar="P", help=f"What the others do: {NAMES}")
+@code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
 @click.option("--steps", type=click.IntRange(min=1), metavar="N", help="Most steps to play; by default the whole episode.")
 @click.option(
@@ -81,7 +81,7 @@ def begin_session(
 
     board = board_of(game)
     whole = int(evaluate(game.episode, Instance(board, declared_world(board, values))))
-    return Session(Interpreted(game, values, seed), choose, agent, min(whole, steps or sys.maxsize))
+    return Session(Interpreted(game, values, seed), choose, agent, whole if steps is None else min(whole, steps))
 
 
 def play_on(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.trainers.extensions import allow_code
 from sjdsl.trainers.policy_names import might_be_named, unknown_policy
 
 if TYPE_CHECKING:
@@ -15,6 +16,23 @@ if TYPE_CHECKING:
 
 NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION."
 policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=f"What the agents do: {NAMES}")
+
+
+def _allow(context: click.Context, _: click.Parameter, names: tuple[str, ...]) -> None:
+    try:
+        allow_code(*names)
+    except ValueError as error:
+        raise click.UsageError(str(error), context) from None
+
+
+code_option = click.option(
+    "--allow-code",
+    multiple=True,
+    metavar="FILE.py:NAME",
+    expose_value=False,
+    callback=_allow,
+    help="Code of your own that a stored policy or run may use: its network, or a partner. No other code is run, whatever its files name.",
+)
 
 
 def check_policy(name: str, game: "ir.Game") -> None:

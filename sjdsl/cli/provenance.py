@@ -1,10 +1,11 @@
 """How the environment of a run was made, as its manifest says."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 import click
+
+from sjdsl.files import read_json
 
 
 def provenance_of(run_dir: Path, otherwise: str = "") -> dict[str, Any]:
@@ -24,8 +25,11 @@ def provenance_of(run_dir: Path, otherwise: str = "") -> dict[str, Any]:
         raise click.ClickException(
             f"{run_dir} is not the folder of a training run: there is no manifest.json in it. Name the folder that `sjdsl train` wrote{otherwise}"
         )
-    provenance: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")).get("provenance") or {}
-    if "game" not in provenance:
+    try:
+        provenance = read_json(path).get("provenance") or {}
+    except (OSError, ValueError, AttributeError):
+        raise click.ClickException(f"{path} cannot be read: it is no manifest that `sjdsl train` wrote{otherwise}") from None
+    if not isinstance(provenance, dict) or "game" not in provenance:
         raise click.ClickException(
             f"the manifest of {run_dir} does not say which game was trained, for the run was started from Python; "
             f"evaluate it from Python, too{otherwise}"

@@ -16,7 +16,7 @@ from sjdsl.cli.environment_options import (
     read_assignments,
 )
 from sjdsl.cli.folders import require_folder_of, require_unused
-from sjdsl.cli.policies import check_policy, choose_policy, policy_option
+from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 from sjdsl.replay import Dataset, DatasetWriter, Header
 from sjdsl.trainers.policy_names import UNTRAINED, split_name
@@ -32,6 +32,7 @@ SAID = 100  # after so many episodes it is said how far they are
 @click.argument("game")
 @click.option("-o", "output", metavar="FILE", help="The .npz file to write, one that is not there yet; by default GAME.npz.")
 @policy_option
+@code_option
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=10, show_default=True, help="Episodes to play.")
 @click.option(
     "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; the next ones have the next numbers."

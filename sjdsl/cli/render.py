@@ -15,7 +15,7 @@ from sjdsl.cli.environment_options import (
 )
 from sjdsl.cli.film import PAGE, check_film, save_film, told
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.policies import check_policy, choose_policy, policy_option
+from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, stages
 
 
@@ -32,6 +32,7 @@ from sjdsl.cli.stages import LOADING, stages
     "--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N; a page has them all."
 )
 @policy_option
+@code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), metavar="N", default=8.0, show_default=True, help="Frames a second.")
 @environment_options

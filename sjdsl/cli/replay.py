@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sjdsl.cli.environment_options import build_game, make_environment
+from sjdsl.cli.environment_options import build_game, make_environment, named_in
 from sjdsl.cli.film import SPEED, check_film, told, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.play import begin_session, describe_returns, play_on
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.replay import Recording, RecordingError, load_recording
-from sjdsl.replay.recording import check_returns, check_rules
+from sjdsl.replay.recording import check_actions, check_returns, check_rules
 from sjdsl.screen.board import board_text
 from sjdsl.screen.looks import make_screen_looks
 from sjdsl.screen.session import written_choice
@@ -40,13 +40,14 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
     try:
         recording = load_recording(Path(file), episode)
         if output is None:
-            show(recording, speed)
+            show(recording, file, speed)
             return 0
 
         from sjdsl.replay import replayed
 
         with stages(LOADING) as say:
-            env = make_environment(recording.environment)
+            with named_in(file):
+                env = make_environment(recording.environment)
             done = write_film(env, told(replayed(recording, env), env, say), Path(output), speed, say)
         click.echo(done)
     except RecordingError as error:
@@ -54,18 +55,17 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
     return 0
 
 
-def show(recording: "Recording", speed: float) -> None:
-    """Shows an episode on the screen, or where there is none prints its moments one after the other.
+def show(recording: "Recording", file: str, speed: float) -> None:
+    """Shows the episode of a file on the screen, or where there is none prints its moments one after the other.
 
-    Raises RecordingError: the rules are others now, or the actions come to other returns than were recorded.
+    Raises RecordingError: the rules are others now, its actions are none of the game, or they come to other returns than were recorded.
     """
 
     given = recording.environment
-    try:
+    with named_in(file):
         made, values = build_game(given["game"], given.get("params") or {}, given.get("variant"), given.get("map"), given.get("num_agents"))
-    except ValueError as error:
-        raise click.ClickException(str(error)) from None
     check_rules(recording, game_hash(made.game), made.game.name)
+    check_actions(recording, made.game.agents.number, len(made.game.agents.actions))
     session = begin_session(made.game, values, recording.seed, written_choice(recording.actions), None, len(recording.actions))
     play_on(session, made.game, values, given, "random", recording.seed, speed, make_printer(made.game))
     if session.is_over:

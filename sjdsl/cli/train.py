@@ -14,12 +14,14 @@ from sjdsl.cli.environment_options import (
     describe_environment,
     environment_options,
     make_environment,
+    named_in,
     read_assignments,
 )
 from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers import load_preset, make_config
-from sjdsl.trainers.extensions import find, lasting
+from sjdsl.trainers.config import stored_config
+from sjdsl.trainers.extensions import find, lasting, require_allowed
 from sjdsl.trainers.run_lock import is_unused
 
 if TYPE_CHECKING:
@@ -165,12 +167,15 @@ def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] |
             f"sjdsl train --resume {shlex.quote(str(path))} --set total_timesteps=… makes it longer",
             err=True,
         )
-    with stages(LOADING):
+    kept = manifest.get("asked", {}).get("callback")
+    if callback is None and kept is not None:
+        require_allowed("callback", kept, str(path / "manifest.json"))
+    with stages(LOADING), named_in(path / "manifest.json"):
         env = make_environment(manifest["provenance"])
-    found, asked = find_callback(callback or manifest.get("asked", {}).get("callback"))
+    found, asked = find_callback(callback or kept)
     total = None if longer is None else make_config(total_timesteps=longer).total_timesteps
     result = resume(env, path, loggers=loggers, asked={"episodes": episodes, **asked}, callback=found, total_timesteps=total)
-    _finish(result, env, make_config(read_manifest(path)["config"]), episodes)
+    _finish(result, env, stored_config(read_manifest(path)["config"]), episodes)
 
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:

@@ -86,6 +86,16 @@ def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES
     return render(lower_build(made, source, passes))
 
 
+def compile_rules(made: Build) -> str:
+    """Returns the Python module of a checked game without the files and lines of its text: games of the same rules have the same."""
+    from sjdsl.compiler.emit.module import render
+
+    program = lower_build(made, Source(f"the rules of {made.game.name}", ""))
+    functions = tuple(replace(f, body=tuple(replace(statement, origin=None) for statement in f.body)) for f in program.functions)
+    numbers = tuple(replace(n, comment="") if n.group == "stream" else n for n in program.numbers)
+    return render(replace(program, functions=functions, numbers=numbers))
+
+
 def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
     """Returns every error and warning of a file, in file order; what compiles has no errors."""
     try:

@@ -11,9 +11,9 @@ from sjdsl.experiments.pictures import draw_matrix, picture_bytes
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.result_files import write_compact_json
+from sjdsl.files import write_whole
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
-from sjdsl.trainers.run_files import write_whole
 
 
 def cross_play(

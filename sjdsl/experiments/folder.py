@@ -1,7 +1,6 @@
 """The folder of an experiment: what was asked, and a part for each line-up that has been played, so that a stopped command goes on."""
 
 import fcntl
-import json
 import os
 import socket
 from collections.abc import Iterator, Mapping
@@ -11,9 +10,11 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.files import UNFINISHED, naming
 from sjdsl.trainers.evaluation import Evaluation
-from sjdsl.trainers.run_files import naming, plain, write_json
+from sjdsl.trainers.run_files import plain, write_json
 
 ASKED = "experiment.json"
 PARTS = "parts"
@@ -102,8 +103,8 @@ def _check_same(path: Path, wanted: Mapping[str, Any]) -> bool:
 
 def _foreign(path: Path) -> list[str]:
     """Returns what a folder holds besides what one is begun with, before anything is played."""
-    begun = {ASKED, f"{ASKED}.unfinished", PARTS}
-    others = sorted(inside.name for inside in path.iterdir() if inside.name not in begun)
+    begun = {ASKED, PARTS}
+    others = sorted(inside.name for inside in path.iterdir() if inside.name not in begun and not inside.name.endswith(UNFINISHED))
     played = sorted(f"{PARTS}/{inside.name}" for inside in (path / PARTS).glob("*") if inside.name != LOCK)
     return others + played
 
@@ -111,7 +112,7 @@ def _foreign(path: Path) -> list[str]:
 def read_json(path: Path) -> dict[str, Any] | None:
     """Returns what a JSON file holds; None if it is not there or is none."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = files.read_json(path)
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None

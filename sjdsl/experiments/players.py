@@ -156,10 +156,9 @@ def _stored(name: str, file: Path, env: Environment) -> tuple[Player, list[str]]
         warnings.simplefilter("always")
         parameters, described = read_parameters(file, env)
     _check_game(file, described.game, env)
-    stored = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))
     player = Player(
         name=name,
-        seed=int(stored.get("seed", described.config.seed)),
+        seed=described.seed,
         digest=sha256(file.read_bytes()).hexdigest(),
         kind=acting_kind(described.config),
         policy_of=partial(trained_policy, env, described.config),

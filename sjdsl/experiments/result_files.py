@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from sjdsl.trainers.run_files import plain, write_whole
+from sjdsl.files import write_whole
+from sjdsl.trainers.run_files import plain
 
 INNERMOST = re.compile(r"\[\n\s*([^\[\]{}]*?)\n\s*\]")  # strings of JSON hold no line breaks
 BETWEEN = re.compile(r",\n\s*")

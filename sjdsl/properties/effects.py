@@ -17,13 +17,15 @@ def is_untouched(e: ir.Expr, game: ir.Game, sent_away: bool = False) -> bool:
 
 def reads_and_blocks(node: ir.Node, game: ir.Game) -> set[Part]:
     """Returns what an expression reads, and what the conditions read under which something ends the lanes of its shapes."""
-    found, shapes, waiting = set[Part](), set[str](), [node]
+    waiting: list[ir.Node] = [node]
+    found, shapes = set[Part](), set[str]()
     while waiting:
         following = waiting.pop()
         found |= set(reads(following))
         more = {n.shape for n in ir.walk(following) if isinstance(n, ir.Near)} - shapes
         shapes |= more
-        waiting += [block for blocker in (*game.kinds, game.agents) for block in blocker.blocks if block.what in more]
+        blockers: tuple[ir.Kind | ir.Agents, ...] = (*game.kinds, game.agents)
+        waiting += [block for blocker in blockers for block in blocker.blocks if block.what in more]
     return found
 
 

@@ -34,7 +34,6 @@ class GameFamily:
     """
 
     def __init__(self, source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None):
-        self.source = source
         self.composition = compose(source, variants)
         made = build_composition(self.composition, overrides)
         self.own, self.warnings = made.game, made.warnings
@@ -143,7 +142,7 @@ class GameFamily:
         """Returns an instance as a compiled game. Raises CompileError for what cannot be compiled exactly."""
         from sjdsl.factory import environment_of
 
-        return environment_of(Build(game, self.warnings, self.composition.sources), self.source, {})
+        return environment_of(Build(game, self.warnings, self.composition.sources), {})
 
     def text_of(self, node: ir.Node) -> str:
         """Returns how a node is written, on one line and without comments."""

@@ -11,6 +11,7 @@ import jinja2
 from markupsafe import Markup
 
 from sjdsl.compiler import ir
+from sjdsl.files import write_whole
 from sjdsl.render.episode_data import episode_data
 from sjdsl.render.moment import Moment
 
@@ -26,8 +27,8 @@ class EpisodePage:
     text: str
 
     def save(self, path: Path | str) -> None:
-        """Writes the file, as UTF-8."""
-        Path(path).write_text(self.text, encoding="utf-8")
+        """Writes the file, as UTF-8, whole or not at all."""
+        write_whole(Path(path), self.text)
 
     def _repr_html_(self) -> str:
         """Returns the page in a frame of its own, which can run its scripts and reach nothing around it."""

@@ -7,6 +7,8 @@ from pathlib import Path
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from sjdsl.files import written_whole
+
 MILLISECONDS = 120  # a frame is shown
 SAMPLES = 24  # frames whose colours make the palette
 COLOURS = 200  # leaves room for the one that says "as before"
@@ -17,7 +19,8 @@ def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int 
     palette = _palette(frames)
     plain = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     durations = [milliseconds] * (len(plain) - 1) + [8 * milliseconds]
-    plain[0].save(path, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=True)
+    with written_whole(Path(path)) as file:
+        plain[0].save(file, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=True)
 
 
 def save_mp4(frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS) -> None:
@@ -25,7 +28,7 @@ def save_mp4(frames: Sequence[Image.Image], path: Path | str, milliseconds: int 
     import av
 
     width, height = (2 * (side // 2) for side in frames[0].size)  # the encoding halves both
-    with av.open(str(path), "w") as film:
+    with written_whole(Path(path)) as file, av.open(file, "w", format="mp4") as film:
         stream = film.add_stream("libx264", rate=Fraction(1000, milliseconds))
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
         for frame in frames:
@@ -38,7 +41,8 @@ def save_png(frame: Image.Image, path: Path | str, notes: Mapping[str, str] | No
     texts = PngInfo()
     for key, note in (notes or {}).items():
         texts.add_text(key, note)
-    frame.save(path, format="PNG", optimize=True, pnginfo=texts)
+    with written_whole(Path(path)) as file:
+        frame.save(file, format="PNG", optimize=True, pnginfo=texts)
 
 
 def _palette(frames: Sequence[Image.Image]) -> Image.Image:

@@ -1,22 +1,25 @@
 """A dataset of many episodes in one `.npz` file: observations, actions, rewards, and how they were made."""
 
-import io
 import json
-import os
 import zipfile
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, NonNegativeInt, ValidationError
 
+from sjdsl.files import written_whole
+from sjdsl.replay.arrays import FAULTS, TooLarge, read_arrays
 from sjdsl.replay.episode import Episode, Observation
-from sjdsl.replay.recording import Recording, RecordingError, read_recording
+from sjdsl.replay.recording import Arguments, Recording, RecordingError, Seed, read_recording
 
 SUFFIX = ".npz"
 HEADER = "header"
+LARGEST_HEADER = 2**20  # bytes
+LARGEST = 2**30  # bytes of the arrays of one episode, and of the returns of all
 
 
 class Header(BaseModel):
@@ -35,8 +38,8 @@ class Header(BaseModel):
     hash: str
     policy: str
     policy_digest: str | None
-    seed: int
-    episodes: int
+    seed: Seed
+    episodes: NonNegativeInt
     observation: Observation
     planes: list[str]
     action_names: list[str]
@@ -53,8 +56,8 @@ class DatasetWriter:
     def __init__(self, path: Path, header: Header) -> None:
         """Begins a file. `header`: its number of episodes is replaced by how many are added."""
         self.path, self._header = path, header
-        self._unfinished = path.with_name(f"{path.name}.{os.getpid()}")
-        self._zip = zipfile.ZipFile(self._unfinished, "w", zipfile.ZIP_DEFLATED, allowZip64=True)
+        self._open = ExitStack()
+        self._zip = zipfile.ZipFile(self._open.enter_context(written_whole(path)), "w", zipfile.ZIP_DEFLATED, allowZip64=True)
         self.returns: list[np.ndarray] = []
         self.steps = 0
 
@@ -66,6 +69,9 @@ class DatasetWriter:
         if episode.observations is not None:
             arrays["observations"] = episode.observations
         arrays |= {f"events/{name}": count for name, count in episode.events.items()}
+        size = sum(array.nbytes for array in arrays.values())
+        if size > LARGEST // 2:  # beside their headers, which may be a few hundred bytes each
+            raise ValueError(f"an episode of {size:,} bytes is too large for a file of episodes: record without observations")
         for name, array in arrays.items():
             self._write(f"{place}/{name}", array)
         self.returns.append(episode.returns)
@@ -75,17 +81,17 @@ class DatasetWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        del error, trace
         wanted = kind is None or (issubclass(kind, KeyboardInterrupt) and bool(self.returns))
-        if wanted:
+        if not wanted:
+            with suppress(OSError):
+                self._zip.close()
+            self._open.__exit__(kind, error, trace)
+            return
+        with self._open:
             header = self._header.model_copy(update={"episodes": len(self.returns)})
             self._write("returns", np.array(self.returns))
             self._write(HEADER, np.array(header.model_dump_json()))
-        self._zip.close()
-        if wanted:
-            os.replace(self._unfinished, self.path)
-        else:
-            self._unfinished.unlink(missing_ok=True)
+            self._zip.close()
 
     def _write(self, name: str, array: np.ndarray) -> None:
         member = zipfile.ZipInfo(f"{name}.npy")  # without the time of day
@@ -111,12 +117,16 @@ class Dataset:
         try:
             with zipfile.ZipFile(self.path) as file:
                 self._names = set(file.namelist())
-                self.header = Header.model_validate_json(str(_read(file, HEADER)))
-                self.returns = _read(file, "returns")
+                self.header = Header.model_validate_json(str(read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER]))
+                self.returns = read_arrays(file, ["returns"], LARGEST)["returns"]
+        except TooLarge as error:
+            raise RecordingError(f"{path} cannot be read: {error}") from None
         except OSError as error:
             raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
-        except (zipfile.BadZipFile, KeyError, ValueError, ValidationError):
+        except FAULTS:
             raise RecordingError(f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` writes some") from None
+        if self.returns.ndim != 2 or len(self.returns) != len(self) or self.returns.dtype != np.float64:
+            raise RecordingError(f"{path} is damaged: it has not the returns of {len(self)} episodes")
 
     def __len__(self) -> int:
         return self.header.episodes
@@ -135,20 +145,24 @@ class Dataset:
         place = f"episode_{number % len(self):05d}/"
         try:
             with zipfile.ZipFile(self.path) as file:
-                parts = {name: _read(file, place + name) for name in self._parts(place)}
+                names = self._parts(place)
+                parts = {name.removeprefix(place): array for name, array in read_arrays(file, names, LARGEST).items()}
             events = {name.removeprefix("events/"): parts.pop(name) for name in list(parts) if name.startswith("events/")}
             seed, terminated, truncated = int(parts.pop("seed")), bool(parts.pop("terminated")), bool(parts.pop("truncated"))
             seen = parts.pop("observations", None)
-            return Episode(seed=seed, observations=seen, events=events, terminated=terminated, truncated=truncated, **parts)
-        except (zipfile.BadZipFile, KeyError, ValueError, TypeError, OSError) as error:
+            episode = Episode(seed=seed, observations=seen, events=events, terminated=terminated, truncated=truncated, **parts)
+        except FAULTS as error:
             raise RecordingError(f"episode {number} of {self.path} cannot be read: {error}") from None
+        if not _is_whole(episode):
+            raise RecordingError(f"episode {number} of {self.path} is damaged: its arrays are not those of one episode")
+        return episode
 
     def recording(self, number: int) -> Recording:
         """Returns an episode as one that can be played again."""
         return self[number].recording(self.header.environment, self.header.hash)
 
     def _parts(self, place: str) -> Iterable[str]:
-        return [name.removeprefix(place).removesuffix(".npy") for name in sorted(self._names) if name.startswith(place)]
+        return [name.removesuffix(".npy") for name in sorted(self._names) if name.startswith(place)]
 
 
 def is_dataset(path: Path) -> bool:
@@ -156,8 +170,16 @@ def is_dataset(path: Path) -> bool:
     return zipfile.is_zipfile(path)
 
 
-def _read(file: zipfile.ZipFile, name: str) -> np.ndarray:
-    return np.lib.format.read_array(io.BytesIO(file.read(f"{name}.npy")), allow_pickle=False)
+def _is_whole(episode: Episode) -> bool:
+    """Returns whether the arrays of an episode have the shapes and kinds that one has."""
+    shape = episode.actions.shape
+    seen = episode.observations
+    return (
+        (len(shape), episode.actions.dtype.kind) == (2, "i")
+        and (episode.rewards.shape, episode.rewards.dtype.kind) == (shape, "f")
+        and (seen is None or (seen.ndim, seen.shape[:2], seen.dtype) == (5, (shape[0] + 1, shape[1]), np.dtype(np.uint8)))
+        and all(count.shape in (shape, shape[:1]) and count.dtype.kind in "iu" for count in episode.events.values())
+    )
 
 
 def describe(header: Header) -> str:
@@ -177,10 +199,18 @@ def load_recording(path: Path, episode: int = 0) -> Recording:
     """
     if path.is_file() and is_dataset(path):
         try:
-            return Dataset(path).recording(episode)
+            recording = Dataset(path).recording(episode)
         except IndexError as error:
             raise RecordingError(str(error)) from None
-    recording = read_recording(path)
-    if episode != 0:
-        raise RecordingError(f"{path} has no episode {episode}: it has one, number 0")
+    else:
+        recording = read_recording(path)
+        if episode != 0:
+            raise RecordingError(f"{path} has no episode {episode}: it has one, number 0")
+    try:
+        Arguments.model_validate(recording.environment)
+    except ValidationError as error:
+        (first, *_) = error.errors()
+        raise RecordingError(
+            f"{path} does not say how its game is made: environment.{'.'.join(map(str, first['loc']))}: {first['msg']}"
+        ) from None
     return recording

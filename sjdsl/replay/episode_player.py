@@ -9,7 +9,7 @@ import numpy as np
 
 from sjdsl.render.moment import Moment
 from sjdsl.render.playing import first_moment, next_moment
-from sjdsl.replay.recording import Recording, check_returns, check_rules
+from sjdsl.replay.recording import Recording, RecordingError, check_actions, check_returns, check_rules
 from sjdsl.runtime.env import Environment
 
 
@@ -62,11 +62,14 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     """Yields the moments of a recorded episode, the first one included.
 
     Raises:
-      RecordingError: the environment has other rules, or the actions come to other returns than were recorded.
+      RecordingError: the environment has other rules, its episode is shorter, or the actions are none of it or come to other returns.
     """
     check_rules(recording, env.hash, env.name)
+    check_actions(recording, env.num_agents, env.num_actions)
     player = EpisodePlayer(env, recording.seed)
     yield player.now()
     for actions in recording.actions:
+        if player.done:
+            raise RecordingError(f"the episode ends after {len(player.actions)} steps, and {len(recording.actions)} were recorded")
         yield player.step(actions)
     check_returns(recording, player.returns.tolist())

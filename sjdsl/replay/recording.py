@@ -1,17 +1,34 @@
 """The file of a recorded episode: its game, its seed, the actions of all agents."""
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from sjdsl.files import LARGEST_JSON, read_text, write_whole
 
 
 class RecordingError(Exception):
     """A file that holds no episode, or one of another game than it says."""
+
+
+class Arguments(BaseModel):
+    """The arguments of `sjdsl.make` that a file of episodes may hold, by their kinds."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    game: str
+    variant: str | None = None
+    num_agents: int | None = None
+    params: dict[str, Any] | None = None
+    map: str | list[str] | None = None
+    observation: Literal["tokens", "onehot"] = "tokens"
+
+
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Recording(BaseModel):
@@ -26,7 +43,7 @@ class Recording(BaseModel):
     format: Literal["sjdsl-episode-1"] = "sjdsl-episode-1"
     environment: dict[str, Any]
     hash: str
-    seed: int
+    seed: Seed
     actions: list[list[int]]
     returns: list[float]
 
@@ -34,9 +51,7 @@ class Recording(BaseModel):
 def save_recording(recording: Recording, path: Path) -> None:
     """Writes a file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}")
-    unfinished.write_text(json.dumps(recording.model_dump()) + "\n", encoding="utf-8")
-    os.replace(unfinished, path)
+    write_whole(path, json.dumps(recording.model_dump()) + "\n")
 
 
 def read_recording(path: Path) -> Recording:
@@ -46,7 +61,7 @@ def read_recording(path: Path) -> Recording:
       RecordingError: there is no such file, or it holds something else.
     """
     try:
-        return Recording.model_validate_json(path.read_text(encoding="utf-8"))
+        return Recording.model_validate_json(read_text(path, LARGEST_JSON))
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
     except (ValidationError, UnicodeDecodeError):
@@ -63,7 +78,16 @@ def check_rules(recording: Recording, game_hash: str, name: str) -> None:
         )
 
 
+def check_actions(recording: Recording, num_agents: int, num_actions: int) -> None:
+    """Raises RecordingError where a step has not one action of the game for each agent."""
+    for number, chosen in enumerate(recording.actions, 1):
+        if len(chosen) != num_agents or not all(0 <= action < num_actions for action in chosen):
+            raise RecordingError(
+                f"step {number} of the episode is damaged: it has {chosen}, which are not {num_agents} numbers from 0 to {num_actions - 1}"
+            )
+
+
 def check_returns(recording: Recording, returns: Sequence[float]) -> None:
     """Raises RecordingError where the actions have come to other returns than were recorded."""
-    if not np.allclose(returns, recording.returns, rtol=1e-5, atol=1e-5):
+    if len(returns) != len(recording.returns) or not np.allclose(returns, recording.returns, rtol=1e-5, atol=1e-5):
         raise RecordingError(f"the episode came to returns {list(map(float, returns))}, but {recording.returns} were recorded")

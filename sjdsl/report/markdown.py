@@ -17,13 +17,13 @@ def page_text(title: str, opening: Sequence[str], sections: Sequence[str], notes
     """Returns the page: its heading and opening paragraphs, the texts of its sections, and notes."""
     parts = [f"# {title}", *opening, *sections]
     if notes:
-        parts += ["## Notes", "\n".join(f"* {_sentence(note)}" for note in notes)]
+        parts += ["## Notes", "\n".join(f"* {inert(_sentence(note))}" for note in notes)]
     return "\n\n".join(parts) + "\n"
 
 
 def section_text(section: Section, folder: str) -> str:
     """Returns a section. `folder`: where its pictures and tables are, as seen from the page: empty, or with a `/` at its end."""
-    parts = [f"## {section.title}", *([f"<!-- made of {section.stamp} -->"] if section.stamp else []), *section.text]
+    parts = [f"## {section.title}", *([f"<!-- made of {section.stamp} -->"] if section.stamp else []), *map(inert, section.text)]
     for table in section.tables:
         if table.rows:
             parts.append(f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):")
@@ -32,7 +32,7 @@ def section_text(section: Section, folder: str) -> str:
             )
         else:
             parts.append(f"[CSV]({folder}{TABLES}/{table.name}.csv)")
-    parts += [f"![{picture.title}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
+    parts += [f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
     if section.fill:
         missing = "What is empty is found by:" if section.tables or section.pictures else "Nothing is known of it yet. It is found by:"
         parts += [missing, "```\n" + "\n".join(section.fill) + "\n```"]
@@ -62,7 +62,12 @@ def _plain(value: Any) -> Any:
 
 
 def _escaped(cell: str) -> str:
-    return cell.replace("|", "\\|")
+    return " ".join(inert(cell).splitlines()).replace("|", "\\|")
+
+
+def inert(text: str) -> str:
+    """Returns text in which nothing begins an element of HTML: names of folders, and what stands in their files, come from anybody."""
+    return re.sub(r"<(?=[a-zA-Z/!?])", "&lt;", text)
 
 
 def _sentence(note: str) -> str:

@@ -1,6 +1,5 @@
 """Reads the JSON of `sjdsl bench`: speeds of random play, and of training."""
 
-import json
 import statistics
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from sjdsl.bench.machine import devices_said
 from sjdsl.bench.stored import read_found
 from sjdsl.bench.timing import Report
 from sjdsl.bench.training import Training
+from sjdsl.files import read_json
 from sjdsl.report.evidence import Evidence, SpeedRow, UpdateRow, rounded
 from sjdsl.report.refusals import ReportError
 
@@ -20,7 +20,7 @@ CROWD = "+crowd"  # behind the name of a game on the map for many agents
 def is_benchmark(path: Path) -> bool:
     """Returns whether a file is the JSON of a benchmark."""
     try:
-        return path.suffix == ".json" and path.is_file() and SORT in json.loads(path.read_text(encoding="utf-8"))
+        return path.suffix == ".json" and path.is_file() and SORT in read_json(path)
     except (OSError, ValueError, TypeError):
         return False
 

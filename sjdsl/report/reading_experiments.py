@@ -1,11 +1,11 @@
 """Reads the folders of experiments with policies: Schelling diagrams and cross-play."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from sjdsl.experiments.bundled_rules import other_numbers
+from sjdsl.files import read_json
 from sjdsl.report.evidence import DiagramRow, Evidence, Meeting, RandomRow, rounded
 from sjdsl.report.refusals import ReportError
 
@@ -26,7 +26,7 @@ def is_cross_play(path: Path) -> bool:
 
 def _asked(path: Path) -> Any:
     try:
-        return json.loads((path / ASKED).read_text(encoding="utf-8")).get("experiment")
+        return read_json(path / ASKED).get("experiment")
     except (OSError, ValueError, AttributeError):
         return None
 
@@ -46,7 +46,7 @@ def _read(path: Path, name: str, evidence_of: Any) -> Evidence:
     if not file.is_file():
         return Evidence(notes=(f"`{path}` is an experiment that is not finished: it is left out, and the same command goes on with it",))
     try:
-        stored = json.loads(file.read_text(encoding="utf-8"))
+        stored = read_json(file)
         if stored["format"] != FORMAT:
             raise ReportError(f"{file} has the format {stored['format']}, and {FORMAT} is read here; play it again")
         found: Evidence = evidence_of(stored)

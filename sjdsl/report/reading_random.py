@@ -1,8 +1,8 @@
 """Reads what a random policy earns in the bundled games, as `sjdsl doc --all` has measured it."""
 
-import json
 from pathlib import Path
 
+from sjdsl.files import read_json
 from sjdsl.report.evidence import Evidence, RandomRow
 from sjdsl.report.refusals import ReportError
 
@@ -12,7 +12,7 @@ RETURN = "return, summed over agents"  # its name in the file
 def is_random(path: Path) -> bool:
     """Returns whether a file is the one that `sjdsl doc --all` keeps its figures in."""
     try:
-        stored = json.loads(path.read_text(encoding="utf-8")) if path.suffix == ".json" else None
+        stored = read_json(path) if path.suffix == ".json" else None
     except (OSError, ValueError):
         return False
     return isinstance(stored, dict) and any(isinstance(entry, dict) and RETURN in entry.get("values", ()) for entry in stored.values())
@@ -21,7 +21,7 @@ def is_random(path: Path) -> bool:
 def read_random(path: Path) -> Evidence:
     """Returns the returns of a random policy by game. Raises ReportError for a file that cannot be read."""
     try:
-        stored = json.loads(path.read_text(encoding="utf-8"))
+        stored = read_json(path)
         rows = []
         for game, entry in stored.items():
             figure = entry["values"][RETURN]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.experiments.bundled_rules import is_usual, other_numbers
+from sjdsl.files import read_json
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
 from sjdsl.trainers.config import make_config
 from sjdsl.trainers.curves import figures
@@ -155,7 +156,7 @@ def _evaluation(path: Path) -> tuple[dict[str, float], int]:
     Nothing where there is none, or where its actions were chosen otherwise than the run's own evaluation chooses them.
     """
     try:
-        stored = json.loads(path.read_text(encoding="utf-8"))
+        stored = read_json(path)
         if stored.get("greedy") is not None:
             return {}, 0
         means = {name: figure["mean"] for name, figure in stored["summary"].items() if " of agent " not in name}

@@ -1,10 +1,10 @@
 """Reads the folder of a sweep: its cells are ordinary runs."""
 
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
+from sjdsl.files import read_json
 from sjdsl.report.evidence import Evidence, merged
 from sjdsl.report.reading_runs import is_run, read_run
 from sjdsl.report.refusals import ReportError
@@ -47,7 +47,7 @@ def read_cell(path: Path) -> Evidence:
 def _stages(path: Path) -> dict[str, int | None]:
     """Returns the cells of a sweep by name, with the stage of each."""
     try:
-        stored = json.loads((path / SWEEP).read_text(encoding="utf-8"))
+        stored = read_json(path / SWEEP)
         return {name: _stage(stored.get("protocol"), cell) for name, cell in stored["cells"].items()}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ReportError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None

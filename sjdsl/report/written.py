@@ -1,18 +1,17 @@
 """Writes a report to its place, or checks that the one there is up to date; touches nothing that no report has written."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from sjdsl.experiments.pictures import picture_bytes
 from sjdsl.experiments.result_files import write_compact_json
+from sjdsl.files import UNFINISHED, read_json, write_whole
 from sjdsl.report.evidence import Evidence, key_of
 from sjdsl.report.evidence_files import is_evidence, read_evidence
 from sjdsl.report.markdown import FIGURES
 from sjdsl.report.page import Picture
 from sjdsl.report.refusals import ReportError
 from sjdsl.report.report import DATA, Report, make_report
-from sjdsl.trainers.run_files import UNFINISHED, write_whole
 
 PAGE, LISTED, MARL_EVAL = "report.md", "report_files.json", "marl_eval.json"
 ENDINGS = ("png", "svg")
@@ -73,9 +72,11 @@ def require_place(place: Place) -> None:
 def _listed(place: Place) -> set[str] | None:
     """Returns the files of the report that is there, by their names in its folder; None where there is none."""
     try:
-        return set(json.loads((place.folder / LISTED).read_text(encoding="utf-8"))["files"])
+        listed = set(map(str, read_json(place.folder / LISTED)["files"]))
     except (OSError, ValueError, KeyError, TypeError):
         return None
+    inside = place.folder.resolve()  # what is listed and not written again is removed: nothing outside, whoever wrote the list
+    return {name for name in listed if (inside / name).resolve().is_relative_to(inside)}
 
 
 def require_nothing_lost(place: Place, evidence: Evidence) -> None:

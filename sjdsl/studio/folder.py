@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
+from sjdsl.files import read_bytes, write_whole
+
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
 MOST = 500  # files that are listed
@@ -38,14 +40,10 @@ class Folder:
         if not path.is_file():
             raise FileRefused(f"there is no file `{name}`")
         try:
-            with open(path, "rb") as file:
-                data = file.read(LARGEST + 1)
+            data = read_bytes(path, LARGEST)
+            return data.decode("utf-8"), digest(data)
         except OSError as error:
             raise FileRefused(f"`{name}` cannot be read: {error.strerror}") from None
-        if len(data) > LARGEST:
-            raise FileRefused(f"`{name}` is larger than {LARGEST // 1000} kB")
-        try:
-            return data.decode("utf-8"), digest(data)
         except UnicodeDecodeError:
             raise FileRefused(f"`{name}` is not text in UTF-8") from None
 
@@ -57,13 +55,11 @@ class Folder:
         path, data = self.inside(name), text.encode("utf-8")
         if len(data) > LARGEST:
             raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
-        now = digest(path.read_bytes()) if path.is_file() else None
+        now = self.read(name)[1] if path.is_file() else None
         if now != before:
             raise Changed(f"`{name}` was changed by somebody else since it was opened" if now else f"`{name}` is not there any more")
-        beside = path.with_name(f".{path.name}.new")
         try:
-            beside.write_bytes(data)
-            os.replace(beside, path)  # the file is never half written
+            write_whole(path, data)
         except OSError as error:
             raise FileRefused(f"`{name}` cannot be written: {error.strerror}") from None
         return digest(data)

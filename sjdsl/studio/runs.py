@@ -1,11 +1,11 @@
 """Trained policies in the folder of the studio: which there are, and whether one may be loaded. Needs no JAX."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sjdsl.files import read_json
 from sjdsl.studio.folder import files_below
 from sjdsl.trainers.policy_names import UNTRAINED
 
@@ -129,11 +129,9 @@ def _description(file: Path, root: Path) -> Mapping[str, Any]:
     try:
         if not path.resolve().is_relative_to(root) or not file.resolve().is_relative_to(root):
             raise PolicyRefused(f"`{file.name}` leads outside the folder that the studio was started in")
-        if path.stat().st_size > LARGEST_DESCRIPTION:
-            raise PolicyRefused(f"`{path.name}` is too large to be the description of a policy")
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        raise PolicyRefused(f"`{path.name}` beside the policy cannot be read") from None
+        found = read_json(path, LARGEST_DESCRIPTION)
+    except (OSError, ValueError):
+        raise PolicyRefused(f"`{path.name}` beside the policy cannot be read, or is too large to be its description") from None
     if not isinstance(found, dict):
         raise PolicyRefused(f"`{path.name}` is no description of a policy")
     return found

@@ -98,7 +98,7 @@ def load_trained(name: str, opened: Opened, root: Path) -> Trained:
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         try:
-            env = environment_of(opened.build, opened.source, {})
+            env = environment_of(opened.build, {})
             policy = load_policy(file, env)
         except PolicyError as error:
             raise PolicyRefused(str(error)) from None

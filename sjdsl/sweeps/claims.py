@@ -20,7 +20,7 @@ from typing import Any
 
 import psutil
 
-from sjdsl.trainers.run_files import naming, write_whole
+from sjdsl.files import naming, read_json, write_whole
 
 CLAIMS = "claims"
 BEAT = 15.0  # seconds between two beats
@@ -167,7 +167,7 @@ def _clock(folder: Path) -> float:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = read_json(path)
     except (OSError, ValueError):  # it is being written
         return {}
     return found if isinstance(found, dict) else {}

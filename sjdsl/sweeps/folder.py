@@ -11,12 +11,14 @@ from typing import Any, Literal
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.experiments.folder import differences, read_json
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import Holder, holder_of
 from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
+from sjdsl.trainers.config import ConfigError, require_code, stored_config
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX
-from sjdsl.trainers.run_files import UNFINISHED, plain, write_json
+from sjdsl.trainers.run_files import plain, write_json
 from sjdsl.trainers.run_folder import MANIFEST, versions
 from sjdsl.trainers.run_state import FINISHED
 from sjdsl.trainers.updates import divergence
@@ -123,8 +125,9 @@ def _faults_of_others(before: Mapping[str, Any], wanted: Mapping[str, Any], plan
             continue
         told.add(_part(there))
         try:
+            require_code(stored_config(cell.config), f"its cell {cell.name}", ("network", "reward", "policy"))
             here = plain(made_again(plan, cell).described())
-        except (ExperimentError, CompileError) as error:
+        except (ExperimentError, CompileError, ConfigError) as error:
             yield f"its cell {cell.name} can no longer be made: {str(error).splitlines()[0]}"
             return
         what = "; ".join(differences(_flat(there), _flat(here)))
@@ -159,7 +162,7 @@ def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     known = merged(folder, wanted)
     folder.mkdir(parents=True, exist_ok=True)
     if known != read_json(folder / SWEEP):
-        write_json(folder / SWEEP, known, shared=True)
+        write_json(folder / SWEEP, known)
     (folder / CELLS).mkdir(exist_ok=True)
     return known
 

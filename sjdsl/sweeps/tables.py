@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.experiments.folder import read_json
+from sjdsl.files import write_whole
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.folder import Progress, as_text, cells_of, evaluation_of, is_finished, progress_of, run_dir, seed_dirs, steps_of
 from sjdsl.trainers.metrics_files import METRICS_JSONL
-from sjdsl.trainers.run_files import write_whole
 from sjdsl.trainers.run_folder import MANIFEST
 
 RESULTS = "results.csv"
@@ -164,7 +164,7 @@ def write_status(folder: Path, known: Mapping[str, Any]) -> None:
 def _write(path: Path, make: Callable[[], str]) -> None:
     text = make()
     for _ in range(10):
-        write_whole(path, text.encode(), shared=True)
+        write_whole(path, text.encode())
         again = make()
         if again == text:
             return

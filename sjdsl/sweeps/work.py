@@ -17,6 +17,7 @@ import sjdsl
 from sjdsl.experiments.folder import read_json
 from sjdsl.experiments.players import acting_kind
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import BEAT, Claim, take
 from sjdsl.sweeps.folder import (
@@ -33,7 +34,7 @@ from sjdsl.sweeps.folder import (
 )
 from sjdsl.sweeps.tables import collective_returns, write_status, write_tables
 from sjdsl.trainers.checkpoints import CHECKPOINTS
-from sjdsl.trainers.config import ConfigError, make_config
+from sjdsl.trainers.config import ConfigError, stored_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
 from sjdsl.trainers.policies import PolicyError, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import START, policy_path
@@ -226,7 +227,7 @@ def _clear_half_begun(path: Path) -> None:
         return
     inside = sorted(found.name for found in path.iterdir())
     ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK}
-    others = [name for name in inside if name.removesuffix(".unfinished") not in ours]
+    others = [name for name in inside if name not in ours and not name.endswith(UNFINISHED)]
     if others:
         raise ExperimentError(
             f"{path} holds {', '.join(others[:3])} and no {MANIFEST} that says of which run; --retry puts it aside and begins anew"
@@ -257,7 +258,7 @@ def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
       PolicyError: a policy cannot be read. ExperimentError: a return is not finite.
     """
     env = environment_of(cell)
-    trained_as = make_config((read_json(path / MANIFEST) or {}).get("config", cell.config))
+    trained_as = stored_config((read_json(path / MANIFEST) or {}).get("config", cell.config))
     for seed, own in seed_dirs(path, cell).items():
         if evaluation_of(own, seed, episodes) is not None:
             continue
@@ -273,7 +274,7 @@ def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
 def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, Any], Evaluation]:
     """Returns what evaluates policies of one network in one game, compiled once for the seeds of a cell, and for cells alike."""
     env = _environment(provenance)
-    config = make_config(json.loads(acting), asked=())
+    config = stored_config(json.loads(acting))
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
 
 

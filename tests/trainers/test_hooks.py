@@ -25,6 +25,7 @@ from sjdsl.trainers import (
     RunError,
     Step,
     Update,
+    allow_code,
     evaluate,
     find_policy,
     make_config,
@@ -365,6 +366,7 @@ def test_a_run_does_not_go_on_with_a_file_that_has_changed(tmp_path: Path, monke
     monkeypatch.setattr(run, "make_train", lambda *_: counting())
     file = tmp_path / "mine.py"
     file.write_text("def paid(step):\n    return step.reward\n")
+    allow_code(f"{file}:paid")
     config = SHORT.model_copy(update={"evaluate_every": 0, "reward": f"{file}:paid"})
     train(matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 2)
     text = file.read_text()

@@ -312,23 +312,23 @@ def test_a_disk_that_is_full_when_a_checkpoint_is_written(
 ) -> None:
     import orbax.checkpoint as ocp
 
-    from sjdsl.trainers import run_files
+    from sjdsl import files
 
     run_dir = tmp_path / "run"
-    save, sync = ocp.CheckpointManager.save, os.fsync
+    save, replace = ocp.CheckpointManager.save, os.replace
 
     def save_or_not(self: Any, step: int, **named: Any) -> Any:
         return _full() if step == 6 else save(self, step, **named)
 
-    def sync_or_not(number: int) -> None:
-        if "00000006" in os.readlink(f"/proc/self/fd/{number}"):
+    def replace_or_not(unfinished: Path, path: Path) -> None:
+        if "00000006" in path.name:
             _full()
-        sync(number)
+        replace(unfinished, path)
 
     if writer == "orbax":
         monkeypatch.setattr(ocp.CheckpointManager, "save", save_or_not)
     else:
-        monkeypatch.setattr(run_files.os, "fsync", sync_or_not)
+        monkeypatch.setattr(files.os, "replace", replace_or_not)
     named = {"orbax": "checkpoints/6", "policies": "policies/00000006"}[writer]
     with pytest.raises(RunError, match=rf"{named}.* could not be written: No space left on device"):
         train(matching(), SHORT, run_dir, "none")

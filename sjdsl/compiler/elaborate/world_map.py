@@ -14,6 +14,7 @@ from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.syntax.read import inside_folder
 from sjdsl.near_names import nearest
 
+MAX_MAP_BYTES = 4 * limits.MAX_MAP_CELLS
 Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
 
 
@@ -38,12 +39,23 @@ def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows
         meant = nearest(path.name, beside)
         problems.add(errors.NoFile(span, name=name, near=Near(str(Path(name).with_name(meant)) if meant else "")))
         return (), ()
-    return parse_rows(path.read_bytes(), (Path(source.name).parent / name).as_posix(), span, problems)
+    return parse_file(path, (Path(source.name).parent / name).as_posix(), span, problems)
+
+
+def parse_file(path: Path, name: str, span: Span, problems: Problems) -> Rows:
+    """Returns the rows of a map file, of which no more is read than a map may have; name, span: as in `parse_rows`."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_MAP_BYTES + 1)
+    except OSError as error:
+        problems.add(errors.MapFile(span, name=name, problem=f"it cannot be read: {(error.strerror or 'unknown').lower()}"))
+        return (), ()
+    return parse_rows(data, name, span, problems)
 
 
 def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
     """Returns the rows of a map file's bytes. `span`: what names the file, to say there that it cannot be read."""
-    if len(data) > 4 * limits.MAX_MAP_CELLS:
+    if len(data) > MAX_MAP_BYTES:
         problems.add(errors.MapFile(span, name=name, problem=f"it has more than {limits.MAX_MAP_CELLS} cells"))
         return (), ()
     try:

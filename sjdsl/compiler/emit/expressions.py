@@ -8,6 +8,7 @@ from math import copysign
 from typing import assert_never
 
 from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.emit.escaping import quoted
 from sjdsl.compiler.program import expressions as array
 
 COMPARISON, UNARY, ATOM = 0, 6, 7
@@ -209,8 +210,3 @@ def _literal(node: array.Literal) -> str:
     if isinstance(node.value, str):
         return quoted(node.value)
     return "..." if node.value is ... else repr(node.value)
-
-
-def quoted(text: str) -> str:
-    """Returns a text as a Python literal."""
-    return f'"{text}"' if text.isprintable() and not set(text) & set('\\"') else repr(text)

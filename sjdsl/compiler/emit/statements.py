@@ -4,6 +4,7 @@ import textwrap
 from pathlib import PurePosixPath
 
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.emit.escaping import remark
 from sjdsl.compiler.emit.expressions import Bracketed, Chain, Piece, flat, pieces
 from sjdsl.compiler.emit.layout import INDENT, WIDTH, layout
 from sjdsl.compiler.program import Function
@@ -49,7 +50,7 @@ def assignment(head: str, value: Piece, comment: str, indent: int = 0) -> list[s
 
 def constant_lines(name: str, value: Expression, comment: str) -> list[str]:
     """Returns the lines of a module's constant."""
-    return assignment(f"{name} = ", pieces(value), commented(comment))
+    return assignment(f"{name} = ", pieces(value), remark(comment))
 
 
 def comment_lines(comment: str, indent: int = 0) -> list[str]:
@@ -59,16 +60,11 @@ def comment_lines(comment: str, indent: int = 0) -> list[str]:
 
 def origin(span: Span | None) -> str:
     """Returns where a statement comes from, such as `clean_up.sj:57`."""
-    return "" if span is None else f"{commented(PurePosixPath(span.file).name)}:{span.line}"
-
-
-def commented(text: str) -> str:
-    """Returns a text as it may stand in a comment: one line of printable ASCII."""
-    return "".join(c if c.isascii() and c.isprintable() else "?" for c in text)
+    return "" if span is None else remark(f"{PurePosixPath(span.file).name}:{span.line}")
 
 
 def _docstring(doc: str) -> list[str]:
-    spaces = " " * INDENT
+    spaces, doc = " " * INDENT, remark(doc)
     if len(doc) + INDENT + 6 <= WIDTH:
         return [f'{spaces}"""{doc}"""']
     first, *rest = textwrap.wrap(doc, WIDTH - INDENT - 3)

@@ -1,0 +1,103 @@
+"""Reads and writes files: a file is written whole or not at all, through no link, and one from elsewhere is read up to a limit."""
+
+import errno
+import json
+import os
+import secrets
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, BinaryIO
+
+UNFINISHED = ".unfinished"  # ends the name of a file that is being written
+MEGABYTE = 2**20
+LARGEST_JSON = 64 * MEGABYTE  # in memory it takes ten to thirty times as much
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[BinaryIO]:
+    """Yields a file that takes the name `path` once the block has ended; an exception leaves what was there.
+
+    It is written under a random name beside `path`, which must not exist yet and is no link, and flushed to the disk. It gets the
+    permissions of the file that it replaces; a new one gets those of the umask. A link at `path` is replaced, never followed.
+
+    Raises:
+      OSError: with the name of the file.
+    """
+    kept = _permissions(path)
+    unfinished = path.with_name(f"{secrets.token_hex(8)}{UNFINISHED}")  # no longer for a long name
+    try:
+        with naming(path):
+            with open(unfinished, "xb", opener=lambda name, flags: _create(name, flags, kept)) as file:
+                if kept is not None and hasattr(os, "fchmod"):
+                    os.fchmod(file.fileno(), kept)  # of which the umask has perhaps taken some
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(unfinished, path)
+    except BaseException as error:
+        if isinstance(error, OSError) and error.filename == str(unfinished):
+            error.filename, error.filename2 = str(path), None
+        with suppress(OSError):
+            unfinished.unlink(missing_ok=True)
+        raise
+
+
+def write_whole(path: Path, content: bytes | str) -> None:
+    """Writes a file whole or not at all, as `written_whole` does; text as UTF-8, its line ends as they are."""
+    with written_whole(path) as file:
+        file.write(content.encode() if isinstance(content, str) else content)
+
+
+def read_bytes(path: Path, limit: int) -> bytes:
+    """Returns the content of a file. Raises OSError, with a reason in words, where it is no file or has more than `limit` bytes."""
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):  # a pipe would be waited for, a device never ends
+            raise OSError(errno.EINVAL, "it is no regular file", str(path))
+        content = file.read(limit + 1)
+    if len(content) > limit:
+        raise OSError(errno.EFBIG, f"it has more than {limit:,} bytes", str(path))
+    return content
+
+
+def read_text(path: Path, limit: int) -> str:
+    """Returns the text of a file. Raises OSError as `read_bytes` does, and UnicodeDecodeError where it is not UTF-8."""
+    return read_bytes(path, limit).decode("utf-8")
+
+
+def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:
+    """Returns what a file of JSON holds. Raises OSError as `read_bytes` does, and ValueError where it is not JSON."""
+    return parse_json(read_bytes(path, limit))
+
+
+def parse_json(content: bytes) -> Any:
+    """Returns what JSON holds. Raises ValueError where it is none, or is nested too deep to be read."""
+    try:
+        return json.loads(content)
+    except RecursionError:
+        raise ValueError("it is nested too deep") from None
+
+
+@contextmanager
+def naming(path: Path | str) -> Iterator[None]:
+    """Has an OSError say which file could not be written: the system names none when a disk is full."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is not None:
+            error.filename = error.filename or str(path)
+        raise
+
+
+def _permissions(path: Path) -> int | None:
+    """Returns who may read, write and run a file; None where there is none, or a link."""
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return None
+    return stat.S_IMODE(mode) & 0o777 if stat.S_ISREG(mode) else None
+
+
+def _create(name: str, flags: int, permissions: int | None) -> int:
+    return os.open(name, flags | getattr(os, "O_NOFOLLOW", 0), 0o666 if permissions is None else permissions)
