@@ -50,17 +50,18 @@ def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
     return statement.words[word * len(statement.words) >> 32]
 
 
-def _weighted(statement: ir.Draw, word: int, here: Instance) -> str:
+def _weighted(statement: ir.Draw, word: int, here: Instance) -> Value:
     assert here.draws is not None
+    values = statement.numbers or statement.words
     running, computed = np.float32(0), any(_is_computed(w) for w in statement.weights)
-    for name, weight in zip(statement.words[:-1], statement.weights[:-1], strict=True):
+    for value, weight in zip(values[:-1], statement.weights[:-1], strict=True):
         running = np.float32(running + np.float32(evaluate(weight, here)))
         threshold = int(running * np.float32(HALF))
         if computed:
             note_if_near(here.draws, statement.stream, here.number, word, threshold)
         if word >> 1 < threshold:
-            return name
-    return statement.words[-1]
+            return value
+    return values[-1]
 
 
 def _is_computed(share: ir.Expr) -> bool:

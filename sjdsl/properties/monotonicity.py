@@ -25,6 +25,7 @@ READING = (
     | ir.Local
     | ir.Member
     | ir.InSet
+    | ir.Before
 )
 OPPOSITE: Mapping[Slope, Slope] = {"level": "level", "rising": "falling", "falling": "rising"}
 
@@ -93,6 +94,8 @@ def _arithmetic(e: ir.Arithmetic, slopes: list[Slope]) -> Slope | None:
     match e.fn:
         case "neg":
             return OPPOSITE[slopes[0]]
+        case "round":
+            return slopes[0]
         case "+" | "min" | "max":
             return _together(slopes)
         case "-":

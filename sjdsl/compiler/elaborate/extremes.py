@@ -22,7 +22,7 @@ def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
         if tree is not None and part is not None and not is_number(part.type):
             raise wrong_type(scope, tree, "a number", part.type)
     if otherwise is None and can_be_empty(built, scope):
-        raise scope.problems.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=_written(e.domain, scope)))
+        raise scope.problems.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope)))
     types = [value.type] if otherwise is None else [value.type, otherwise.type]
     type_ = join_types(types, scope, "compare", e)
     return ir.Extreme(type=type_, fn=e.name.text, value=value, domain=built, otherwise=otherwise, origin=e.span)  # type: ignore[arg-type]
@@ -53,6 +53,6 @@ def _somebody_is_here(var: ir.Member, scope: Scope) -> bool:
     return scope.part in ("phase", "start", "metrics", "checks", "policy") and any(agents)
 
 
-def _written(d: ast.Domain, scope: Scope) -> str:
+def written(d: ast.Domain, scope: Scope) -> str:
     """Returns a domain as its author wrote it."""
     return " ".join(scope.static.sources[d.span.file].text[d.span.start : d.span.end].split())

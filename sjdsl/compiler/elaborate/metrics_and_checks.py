@@ -1,6 +1,7 @@
 """Elaborates `metrics` and `checks`: events, measures, and conditions that must hold."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import chain
 
 from sjdsl.compiler import ast, ir
@@ -96,9 +97,10 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
             test = of_the_map(scope.condition(check.condition), scope.static)
             return ir.Check(sort="require", values=(test,), origin=check.span)
         case ast.Always():
-            return ir.Check(sort="always", values=(scope.condition(check.condition),), origin=check.span)
+            return ir.Check(sort="always", values=(replace(scope, about_steps=True).condition(check.condition),), origin=check.span)
         case ast.Once():
-            values = (scope.condition(check.trigger), scope.condition(check.condition))
+            steps = replace(scope, about_steps=True)
+            values = (steps.condition(check.trigger), steps.condition(check.condition))
             return ir.Check(sort="once", values=values, origin=check.span)
         case ast.Conserved():
             return ir.Check(sort="conserved", values=(_single(check.value, scope.expression(check.value), scope),), origin=check.span)

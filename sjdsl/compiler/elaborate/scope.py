@@ -70,6 +70,7 @@ class Static:
     broken: set[Declared] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
+    of_observed: tuple[Fact, ...] = ()  # of every state that is observed
     phases: tuple[ast.Phase, ...] = ()
 
     @cached_property
@@ -101,6 +102,8 @@ class Scope(Record):
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
     `facts`: conditions that hold here. `part`: of the game; in `start` no agent stands anywhere.
     `withheld`: variables around that cannot be used here, with what to write instead. `returning`: an agent that is away until now.
+    `about_steps`: in a check that compares the state with that before the step; `elsewhere`: variables of which nobody knows whether they were
+    away in the state that is read.
     """
 
     static: Static
@@ -112,6 +115,8 @@ class Scope(Record):
     defining: tuple[str, ...] = ()
     withheld: Mapping[str, str] = field(default_factory=dict)
     returning: str = ""
+    about_steps: bool = False
+    elsewhere: frozenset[str] = frozenset()
 
     def expression(self, e: ast.Expr) -> ir.Expr:
         """Returns the typed form of any expression."""

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
-from sjdsl.compiler.ir.types import interval
+from sjdsl.compiler.ir.types import interval, rounded
 
 _MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
@@ -250,6 +250,8 @@ def _of_parts(e: ir.Arithmetic, parts: list[tuple[float, float]]) -> tuple[float
             return min(p[0] for p in parts), min(p[1] for p in parts)
         case "max":
             return max(p[0] for p in parts), max(p[1] for p in parts)
+        case "round":
+            return rounded(*parts[0])
         case _:
             left, right = (a.type.model_copy(update={"low": p[0], "high": p[1]}) for a, p in zip(e.args, parts, strict=True))
             return interval(e.fn, left, right)

@@ -7,7 +7,7 @@ from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, in
 from sjdsl.compiler.lower.expressions import real
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Expression, Literal, Name, as_array, call, scalar
+from sjdsl.compiler.program.expressions import Arange, Cast, Expression, Index, Literal, Name, as_array, call, constant, scalar
 
 KEY = Name("key")
 
@@ -100,4 +100,7 @@ def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Valu
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
         past = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
         result = binary("+", result, past, "i32")
+    if s.numbers:
+        table = w.module.constant(f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32")
+        return replace(result, node=Index(table, (result.node,)))
     return as_dtype(result, "u8")
