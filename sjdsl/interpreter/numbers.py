@@ -51,7 +51,7 @@ def arithmetic(fn: str, values: list[Any], is_real: bool) -> Any:
         case "neg":
             return entrywise(operator.neg, *values)
         case "round":
-            return entrywise(lambda x: int(np.rint(np.float32(x))), *values)
+            return entrywise(lambda x: round(float(np.float32(x))), *values)
         case "min" | "max":
             return entrywise(min if fn == "min" else max, *values)
         case "/":

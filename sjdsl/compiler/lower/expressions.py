@@ -254,6 +254,8 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     """Returns a number computed from others: int32, or float32 if one of them is a real."""
     if e.fn == "round":
         value = real(e.args[0], scope, w)
+        if value.literal:
+            return literal(round(value.number), "i32")
         return Value(array.Cast(array.call("jnp.rint", value.node), "i32", "f32"), "i32", value.axes, value.levels)
     dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
     args = [as_dtype(lower(a, scope, w), dtype) for a in e.args]
