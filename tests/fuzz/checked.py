@@ -77,7 +77,7 @@ def observe(w: World) -> list[Lines]:
     lines += [_perhaps_when(w, "", f"show step as {{ {_labels(w, '', LABELS)} }}")] if w.is_now(0.1) else []
     for d in w.defines:
         if not d.parameters and w.is_now(0.3):
-            whole = d.type.kind in ("condition", "word") or (d.type.kind == "int" and 0 <= d.type.low and d.type.high <= 255)
+            whole = d.type.kind in ("condition", "word") or (d.type.kind == "int" and d.type.low >= 0 and d.type.high <= 255)
             lines.append(_perhaps_when(w, "", f"show {d.name}" + ("" if whole else f" as {{ {_labels(w, '', LABELS)} }}")))
     whole = [name for name in w.kinds if w.is_now(0.15)]
     looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]

@@ -34,7 +34,7 @@ READ = [
     ("always all(tree where tree.fruit is before(tree.fruit))", lambda a, b, _: a.cells == b.cells),
     ("always before(any(agent on tree where tree.fruit is none)) or fruit > 0", None),
     ("always before(count(agent as x where any(agent as y in ray of x))) == 0", None),
-    ("always eaten - before(eaten) < 1", lambda a, b, counts: counts[1] == counts[0]),
+    ("always eaten - before(eaten) < 1", lambda _, __, counts: counts[1] == counts[0]),
     ("once before(fruit) > fruit always before(eaten) <= eaten and eaten > 0", None),
 ]
 
