@@ -26,7 +26,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     found = []
     for check in _written(game):
         if isinstance(check, ast.Require):
-            with scope.problems.survive():
+            with scope.problems.survive(), scope.static.requiring():
                 test = of_the_map(scope.condition(check.condition), scope.static)
                 for node in ir.walk(test):
                     if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
@@ -94,7 +94,8 @@ def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
     match check:
         case ast.Require():
-            test = of_the_map(scope.condition(check.condition), scope.static)
+            with scope.static.requiring():
+                test = of_the_map(scope.condition(check.condition), scope.static)
             return ir.Check(sort="require", values=(test,), origin=check.span)
         case ast.Always():
             return ir.Check(sort="always", values=(replace(scope, about_steps=True).condition(check.condition),), origin=check.span)

@@ -1,6 +1,7 @@
 """Scopes: the symbol table of a game, and the variables and known facts at one point of the rules."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -67,6 +68,7 @@ class Static:
     map_cols: int = 0
     wraps: bool = False
     used: set[Declared] = field(default_factory=set)
+    required: set[Declared] = field(default_factory=set)  # numbers that a `require` reads, which does not use them
     broken: set[Declared] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
@@ -78,6 +80,15 @@ class Static:
         """Whether a phase sends agents away for some ticks, or removes them."""
         nodes = (node for phase in self.phases for node in walk(phase))
         return any(isinstance(node, ast.Remove) or (isinstance(node, ast.Send) and node.after is not None) for node in nodes)
+
+    @contextmanager
+    def requiring(self) -> Iterator[None]:
+        """What is read of numbers here is no use of them."""
+        before = set(self.used)
+        yield
+        read = {d for d in self.used - before if d.name in self.params or d.name in self.sizes}
+        self.required |= read
+        self.used -= read
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:
         """Returns the kinds a kind's or group's name stands for."""
