@@ -5,6 +5,7 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
+from sjdsl.compiler.elaborate.domains import can_be_empty
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.ir.implications import compares, narrowed
@@ -93,9 +94,11 @@ def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
     """Returns whether neither the interval, a guard nor a `require` excludes 0."""
     if divisor.type.low > 0 or divisor.type.high < 0:
         return False
-    if isinstance(divisor, ir.Count) and divisor.domain.restriction is None and divisor.domain.where is None and divisor.domain.on is None:
-        if divisor.domain.var.who == "cell":
-            return not any(scope.static.cells.get(k, 0) for k in divisor.domain.var.kinds)
+    counted = divisor
+    while isinstance(counted, ir.Named):
+        counted = counted.value
+    if isinstance(counted, ir.Count) and not can_be_empty(counted.domain, scope):
+        return False
     known = scope.facts_and_requires
     return not (compares(divisor, ">", 0, known) or compares(divisor, ">=", 1, known) or compares(divisor, "!=", 0, known))
 

@@ -116,7 +116,8 @@ def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
     try:
         left = scope.expression(e.left)
     except Poisoned:
-        scope.expression(e.right)
+        if not (isinstance(e.right, ast.Path) and not e.right.steps):  # it may be a word of what could not be read
+            scope.expression(e.right)
         raise
     if left.type.kind == "word" and not left.type.by:
         check_known_word(e.right, left, left.type.words, scope)

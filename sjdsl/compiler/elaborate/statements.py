@@ -4,10 +4,12 @@ from typing import assert_never
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.assignments import add, set_
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.domains import domain, near
+from sjdsl.compiler.elaborate.domains import domain
+from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
 from sjdsl.compiler.elaborate.movers import move
@@ -65,7 +67,7 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
         case ast.Move():
             return move(s, scope, use), scope
         case ast.Mark():
-            place = near(s.shape, s.anchor, scope)
+            place = near_shape(s.shape, s.anchor, scope)
             return ir.Mark(shape=place.shape, anchor=place.anchor, origin=s.span), scope
         case ast.End():
             return ir.End(origin=s.span), scope
@@ -123,7 +125,10 @@ def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
             raise scope.problems.fail(errors.WrongType(name.span, wanted="a word", given=f"`{name.text}`", help=help_))
         if not scope.static.is_word(name.text):
             known = [w for ws in scope.static.word_sets for w in ws]
-            raise scope.problems.unknown(name, known, "the words of the game")
+            listed = ", ".join(n.text for n in names)
+            how = f"the words of a `draw` are those of a field, a row (`by`) or an event: declare some, `field NAME : {{ {listed} }} = {names[0].text}`"
+            meant = near(name.text, known)
+            raise scope.problems.fail(errors.UnknownName(name.span, name=name.text, near=meant, help="" if meant.nearest else how))
 
 
 def _check_different(names: tuple[ast.Name, ...], what: str, scope: Scope) -> None:

@@ -38,7 +38,12 @@ def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows
         meant = nearest(path.name, beside)
         problems.add(errors.NoFile(span, name=name, near=Near(str(Path(name).with_name(meant)) if meant else "")))
         return (), ()
-    return parse_rows(path.read_bytes(), (Path(source.name).parent / name).as_posix(), span, problems)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        problems.add(errors.MapFile(span, name=name, problem=(error.strerror or "it cannot be read").lower()))
+        return (), ()
+    return parse_rows(data, (Path(source.name).parent / name).as_posix(), span, problems)
 
 
 def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:

@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
+from sjdsl.compiler.ir.linear import LINEAR, narrowed_sum
 from sjdsl.compiler.ir.types import interval, rounded
 
 _MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
@@ -223,7 +224,14 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
 
 
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
-    """Returns the interval of a number once the facts about it, or about its parts, are used."""
+    """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
+    low, high = _narrowed(e, known)
+    if known and isinstance(e, ir.Arithmetic) and e.fn in LINEAR and not e.type.by:
+        return narrowed_sum(e, (low, high), (f.condition for f in known))
+    return low, high
+
+
+def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     low, high = e.type.low, e.type.high
     if not known:
         return low, high

@@ -44,7 +44,7 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     happens: list[Value] = []
     before: Value | None = None
     for branch in s.branches:
-        p = real(branch.test, scope.always(), w)
+        p = _probability(branch.test, scope, w)
         if before is None:
             limit = Value(call("threshold", _array(p)), "u32", p.axes)
         else:
@@ -60,6 +60,12 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     assert before is not None
     last = happens[0] if len(s.branches) == 1 else binary("<", word, before, "bool")
     return happens, invert(last)
+
+
+def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns a probability; where a guard alone keeps it from being negative, what rounding has brought below 0 is 0."""
+    p = real(e, scope.always(), w)
+    return replace(p, node=call("jnp.maximum", p.node, Literal(0.0))) if e.type.low < 0 else p
 
 
 def _array(p: Value, axes: tuple[Axis, ...] | None = None) -> Expression:
@@ -95,7 +101,7 @@ def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Valu
     total: Value | None = None
     result = literal(0, "i32")
     for weight in s.weights[:-1]:
-        p = real(weight, scope.always(), w)
+        p = _probability(weight, scope, w)
         total = p if total is None else binary("+", total, p, "f32")
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
         past = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
