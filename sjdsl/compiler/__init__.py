@@ -52,7 +52,7 @@ def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
     """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
-    problems = Problems()
+    problems = Problems(list(composition.warnings))
     game, declarations = elaborate(composition, overrides or Overrides(), problems)
     if game is not None:
         check_state_names(game, problems)

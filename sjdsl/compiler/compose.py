@@ -18,6 +18,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
+from sjdsl.compiler.undone import Change, touches, undone
 
 
 @dataclass
@@ -62,6 +63,8 @@ class Composition:
     file: str = ""
     chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
+    said_last: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
+    warnings: list[Diagnostic] = field(default_factory=list)
 
     TABLES = (
         "constants", "kinds", "groups", "fields", "movers", "shapes", "defines", "phases", "metrics", "checks", "policies", "scenarios",
@@ -91,6 +94,7 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
             raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
+        game.warnings += undone(game, name, _changes(game, variant.changes))
         _apply(game, variant.changes)
     if game.problems:
         raise CompileError(game.problems)
@@ -115,6 +119,7 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
         game.title = title or game.title
     game.sources[source.name] = source
     _check_duplicates(game, file.game.sections)
+    game.said_last |= _changes(game, file.game.sections)
     _apply(game, file.game.sections)
     return game
 
@@ -174,7 +179,7 @@ def _check_duplicates(game: Composition, sections: tuple[ast.Section | ast.Overr
         for key, span, node in section_names(section):
             if isinstance(node, ast.Look):  # one kind looks this way or that
                 continue
-            over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
+            over = isinstance(node, ast.Override) and any(touches(key, k) for k in seen)
             if key in seen or over:
                 if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
                     game.problems.append(errors.WrittenTwice(span, what=f"`{key}`"))
@@ -189,15 +194,17 @@ def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: 
         for key, span, node in section_names(section):
             for other, before in touched.items():
                 same = other == key and before[1] == _content(game, node)
-                if before[0] != name and _touches(other, key) and not same:
+                if before[0] != name and touches(other, key) and not same:
                     game.problems.append(errors.ChangeClash(span, first=before[0], second=name, name=key))
                     break
             touched.setdefault(key, (name, _content(game, node)))
 
 
-def _touches(a: str, b: str) -> bool:
-    """Returns whether two keys name the same thing, or one an entry of the other: `pay` and `pay[red]`."""
-    return a == b or a.startswith(f"{b}[") or b.startswith(f"{a}[")
+def _changes(game: Composition, sections: tuple[ast.Section | ast.Override | ast.Drop, ...]) -> dict[str, Change]:
+    """Returns what sections say of rules, by the names they have in `section_names`."""
+    values = ast.Override | ast.Constant | ast.Map | ast.Episode | ast.About
+    named = (entry for section in sections if not isinstance(section, values) for entry in section_names(section))
+    return {key: Change(span, _content(game, node), isinstance(node, ast.Drop)) for key, span, node in named}
 
 
 def _content(game: Composition, node: object) -> str:

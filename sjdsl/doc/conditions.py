@@ -48,6 +48,8 @@ def condition(e: ir.Expr, v: Vocabulary, holds: bool = True) -> str:
             return f"{value(e, v)} {'holds' if holds else 'does not hold'}"
         case ir.Named() | ir.Narrowed():
             return condition(e.value, v, holds)
+        case ir.Before():
+            return f"{condition(e.value, v, holds)} when the step began"
         case ir.Case():
             arms = case(e, v, lambda arm, v: f"({condition(arm, v)})")
             return f"this {'holds' if holds else 'does not hold'}: {arms}"

@@ -72,6 +72,8 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return _named(e, v)
         case ir.Narrowed():
             return value(e.value, v)
+        case ir.Before():
+            return f"{value(e.value, v)} when the step began"
         case ir.EventTotal():
             return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(entry_name(e.word))}")
         case ir.Count():
@@ -184,6 +186,10 @@ def _arithmetic(e: ir.Arithmetic, v: Vocabulary) -> str:
             return f"the {which} of {' and '.join(args) if len(args) == 2 else '; '.join(args)}"
         case "neg":
             return f"-{args[0]}"
+        case "//":
+            return f"{args[0]} divided by {args[1]}, rounded down"
+        case "round":
+            return f"{args[0]} rounded to the nearest whole number"
         case "%":
             return f"the remainder of {args[0]} divided by {args[1]}"
         case "+" | "-" | "*" | "/":

@@ -7,6 +7,7 @@ from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_p
 from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.lower.cell_appearance import shown_words
 from sjdsl.doc.conditions import condition
+from sjdsl.doc.expressions import value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
 
@@ -112,7 +113,8 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
     entry = "the number of the agent in the" if s.type.words[:1] == ("nobody",) and not s.labels else entry
     relative = " as seen by the observer" if s.what == "mover" and s.field == "heading" and not s.labels else ""
     whose = whose.replace(",", f"{relative},") if relative else whose
-    text = f"{entry} {code(s.field)} of {whose}" + (", the same everywhere in the window" if s.what in ("everyone", "own", "world") else "")
+    named = f"{entry} {code(s.field)} of {whose}" if s.value is None else value(s.value, v)
+    text = named + (", the same everywhere in the window" if s.what in ("everyone", "own", "world") else "")
     if s.labels:
         text += f", shown as the first of these that applies: {_labels(s.labels, v)}"
     if s.hidden_when is not None:

@@ -76,7 +76,8 @@ def drawn(s: ir.Draw, v: Vocabulary) -> str:
             return f"a real number between {side(s.low, v)} and {side(s.high, v)}, all equally likely"
         return f"a whole number from {side(s.low, v)} to {side(s.high, v)}, both included, all equally likely"
     if s.weights:
-        return joined((f"{code(w)} with {probability(p, v)}" for w, p in zip(s.words, s.weights, strict=True)), "or")
+        values = [str(number) for number in s.numbers] or [code(word) for word in s.words]
+        return joined((f"{one} with {probability(p, v)}" for one, p in zip(values, s.weights, strict=True)), "or")
     return f"{codes(s.words, 'or')}, all equally likely"
 
 

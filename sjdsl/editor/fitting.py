@@ -17,7 +17,7 @@ from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 Locals = Mapping[str, Owners]
 Found = tuple[str, str, int]  # the word, its sort, its rank
 
-FUNCTIONS = ("min", "max", "ramp", "distance", "shift", *ROW_FUNCTIONS)
+FUNCTIONS = ("min", "max", "ramp", "distance", "shift", "quotient", "round", *ROW_FUNCTIONS)
 CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
 POLICIES = ("random", "never", "stay")
 SIDES = ("ahead", "behind", "left", "right")
@@ -128,7 +128,7 @@ def head_of_block(tokens: Sequence[Token]) -> str:
 def _begins_domain(place: Place, first: str) -> bool:
     last, before = place.last(), place.last(2)
     if last == "LPAR":
-        return before == "COUNT"
+        return before in ("COUNT", "ANY", "ALL")
     if last == "TO":
         return first == "SEND"
     if last == "WITH":

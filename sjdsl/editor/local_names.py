@@ -52,7 +52,7 @@ def _is_of_domain(tokens: Sequence[Token], at: int) -> bool:
     """Whether a name stands where a domain begins: `each NAME`, `pick 1 NAME`, `count(NAME`."""
     before = tokens[at - 1].type if at else ""
     if before == "LPAR":
-        return at > 1 and tokens[at - 2].type == "COUNT"
+        return at > 1 and tokens[at - 2].type in ("COUNT", "ANY", "ALL")
     return before in BEFORE_DOMAIN or (at > 1 and tokens[at - 2].type == "PICK")
 
 

@@ -105,7 +105,7 @@ class Reader:
             case ast.Call():
                 self.use(e.name, "name")
                 self.expressions(e.arguments, scope)
-            case ast.Count():
+            case ast.Count() | ast.Quantified():
                 self.domain(e.domain, scope)
             case ast.Total() | ast.Extreme():
                 inner = scope if e.domain is None else self.domain(e.domain, scope)

@@ -21,7 +21,7 @@ def chance(statement: ir.Chance, here: Instance) -> Drawn:
     word = here.word(statement.stream, here.number)
     threshold, computed, bounds = 0, False, []
     for number, branch in enumerate(statement.branches):
-        threshold += int(np.float32(HALF - threshold) * np.float32(evaluate(branch.test, here)))
+        threshold += int(np.float32(HALF - threshold) * _probability(branch.test, here))
         bounds.append(threshold)
         computed = computed or _is_computed(branch.test)
         if computed:
@@ -50,17 +50,23 @@ def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
     return statement.words[word * len(statement.words) >> 32]
 
 
-def _weighted(statement: ir.Draw, word: int, here: Instance) -> str:
+def _weighted(statement: ir.Draw, word: int, here: Instance) -> Value:
     assert here.draws is not None
+    values = statement.numbers or statement.words
     running, computed = np.float32(0), any(_is_computed(w) for w in statement.weights)
-    for name, weight in zip(statement.words[:-1], statement.weights[:-1], strict=True):
-        running = np.float32(running + np.float32(evaluate(weight, here)))
+    for value, weight in zip(values[:-1], statement.weights[:-1], strict=True):
+        running = np.float32(running + _probability(weight, here))
         threshold = int(running * np.float32(HALF))
         if computed:
             note_if_near(here.draws, statement.stream, here.number, word, threshold)
         if word >> 1 < threshold:
-            return name
-    return statement.words[-1]
+            return value
+    return values[-1]
+
+
+def _probability(e: ir.Expr, here: Instance) -> np.float32:
+    """Returns a probability; what rounding has brought below 0 is 0."""
+    return max(np.float32(evaluate(e, here)), np.float32(0))
 
 
 def _is_computed(share: ir.Expr) -> bool:

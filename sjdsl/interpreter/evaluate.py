@@ -73,6 +73,11 @@ def _extreme(e: ir.Extreme, here: Instance) -> Value:
     return min(values) if e.fn == "min" else max(values)
 
 
+def _before(e: ir.Before, here: Instance) -> Value:
+    assert here.earlier is not None, "no step has been taken"
+    return evaluate(e.value, here.earlier.only(here.names))
+
+
 def _event_total(e: ir.EventTotal, here: Instance) -> int:
     return sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word))
 
@@ -346,6 +351,7 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Ramp: lambda e, here: numbers.ramp(*(evaluate(x, here) for x in (e.value, e.zero_at, e.one_at))),
     ir.Named: lambda e, here: evaluate(e.value, here),
     ir.Narrowed: lambda e, here: evaluate(e.value, here),
+    ir.Before: _before,
     ir.EventTotal: _event_total,
     ir.Compare: lambda e, here: numbers.compare(e.fn, evaluate(e.left, here), evaluate(e.right, here)),
     ir.Same: lambda e, here: evaluate(e.left, here) == evaluate(e.right, here),

@@ -20,6 +20,7 @@ class Instance:
     world: the snapshot. actions: one for each agent, after `forbid`. draws: None where nothing may be drawn.
     totals: for checks, (event, word or None) -> how often it was counted so far. known: values that are the same in
       every instance on this state, by the identity of their expression. causes: draws that led here, outermost first.
+    earlier: for checks, one on the state before the step that led here.
     """
 
     board: Board
@@ -31,6 +32,7 @@ class Instance:
     totals: Mapping[tuple[str, str | None], int] = field(default_factory=dict)
     known: dict[int, tuple[ir.Expr, Value]] = field(default_factory=dict)
     causes: tuple[Drawn, ...] = ()
+    earlier: "Instance | None" = None
 
     def binding(self, names: Mapping[str, Value]) -> "Instance":
         """Returns this instance with more variables and the same number."""
@@ -51,7 +53,7 @@ class Instance:
 
     def _with(self, names: Mapping[str, Value], number: int, causes: tuple[Drawn, ...] | None = None) -> "Instance":
         causes = self.causes if causes is None else causes
-        return Instance(self.board, self.world, self.actions, self.draws, names, number, self.totals, self.known, causes)
+        return Instance(self.board, self.world, self.actions, self.draws, names, number, self.totals, self.known, causes, self.earlier)
 
     def word(self, stream: int, number: int) -> int:
         """Returns word `number` of a stream of this step."""

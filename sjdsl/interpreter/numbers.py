@@ -14,6 +14,7 @@ _OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "-": operator.sub,
     "*": operator.mul,
     "/": operator.truediv,
+    "//": operator.floordiv,
     "%": operator.mod,
 }
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
@@ -49,6 +50,8 @@ def arithmetic(fn: str, values: list[Any], is_real: bool) -> Any:
     match fn:
         case "neg":
             return entrywise(operator.neg, *values)
+        case "round":
+            return entrywise(lambda x: round(float(np.float32(x))), *values)
         case "min" | "max":
             return entrywise(min if fn == "min" else max, *values)
         case "/":

@@ -227,6 +227,8 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
                 type_ = ir.CONDITION if observable.field in ("moved", "away") else observable.type
                 return ir.Attribute(type=type_, owner=ir.Member(name=name, who="agent"), name=observable.field)  # type: ignore[arg-type]
             owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[observable.field]
+        case "world" if observable.value is not None:
+            return observable.value
         case "world":
             owner, declared = None, board.world_fields[observable.field]
         case "heading":

@@ -1,6 +1,7 @@
 """Interprets one reset and one step: forbidden actions, the turns of the schedule, rewards, events, metrics, the end."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, assert_never
 
 import numpy as np
@@ -22,6 +23,8 @@ from sjdsl.interpreter.shifting import shift
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
+
+Totals = Mapping[tuple[str, str | None], int]  # (event, its word or None) -> its count so far, over all agents
 
 
 def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell | None = None) -> World:
@@ -71,10 +74,13 @@ def action_mask(game: ir.Game, world: World) -> list[list[bool]]:
     return [[number not in _forbidden(board, world, agent) for number in numbers] for agent in range(board.agents)]
 
 
-def read(game: ir.Game, world: World, e: ir.Expr, totals: Mapping[tuple[str, str | None], int] | None = None) -> Value:
-    """Returns the value of an expression of `checks`. `totals`: (event, word or None) -> its count so far."""
+def read(game: ir.Game, world: World, e: ir.Expr, totals: Totals | None = None, before: tuple[World, Totals] | None = None) -> Value:
+    """Returns the value of an expression of `checks`. `before`: the state before the step, and the totals then; None: the same ones."""
+    board = board_of(game)
+    here = Instance(board, world, totals=totals or {})
+    earlier = here if before is None else Instance(board, before[0], totals=before[1])
     with watched(lambda: e, world.step):
-        return evaluate(e, Instance(board_of(game), world, totals=totals or {}))
+        return evaluate(e, replace(here, earlier=earlier))
 
 
 def _measured(measure: ir.Measure, here: Instance) -> Value:

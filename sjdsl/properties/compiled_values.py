@@ -1,6 +1,6 @@
 """Compiles the expressions of checks to functions of the compiled state, and finds the targets of `seek` policies.
 
-ir.Game -> `values(state, params)`, one `seek(state, params)` for each policy that walks somewhere
+ir.Game -> `values(state, params, before)`, one `seek(state, params)` for each policy that walks somewhere
 """
 
 from collections.abc import Callable
@@ -26,26 +26,29 @@ Total = tuple[str, str | None]  # an event, and its word or None
 
 @dataclass(frozen=True)
 class Lowered:
-    """values: (state, params) -> float32 `[expressions]`. totals: the attributes of `params` that hold totals, by event and word.
+    """values: (state, params, before: the state before the step) -> float32 `[expressions]`.
+
+    totals: the attributes of `params` that hold totals, by event and word; earlier: those that hold the totals before the step.
 
     seeks: (state, params) -> (map cells `[N, M]` int32 of the members for each agent, whether each is a member `[N, M]` bool).
     """
 
-    values: Callable[[Any, Any], Any]
+    values: Callable[[Any, Any, Any], Any]
     totals: dict[Total, str]
+    earlier: dict[Total, str]
     seeks: tuple[Callable[[Any, Any], tuple[Any, Any]], ...]
 
 
 def lower_checks(game: ir.Game, expressions: list[ir.Expr], domains: list[ir.Domain]) -> Lowered:
     """Returns the functions. Raises NotSupported for what the compiler cannot say exactly."""
     module = new_module(game)
-    totals: dict[Total, str] = {}
-    texts = [_values([rewrite(e, lambda node: _total(node, totals)) for e in expressions], module)]
+    totals, earlier = dict[Total, str](), dict[Total, str]()
+    texts = [_values([_with_totals(e, totals, earlier) for e in expressions], module)]
     texts += [_seek(domain, i, module) for i, domain in enumerate(domains)]
     names = namespace(module)
     exec("\n".join(texts), names)
     seeks = tuple(names[f"seek_{i}"] for i in range(len(domains)))
-    return Lowered(names["values"], totals, seeks)
+    return Lowered(names["values"], totals, earlier, seeks)
 
 
 def with_totals(params: Any, totals: dict[str, Any]) -> Any:
@@ -53,11 +56,19 @@ def with_totals(params: Any, totals: dict[str, Any]) -> Any:
     return SimpleNamespace(**{name: getattr(params, name) for name in params.__dataclass_fields__}, **totals)
 
 
-def _total(node: Any, totals: dict[Total, str]) -> Any:
-    """Replaces the total of an event by a parameter of the game."""
+def _with_totals(e: ir.Expr, totals: dict[Total, str], earlier: dict[Total, str]) -> ir.Expr:
+    """Replaces the totals of events by parameters of the game, others for those before the step."""
+
+    def then(node: Any) -> Any:
+        return rewrite(node, lambda inner: _total(inner, earlier, "_earlier")) if isinstance(node, ir.Before) else node
+
+    return rewrite(rewrite(e, then), lambda node: _total(node, totals, "_total"))
+
+
+def _total(node: Any, totals: dict[Total, str], prefix: str) -> Any:
     if not isinstance(node, ir.EventTotal):
         return node
-    name = identifier(f"_total_{node.name}" + (f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}" if node.word else ""))
+    name = identifier(f"{prefix}_{node.name}" + (f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}" if node.word else ""))
     totals[node.name, node.word] = name
     return ir.ParamRef(type=node.type, name=name, origin=node.origin)
 
@@ -70,7 +81,7 @@ def _values(expressions: list[ir.Expr], module: Module) -> str:
         w.give_back(call("jnp.stack", Sequence(parts, is_list=True)))
     else:
         w.give_back(call("jnp.zeros", Literal(0), DTYPES["f32"]))
-    return _function("values", w)
+    return _function("values", w, "before")
 
 
 def _seek(domain: ir.Domain, number: int, module: Module) -> str:
@@ -96,5 +107,6 @@ def _of_agents(node: Expression, inner: IterationScope) -> Expression:
     return Call(Attribute(node, "reshape"), (inner.axes[0].extent, Literal(-1)))
 
 
-def _function(name: str, w: Writer) -> str:
-    return "\n".join(function_lines(Function(name, (("state", "object"), ("params", "object")), "object", "", tuple(w.body))))
+def _function(name: str, w: Writer, *more: str) -> str:
+    parameters = tuple((parameter, "object") for parameter in ("state", "params", *more))
+    return "\n".join(function_lines(Function(name, parameters, "object", "", tuple(w.body))))

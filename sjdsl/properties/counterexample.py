@@ -4,16 +4,16 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import contains
 from sjdsl.interpreter.account import Account
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Value, World
-from sjdsl.interpreter.step import action_mask, read, step
+from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.properties.float_overflow import describe_overflow
 from sjdsl.properties.instances import GameFamily
-from sjdsl.properties.monitors import Totals
 from sjdsl.properties.search import Counterexample
-from sjdsl.properties.trajectory import Scenario, draws_of
+from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of
 from sjdsl.trace.episode import Moment, Told, tell_of
 from sjdsl.trace.jax_random import RecordedDraws
 from sjdsl.trace.lines import make_teller, moment_lines
@@ -87,16 +87,15 @@ def said_of_values(family: GameFamily, counterexample: Counterexample) -> list[s
     if check.sort == "symmetric":
         return []
     since = where.since if where.since is not None and check.sort != "once" else where.at - 1
-    return values_lines(
-        family, check, [(when(t), trajectory.game, trajectory.worlds[t], trajectory.totals[t]) for t in (since, where.at) if t >= 0]
-    )
+    return values_lines(family, check, trajectory, [t for t in (since, where.at) if t >= 0])
 
 
-def values_lines(family: GameFamily, check: ir.Check, states: Sequence[tuple[str, ir.Game, World, Totals]]) -> list[str]:
-    """Returns `apples = 0 at the start, 1 after step 2` for each value that a check reads."""
+def values_lines(family: GameFamily, check: ir.Check, trajectory: Trajectory, states: Sequence[int]) -> list[str]:
+    """Returns `apples = 0 at the start, 1 after step 2` for each value that a check reads, and one state for `before(apples)`."""
     lines = []
     for e in _told_of(check):
-        values = ", ".join(f"{shown(read(game, world, e, totals))} {name}" for name, game, world, totals in states)
+        told = states[-1:] if contains(e, ir.Before) else states
+        values = ", ".join(f"{shown(trajectory.value(e, t))} {when(t)}" for t in told)
         lines.append(f"{family.text_of(e)} = {values}")
     return list(dict.fromkeys(lines))
 
@@ -117,7 +116,8 @@ def _told_of(check: ir.Check) -> list[ir.Expr]:
     """Returns the sides of comparisons in a check that depend on the state, or its whole expressions if it compares nothing."""
     found: list[ir.Expr] = []
     for value in check.values:
-        sides = [side for n in _open(value) if isinstance(n, ir.Compare) for side in (n.left, n.right)]
+        compared = [n for n in _open(value) if isinstance(n, ir.Compare) and n.left.origin != n.origin]  # not `any(D)`, which counts
+        sides = [side for n in compared for side in (n.left, n.right)]
         found += [side for side in sides if not isinstance(side, ir.Number | ir.ParamRef)] or [value]
     return found
 

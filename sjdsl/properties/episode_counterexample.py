@@ -76,11 +76,11 @@ def _still(
     moment = take_step(game, world, episode.actions[where.at - 1], params, draws)
     if contains(check, ir.EventTotal):
         return moment  # totals are those of the episode as it went
-    wrong = [read(game, moment.world, e) for e in check.values]
+    wrong = [read(game, moment.world, e, before=(world, {})) for e in check.values]
     for agent in range(game.agents.number):
         actions = (*moment.actions[:agent], stay, *moment.actions[agent + 1 :])
         quieter = take_step(game, world, actions, params, draws)
-        if [read(game, quieter.world, e) for e in check.values] == wrong:
+        if [read(game, quieter.world, e, before=(world, {})) for e in check.values] == wrong:
             moment = quieter
     return moment
 

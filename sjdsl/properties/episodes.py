@@ -1,6 +1,6 @@
 """Plays whole episodes of the compiled game under scripted policies, and reads the values of its checks after every step."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.policies.compiled import Chooser
 from sjdsl.properties.biased_draws import POLICY, RESET, STEP
-from sjdsl.properties.compiled_values import Lowered, lower_checks, with_totals
+from sjdsl.properties.compiled_values import Total, lower_checks, with_totals
 from sjdsl.properties.scripted_policies import WANDERS, allowed_by, policy_named
 from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
 from sjdsl.runtime.env import Environment
@@ -98,20 +98,21 @@ class Player:
         env, lowered = self.env, self._lowered
         names = [(event.name, *count) for event in env.game.events for count in counts_of(event)]
 
-        def read(state: Any, totals: dict[str, Array]) -> Any:
-            return lowered.values(state, with_totals(env.params, _read_totals(lowered, totals, env.game)))
+        def read(state: Any, totals: dict[str, Array], before: Any, earlier: dict[str, Array]) -> Any:
+            known = _read_totals(lowered.totals, totals, env.game) | _read_totals(lowered.earlier, earlier, env.game)
+            return lowered.values(state, with_totals(env.params, known), before)
 
         def advance(carry: Any, t: Array) -> Any:
-            state, totals, over = carry
-            actions = self._choose(state, _derived_key(key, POLICY, t), script)
-            _, state, reward, done, info = env.step_env(_derived_key(key, STEP, t), state, actions)
+            before, totals, over = carry
+            actions = self._choose(before, _derived_key(key, POLICY, t), script)
+            _, state, reward, done, info = env.step_env(_derived_key(key, STEP, t), before, actions)
             counted = {name: totals[name] + jnp.where(over, 0, jnp.sum(info["events"][name])) for *_, name in names}
-            values = read(state, counted)
+            values = read(state, counted, before, totals)
             return (state, counted, over | done), (values, actions, over, _is_finite((state, reward, values)))
 
         _, state = env.reset(_derived_key(key, RESET, jnp.int32(0)))
         none = {name: jnp.int32(0) for *_, name in names}
-        first = read(state, none)
+        first = read(state, none, state, none)
         (_, totals, _), (values, actions, over, finite) = jax.lax.scan(advance, (state, none, jnp.bool_(False)), jnp.arange(self._steps))
         length = jnp.sum(~over)
         left = jnp.where(finite, self._steps, jnp.arange(self._steps)).min()
@@ -160,11 +161,11 @@ def _is_finite(tree: Any) -> Array:
     return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in reals])) if reals else jnp.bool_(True)
 
 
-def _read_totals(lowered: Lowered, totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:
+def _read_totals(names: Mapping[Total, str], totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:
     """Returns what the expressions call the totals; the total of an event by words, if no word is given, is the sum over its words."""
     words = {e.name: e.by for e in game.events}
     found = {}
-    for (event, word), attribute in lowered.totals.items():
+    for (event, word), attribute in names.items():
         every = (word,) if word else words[event] or (None,)
         found[attribute] = sum((totals[f"{event}[{w}]" if w else event] for w in every), jnp.int32(0))
     return found

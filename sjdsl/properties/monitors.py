@@ -6,8 +6,8 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
+from sjdsl.interpreter.step import Totals
 
-Totals = Mapping[tuple[str, str | None], int]  # (event, its word or None) -> its count so far, over all agents
 REAL = 1e-6  # reals closer than this, relative, are equal
 DRIFT = 1e-4  # rounding error allowed in sums of reals over an episode, relative
 STATES = ("always", "once", "conserved", "monotone")  # checks about the states of a trajectory

@@ -26,6 +26,7 @@ READING = (
     | ir.Local
     | ir.Member
     | ir.InSet
+    | ir.Before
 )
 COMPUTED = (  # what has one value throughout an episode if its parts have
     ir.Number
@@ -128,6 +129,8 @@ def _arithmetic(e: ir.Arithmetic, slopes: list[Slope]) -> Slope | None:
     match e.fn:
         case "neg":
             return OPPOSITE[slopes[0]]
+        case "round":
+            return slopes[0]
         case "+" | "min" | "max":
             return _together(slopes)
         case "-":

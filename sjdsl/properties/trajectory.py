@@ -10,11 +10,11 @@ from sjdsl.interpreter.account import Account
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, Value, World, default_params
-from sjdsl.interpreter.step import read, reset, step
+from sjdsl.interpreter.step import Totals, read, reset, step
 from sjdsl.interpreter.threefry import Draws, Threefry
 from sjdsl.properties.biased_draws import Bias, BiasedDraws, episode_key, policy_bits, reset_key, step_key
 from sjdsl.properties.coverage import Feature, features_of
-from sjdsl.properties.monitors import Totals, add_totals
+from sjdsl.properties.monitors import add_totals
 from sjdsl.properties.scripted_policies import choose
 
 
@@ -64,12 +64,13 @@ class Trajectory:
     def values(self, check: ir.Check) -> list[tuple[Any, ...]]:
         """Returns the values that a check of the game reads in each state."""
         known = self.known.setdefault(id(check), [])
-        known += [self._read(check, self.worlds[at], self.totals[at]) for at in range(len(known), len(self.worlds))]
+        for at in range(len(known), len(self.worlds)):
+            known.append(tuple(self.value(e, at) for e in check.values))
         return known
 
     def add(self, world: World, totals: Totals, checks: Sequence[ir.Check]) -> None:
         """Adds a state. Raises LeavesFloat32, and adds nothing, if a check cannot be read in it."""
-        read_now = [self._read(check, world, totals) for check in checks]
+        read_now = [tuple(self._read(e, world, totals, len(self.worlds)) for e in check.values) for check in checks]
         for check, values in zip(checks, read_now, strict=True):
             self.known.setdefault(id(check), []).append(values)
         self.worlds.append(world)
@@ -82,8 +83,12 @@ class Trajectory:
         worlds, totals = self.worlds[: steps + 1], self.totals[: steps + 1]
         return Trajectory(self.game, self.params, worlds, totals, actions, outcomes, features, self.start_features, None, known)
 
-    def _read(self, check: ir.Check, world: World, totals: Totals) -> tuple[Any, ...]:
-        return tuple(read(self.game, world, e, totals) for e in check.values)
+    def value(self, e: ir.Expr, at: int) -> Value:
+        """Returns the value of an expression of a check in the state `at`."""
+        return self._read(e, self.worlds[at], self.totals[at], at)
+
+    def _read(self, e: ir.Expr, world: World, totals: Totals, at: int) -> Value:
+        return read(self.game, world, e, totals, (self.worlds[at - 1], self.totals[at - 1]) if at else None)
 
 
 Driver = Callable[[World, int], Sequence[int] | None]  # (state, number of the step) -> an action for each agent; None to stop

@@ -25,6 +25,8 @@ game pond "Pond" {{
   schedule walk
   phase walk {{ move each agent {course}  each agent on shore as s {{ set s.fruit = ripe {lot}  when agent chose {chose} {{ }} {sent} }} }}
   observe {{ window ahead 1, behind 0, left 1, right 1 {seen} }}
+  define late = {late}
+  checks {{ always {always} }}
 }}
 """
 PLAIN = {
@@ -33,6 +35,8 @@ PLAIN = {
     "acts": "zap",
     "home": "0 .. 3",
     "chose": "zap",
+    "late": "step > 5",
+    "always": "late",
 }
 LATER = {
     "wraps": "wraps",
@@ -46,6 +50,15 @@ LATER = {
     "blocks": "blocks agents",
     "seen": "when step > 1",
     "number": "param apple by agent : reward = 1",
+}
+LATEST = {
+    "late": "any(agent on bank)",
+    "always": "all(agent where agent.home > 1)",
+    "number": "param apple : number = 1",
+    "lot": "draw n from { 1: 0.5, 3: 0.5 }",
+    "seen": "show late",
+    "sent": "give quotient(agent.home, 2) to agent",
+    "course": "each agent { give round(apple) to agent }",
 }
 
 
@@ -69,6 +82,24 @@ def test_what_came_later_is_raised_for(part: str) -> None:
     assert upgrade(raised.source) is None, "doing it again changes nothing"
 
 
+@pytest.mark.parametrize("part", LATEST)
+def test_what_came_last_is_raised_for(part: str) -> None:
+    assert needed(parse(pond(**{part: LATEST[part]})))[0] == "1.2"
+    assert needed(parse(pond(**LATER | {part: LATEST[part]})))[0] == "1.2", "whatever else a file needs"
+
+
+def test_before_came_last_and_show_step_too() -> None:
+    assert needed(parse(pond(always="before(step) < step")))[0] == "1.2"
+    assert needed(parse(pond(seen="show step")))[0] == "1.2"
+    assert needed(parse(pond(seen="show agent.home")))[0] == "1"
+
+
+@pytest.mark.parametrize("name", ["any", "round", "quotient", "before"])
+def test_a_define_of_a_name_that_became_one_of_the_language_stays(name: str) -> None:
+    text = pond(late=f"{name}(step, 5)").text.replace("define late", f"define {name}(a, b) = a > b  define late")
+    assert needed(parse(Source("pond.sj", text)))[0] == "1"
+
+
 @pytest.mark.parametrize("sent", ["send agent by 1 ahead", "send agent to agent.den"])
 def test_sending_by_a_direction_and_to_a_held_cell_came_later(sent: str) -> None:
     assert needed(parse(pond(sent=sent)))[0] == "1.1"
@@ -86,10 +117,10 @@ def test_the_line_does_not_change_what_a_file_means(version: str) -> None:
 
 def test_a_newer_language_is_refused_with_what_to_do() -> None:
     with pytest.raises(CompileError) as caught:
-        parse(pond("1.2"))
+        parse(pond("1.3"))
     (problem,) = caught.value.diagnostics
     assert problem.code == "SJ001"
-    assert problem.message == f"this file is for `sj 1.2`, and this compiler reads `sj 1` to `sj {NEWEST}`"
+    assert problem.message == f"this file is for `sj 1.3`, and this compiler reads `sj 1` to `sj {NEWEST}`"
 
 
 def test_bundled_games_say_what_they_need() -> None:

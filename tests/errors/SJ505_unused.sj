@@ -2,6 +2,7 @@ sj 1
 game pond {
   episode 20
   param meal : reward = 1
+  param spare : reward = 3
   kind shore "." { field fruit : { none, ripe } = none }
   kind water "~"
   map { "...~"
@@ -23,4 +24,5 @@ game pond {
   }
   observe { window ahead 2, behind 1, left 1, right 1 }
   metrics { event eaten }
+  checks { require spare > 1 }
 }

@@ -36,6 +36,9 @@ def checks(w: World) -> list[Lines]:
         lines += [f"always {condition(scope, 2)}", f"conserved {text}"]
     if w.is_now(0.2):
         lines.append(f"once {condition(scope, 1)} always {condition(scope, 1)}")
+    if w.is_now(0.2):
+        number, _ = integer(scope, "count", 1)
+        lines.append(f"always before({number}) <= {number} or before({condition(scope, 1)})")
     numbers = [d.name for d in w.defines if not d.parameters and d.type.kind in ("int", "real")]
     if numbers and w.is_now(0.5):
         lines.append(f"monotone {numbers[0]} {w.random.choice(('falling', 'rising'))} in {numbers[-1]}")
@@ -71,6 +74,11 @@ def observe(w: World) -> list[Lines]:
         names = r.sample(ATTRIBUTES, 2) if w.is_now(0.3) else []
         lines += [_perhaps_when(w, owner, f"show {owner}.{name}") for name in names if name != "heading" or owner != "other"]
     lines += [_perhaps_when(w, "everyone", "show everyone.away")] if w.is_now(0.1) else []
+    lines += [_perhaps_when(w, "", f"show step as {{ {_labels(w, '', LABELS)} }}")] if w.is_now(0.1) else []
+    for d in w.defines:
+        if not d.parameters and w.is_now(0.3):
+            whole = d.type.kind in ("condition", "word") or (d.type.kind == "int" and d.type.low >= 0 and d.type.high <= 255)
+            lines.append(_perhaps_when(w, "", f"show {d.name}" + ("" if whole else f" as {{ {_labels(w, '', LABELS)} }}")))
     whole = [name for name in w.kinds if w.is_now(0.15)]
     looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]
     for name in whole:

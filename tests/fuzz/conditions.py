@@ -37,6 +37,7 @@ def condition(scope: Scope, depth: int) -> str:
         cells_compared,
         within,
         defined,
+        quantified,
     ]
     for make in r.sample(choices, len(choices)):
         made = make(scope, depth)
@@ -138,6 +139,18 @@ def within(scope: Scope, depth: int) -> str:
     unit = r.choice(("count", "cells"))
     value, low, high = integer(scope, unit, depth - 1), integer(scope, unit, 0), integer(scope, unit, 0)
     return f"{value[0]} in {low[0]} .. {high[0]}"
+
+
+def quantified(scope: Scope, depth: int) -> str:
+    """Returns whether a domain has a member, or a condition holds for all of them."""
+    from tests.fuzz.members import domain
+
+    if not scope.counts or depth <= 0 or scope.world.is_now(0.5):
+        return ""
+    text, inner, _ = domain(scope, depth - 1, counted=True)
+    if scope.world.is_now(0.5):
+        return f"any({text})"
+    return f"all({text})" if " where " in text else f"all({text} where {condition(inner, 0)})"
 
 
 def defined(scope: Scope, depth: int) -> str:

@@ -108,7 +108,7 @@ def size(w: World, name: str) -> Number:
 def param(w: World, name: str) -> Number:
     """Returns a param of any unit, with or without limits, single or a table."""
     r = w.random
-    unit = r.choice(("count", "steps", "cells", "reward", "reward", "probability", "probability", "fraction", "word"))
+    unit = r.choice(("count", "steps", "cells", "reward", "reward", "probability", "probability", "fraction", "number", "word"))
     levels = r.choice((0, 0, 0, 1, 1, 2))
     if unit == "word":
         made = _words_param(w, name, bool(levels))
@@ -125,7 +125,7 @@ def param(w: World, name: str) -> Number:
             (0, r.randint(2, 5))
             if whole
             else (r.choice((0, -2)), r.choice((2, 3.5)))
-            if unit == "reward"
+            if unit in ("reward", "number")
             else (0.0, r.choice((0.5, 0.3, 1)))
         )
         if whole and w.is_now(0.3):
@@ -135,7 +135,7 @@ def param(w: World, name: str) -> Number:
     def value() -> str:
         if whole:
             return str(r.randint(int(low), 4 if high > 4 else int(high)))
-        if unit == "reward":
+        if unit in ("reward", "number"):
             return r.choice(("1", "2", "0.5", "0", "0.25", "1.75") + (("-1", "-0.5") if low < 0 else ()))
         return r.choice(("0", "0.25", "0.3", "0.125") if high < 1 else ("0.5", "0.7", "0.1", "1", "0"))
 

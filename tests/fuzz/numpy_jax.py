@@ -152,7 +152,7 @@ def where(condition: Any, a: Any, b: Any) -> Array:
 def _namespace() -> SimpleNamespace:
     same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "abs", "max", "min", "argmax", "clip", "minimum", "maximum", "take_along_axis",
             "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like",
-            "moveaxis", "split", "add", "logical_or")  # fmt: skip
+            "moveaxis", "split", "add", "logical_or", "rint")  # fmt: skip
     return SimpleNamespace(
         asarray=as_array,
         where=where,

@@ -16,7 +16,7 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
     w = scope.world
     if depth <= 0 or w.is_now(0.35):
         return atom(scope, "int", unit)
-    choices = ["sum", "sum", "difference", "product", "remainder", "extreme", "case", "negation", "define"]
+    choices = ["sum", "sum", "difference", "product", "remainder", "quotient", "round", "extreme", "case", "negation", "define"]
     if scope.counts:
         choices += ["total", "total", "over"] + (["count"] * 3 if unit == "count" else [])
     if unit == "cells":
@@ -39,6 +39,13 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
             return f"({left[0]}) % {divisor}", whole_type(
                 *interval("%", left[1], whole_type(int(divisor), int(divisor), "number")), left[1].unit
             )
+        case "quotient":
+            left, divisor = integer(scope, unit, depth - 1), w.random.choice((2, 3, -2))
+            below = whole_type(divisor, divisor, "number")
+            return f"quotient({left[0]}, {divisor})", whole_type(*interval("//", left[1], below), left[1].unit)
+        case "round":
+            text = fitted(real(scope, "number", depth - 1), -9, 9)
+            return f"round({text})", whole_type(-9, 9, "number")
         case "negation":
             inner = integer(scope, unit, depth - 1)
             return f"-({inner[0]})", whole_type(-inner[1].high, -inner[1].low, inner[1].unit)

@@ -163,7 +163,7 @@ def draw(scope: Scope) -> tuple[Lines, Scope]:
     w, r = scope.world, scope.world.random
     name = w.variable()
     words = r.choice(w.word_sets)
-    match r.choice(("range", "range", "words", "weights", "real")):
+    match r.choice(("range", "range", "words", "weights", "numbers", "real")):
         case "real":
             low, more = r.choice((-1.5, 0.0, 0.25)), r.choice((0.0, 0.5, 2.0))
             text, made = f"{low} .. {low + more}", ir.Type(kind="real", unit="number", low=low, high=low + more)
@@ -173,6 +173,10 @@ def draw(scope: Scope) -> tuple[Lines, Scope]:
         case "words":
             some = r.sample(words, r.randint(1, len(words)))
             text, made = f"{{ {', '.join(some)} }}", ir.Type(kind="word", words=tuple(some))
+        case "numbers":
+            some = [str(n) for n in r.sample(range(9), r.choice((1, 2, 3)))]
+            low, high = min(map(int, some)), max(map(int, some))
+            text, made = f"{{ {_weights(scope, some)} }}", ir.Type(kind="int", unit="number", low=low, high=high)
         case _:
             some = r.sample(words, r.choice((1, min(len(words), 3), min(len(words), 3))))
             text, made = f"{{ {_weights(scope, some)} }}", ir.Type(kind="word", words=tuple(some))

@@ -108,6 +108,14 @@ class Count(Node):
     domain: Domain
 
 
+class Quantified(Node):
+    """`any(D)` or `all(D)`, by its word."""
+
+    span: Span
+    word: str
+    domain: Domain
+
+
 class Total(Node):
     """`sum(row)` or `sum(e over D)`"""
 
@@ -193,7 +201,7 @@ class Within(Node):
     high: Expr | None
 
 
-Expr = Int | Decimal | Nobody | Path | Call | Count | Total | Extreme | Case | Unary | Binary | Chose | Standing | Within
+Expr = Int | Decimal | Nobody | Path | Call | Count | Quantified | Total | Extreme | Case | Unary | Binary | Chose | Standing | Within
 
 
 class Table(Node):

@@ -10,6 +10,7 @@ from sjdsl.compiler.checks.start_values import Place, holds_at_start, places, re
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import domain as domain_text
@@ -138,9 +139,9 @@ def _number(e: ir.Expr, agent: Body) -> float | None:
             return e.value
         case ir.Attribute(name="index") if _is_of(e.owner, agent):
             return agent.number
-        case ir.Arithmetic(fn="%"):
+        case ir.Arithmetic(fn="%" | "//" as fn):
             left, right = _number(e.args[0], agent), _number(e.args[1], agent)
-            return None if left is None or not right else left % right
+            return None if left is None or not right else fold(fn, left, right)
         case _:
             return None
 

@@ -100,9 +100,9 @@ def _number(e: ir.Arithmetic, names: Mapping[str, Place | int], game: ir.Game) -
             return -values[0]
         case "min" | "max":
             return (min if e.fn == "min" else max)(values)
-        case "%" if values[1]:
-            return values[0] % values[1]
-        case "+" | "-" | "*":
+        case "//" | "%" if not values[1]:
+            raise NotKnown
+        case "+" | "-" | "*" | "//" | "%":
             return fold(e.fn, *values)
         case _:
             raise NotKnown

@@ -65,7 +65,8 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
     for name, constant in composition.constants.items():
         if Declared(name) not in used:
             what = "the size" if constant.is_size else "the parameter"
-            problems.add(errors.Unused(constant.name.span, what=what, name=name))
+            help_ = "a `require` reads it, but no rule does" if Declared(name) in static.required else ""
+            problems.add(errors.Unused(constant.name.span, what=what, name=name, help=help_))
     for name, define in composition.defines.items():
         if Declared(name) not in used and define.span.file == composition.file:  # a base has defines for all games built on it
             problems.add(errors.Unused(define.name.span, what="the define", name=name))

@@ -4,11 +4,12 @@ A write is looked at with everything around it: the quantifiers (each gives inst
 conditions known to hold. Two writes of one field can only meet at one target, so conditions about the target decide.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 from typing import Literal
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.checks.one_agent import is_of_one_agent, not_forbidden
 from sjdsl.compiler.checks.writes import Branch, Quantifier, Target, Write
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
@@ -32,6 +33,12 @@ class Around(Record):
     facts: tuple[Fact, ...] = ()
     locals: dict[str, frozenset[str]] = field(default_factory=dict)
     lanes: dict[str, int] = field(default_factory=dict)
+    forbids: tuple[ir.Forbid, ...] = ()
+
+    def knowing(self, known: Iterable[Fact]) -> "Around":
+        """Returns this with more that is known; of an agent that chose an action, also that it was not forbidden to."""
+        found = tuple(known)
+        return replace(self, facts=(*self.facts, *found, *(new for f in found for new in not_forbidden(f.condition, self.forbids))))
 
 
 def check_conflicts(game: ir.Game, problems: Problems) -> None:
@@ -41,7 +48,7 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
 
 
 def _check_phase(phase: ir.Phase, game: ir.Game, problems: Problems) -> None:
-    around = Around(lanes={s.name: len(s.lanes) for s in game.shapes})
+    around = Around(lanes={s.name: len(s.lanes) for s in game.shapes}, forbids=game.agents.forbids)
     writes = [replace(w, bounded=w.bounded and not _is_capped(w, game)) for w in _writes(phase.body, around)]
     for write in writes:
         if not _agrees_with_itself(write):
@@ -75,7 +82,7 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                 left, right = s.left, s.right
                 known = tuple(f for d in (left, right) if d.where is not None for f in facts(d.where))
                 quantifier = Quantifier(s, (*_bound(left), *_bound(right)), single=False)
-                inner = replace(around, quantifiers=(*around.quantifiers, quantifier), facts=around.facts + known)
+                inner = replace(around, quantifiers=(*around.quantifiers, quantifier)).knowing(known)
                 yield from _writes(s.body, inner)
             case ir.When() | ir.Chance():
                 yield from _branched(s, around)
@@ -112,7 +119,7 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Wri
         single = isinstance(s.domain.restriction, ir.Near) and around.lanes[s.domain.restriction.shape] <= 1
     else:
         single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
-    inner = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single)), facts=around.facts + known)
+    inner = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single))).knowing(known)
     other = around
     if isinstance(s, ir.First) and not single:  # both ways can be taken, each in some lanes
         other = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, (), single)))
@@ -134,14 +141,14 @@ def _branch(s: ir.Stmt, way: int, around: Around) -> Branch:
 
 
 def _branched(s: ir.When | ir.Chance, around: Around) -> Iterator[Write]:
-    known = around.facts
+    known = around
     for number, branch in enumerate(s.branches):
-        here = known + (facts(branch.test) if isinstance(s, ir.When) else ())
-        yield from _writes(branch.body, replace(around, branches=(*around.branches, _branch(s, number, around)), facts=here))
+        here = known.knowing(facts(branch.test) if isinstance(s, ir.When) else ())
+        yield from _writes(branch.body, replace(here, branches=(*around.branches, _branch(s, number, around))))
         if isinstance(s, ir.When):
-            known = known + facts(branch.test, holds=False)
+            known = known.knowing(facts(branch.test, holds=False))
     last = _branch(s, len(s.branches), around)
-    yield from _writes(s.otherwise, replace(around, branches=(*around.branches, last), facts=known))
+    yield from _writes(s.otherwise, replace(known, branches=(*around.branches, last)))
 
 
 def _names(e: ir.Node, around: Around) -> frozenset[str]:
@@ -172,7 +179,8 @@ def _field_write(sort: Literal["set", "add"], s: ir.Set | ir.Add, target: ir.Exp
     written = Target(target.held_by, target.name, tuple(entries))
     uncapped = sort == "add" and target.type.kind == "int"
     made = _write(sort, written, target.kinds, target.owner, form(value), depends, s, around)
-    return replace(made, bounded=uncapped, keys=tuple(keys))
+    quantifiers = tuple(replace(q, single=q.single or is_of_one_agent(q, around.facts)) for q in made.quantifiers)
+    return replace(made, bounded=uncapped, keys=tuple(keys), quantifiers=quantifiers)
 
 
 def _write(

@@ -19,8 +19,14 @@ FUNCTIONS = {
     ),
     **dict.fromkeys(("choice", "choose", "sample"), "`pick 1 KIND { … }` chooses a member, `draw x from { a, b }` a word"),
     **dict.fromkeys(("randint", "randrange"), "`draw x from 1 .. 6` draws a whole number, both ends included"),
-    **dict.fromkeys(("any", "exists", "some"), "`count(KIND where …) > 0` says whether there is one"),
-    **dict.fromkeys(("none", "no"), "`count(KIND where …) == 0` says that there is none"),
+    **dict.fromkeys(("exists", "some"), "`any(KIND where …)` says whether there is one"),
+    **dict.fromkeys(("every", "forall", "each"), "`all(KIND where …)` says whether the condition holds for every one"),
+    **dict.fromkeys(("none", "no"), "`not any(KIND where …)` says that there is none"),
+    **dict.fromkeys(
+        ("div", "floordiv", "floor", "int", "idiv"),
+        "`quotient(a, b)` divides whole numbers and rounds down; `round(x)` rounds to the nearest",
+    ),
+    **dict.fromkeys(("old", "previous", "prev", "last"), "in `always` and `once`, `before(e)` is the value of e when the step began"),
     **dict.fromkeys(("len", "size", "number", "num"), "`count(KIND where …)` counts members"),
     **dict.fromkeys(
         ("mean", "average", "avg"), "write a sum divided by a count: `sum(e over KIND) / count(KIND)`, where the count is not 0"
@@ -56,8 +62,11 @@ PLACES = {
 
 # Units of numbers: `param speed : int = 1`.
 UNITS = {
-    **dict.fromkeys(("int", "integer", "number", "num", "natural", "amount"), "`count` is the unit of whole numbers from 0"),
-    **dict.fromkeys(("float", "real", "double", "decimal"), "real numbers are a `reward`, a `probability` or a `fraction`"),
+    **dict.fromkeys(("int", "integer", "num", "natural", "amount"), "`count` is the unit of whole numbers from 0"),
+    **dict.fromkeys(
+        ("float", "real", "double", "decimal"),
+        "`number` is the unit of real numbers without one; others are a `reward`, a `probability` or a `fraction`",
+    ),
     **dict.fromkeys(("payoff", "points", "score", "utility", "money", "cost"), "`reward` is the unit of what is given to agents"),
     **dict.fromkeys(("prob", "chance", "rate", "percent", "likelihood"), "`probability` is the unit of chances, from 0 to 1"),
     **dict.fromkeys(("time", "turns", "ticks", "seconds", "duration", "step"), "`steps` is the unit of durations"),

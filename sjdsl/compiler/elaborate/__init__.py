@@ -91,7 +91,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
             raise problems.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
         episode = _episode(game.episode, scope)
     view = window(game, scope)
-    seen = observables(game, static, problems)
+    seen = observables(game, static, episode, problems)
     hidden = unseen(game, static, problems)
     measured = measures(game, Scope(static, problems, part="metrics"))
     checked = checks(game, checks_scope)

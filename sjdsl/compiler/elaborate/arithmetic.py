@@ -1,17 +1,30 @@
 """Elaborates arithmetic and comparison: refuses units that do not mix, such as reward and steps; intervals of results."""
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.domains import can_be_empty
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.evaluate_constant import fold
-from sjdsl.compiler.ir.implications import compares
+from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.ranges import range_of
-from sjdsl.compiler.ir.types import describe, hull, interval, is_number, join_units, over_unit, real, times_unit, without_zero
+from sjdsl.compiler.ir.types import (
+    describe,
+    hull,
+    integer,
+    interval,
+    is_number,
+    join_units,
+    over_unit,
+    real,
+    rounded,
+    times_unit,
+    without_zero,
+)
 
-VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "%": "take the remainder of"}
+VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "//": "divide", "%": "take the remainder of"}
 
 
 def mismatch(scope: Scope, span: Span, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
@@ -34,12 +47,13 @@ def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir
             if is_share(left, right):
                 return ir.Arithmetic(type=real(0.0, 1.0, "fraction"), fn="/", args=(left, right), origin=e.span)
             unit = over_unit(a.unit, b.unit)
-        case "%":
+        case "%" | "//":
             if a.kind != "int" or b.kind != "int":
-                raise mismatch(scope, e.span, VERBS["%"], a, b, "`%` is for whole numbers")
+                written = "%" if e.op == "%" else "quotient"
+                raise mismatch(scope, e.span, VERBS[e.op], a, b, f"`{written}` is for whole numbers")
             if divisor_can_be_zero(right, scope):
                 raise _zero_divisor(e.right.span, right, scope)
-            unit = join_units(a.unit, b.unit)
+            unit = join_units(a.unit, b.unit) if e.op == "%" else over_unit(a.unit, b.unit)
         case _:
             unit = join_units(a.unit, b.unit)
     return _typed(e, left, right, unit, scope)
@@ -73,14 +87,33 @@ def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, s
     return ir.Arithmetic(type=type_, fn=e.op, args=(left, right), origin=e.span)  # type: ignore[arg-type]
 
 
+def nearest_whole(e: ast.Call, value: ir.Expr, scope: Scope) -> ir.Expr:
+    """Returns `round(value)`, which is a reward if that is one, else a bare number."""
+    if not is_number(value.type):
+        raise wrong_type(scope, e.arguments[0], "a number", value.type)
+    if value.type.kind == "int":
+        return value
+    low, high = rounded(*narrowed(value, scope.facts_and_requires))
+    if max(-low, high) > limits.MAX_VALUE:
+        labels = parameters_read(scope.static, value)
+        raise scope.problems.fail(errors.RoundsTooFar(e.span, labels=labels, name="`round`", limit=limits.MAX_VALUE))
+    unit = "reward" if value.type.unit == "reward" else "number"
+    type_ = integer(low, high, unit)  # type: ignore[arg-type]
+    if isinstance(value, ir.Number):
+        return ir.Number(type=type_, value=round(value.value), origin=e.span)
+    return ir.Arithmetic(type=type_, fn="round", args=(value,), origin=e.span)
+
+
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
     """Returns whether neither its range (as a float32), a guard nor a `require` excludes 0."""
     computed = range_of(divisor)
     if computed.low > 0 or computed.high < 0:
         return False
-    if isinstance(divisor, ir.Count) and divisor.domain.restriction is None and divisor.domain.where is None and divisor.domain.on is None:
-        if divisor.domain.var.who == "cell":
-            return not any(scope.static.cells.get(k, 0) for k in divisor.domain.var.kinds)
+    counted = divisor
+    while isinstance(counted, ir.Named):
+        counted = counted.value
+    if isinstance(counted, ir.Count) and not can_be_empty(counted.domain, scope):
+        return False
     known = scope.facts_and_requires
     return not (compares(divisor, ">", 0, known) or compares(divisor, ">=", 1, known) or compares(divisor, "!=", 0, known))
 

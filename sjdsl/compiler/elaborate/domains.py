@@ -9,6 +9,8 @@ from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, kinds_named, unknown
 from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
+from sjdsl.compiler.ir.implications import compares, narrowed
+from sjdsl.compiler.ir.types import integer
 
 
 def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
@@ -140,3 +142,28 @@ def most_members(d: ir.Domain, scope: Scope) -> int:
             return min(everywhere, 1)
         case _:
             return everywhere
+
+
+def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
+    """Returns whether neither the map, the rules nor a guard such as `count(D) > 0` gives a domain a member."""
+    static, known = scope.static, scope.facts_and_requires
+    members = ir.Count(type=integer(0, most_members(d, scope)), domain=d)
+    if narrowed(members, known)[0] > 0 or compares(members, "!=", 0, known):
+        return False
+    if d.where is not None or d.on is not None:
+        return True
+    match d.restriction:
+        case None if d.var.who == "cell":
+            return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
+        case None:
+            return static.can_be_away and not _somebody_is_here(d.var, scope)
+        case ir.Among():
+            return d.var.who == "cell"
+        case _:
+            return True
+
+
+def _somebody_is_here(var: ir.Member, scope: Scope) -> bool:
+    """Returns whether a domain around has an agent (or such a mover); other parts of a game may speak of one that is away."""
+    agents = (v for v in scope.variables.values() if isinstance(v, ir.Member) and (v.who, v.kinds) == (var.who, var.kinds))
+    return scope.part in ("phase", "start", "metrics", "checks", "policy") and any(agents)

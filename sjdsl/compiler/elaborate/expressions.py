@@ -3,18 +3,21 @@
 Every function takes the tree and the scope and returns IR, or reports what is wrong and raises `Poisoned`.
 """
 
+from dataclasses import replace
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import actions
-from sjdsl.compiler.elaborate.arithmetic import arithmetic, compare, extreme, join_types
+from sjdsl.compiler.elaborate.arithmetic import arithmetic, compare, extreme, join_types, nearest_whole
+from sjdsl.compiler.elaborate.before import before
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain, most_members
 from sjdsl.compiler.elaborate.extremes import extreme as over_domain
+from sjdsl.compiler.elaborate.extremes import written
 from sjdsl.compiler.elaborate.lookup import (
     as_agent,
     check_known_word,
@@ -51,6 +54,8 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return call(e, scope)
         case ast.Count():
             return count(e, scope)
+        case ast.Quantified():
+            return quantified(e, scope)
         case ast.Total():
             return total(e, scope)
         case ast.Extreme():
@@ -112,7 +117,8 @@ def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
     try:
         left = scope.expression(e.left)
     except Poisoned:
-        scope.expression(e.right)
+        if not (isinstance(e.right, ast.Path) and not e.right.steps):  # it may be a word of what could not be read
+            scope.expression(e.right)
         raise
     if left.type.kind == "word" and not left.type.by:
         check_known_word(e.right, left, left.type.words, scope)
@@ -221,6 +227,20 @@ def count(e: ast.Count, scope: Scope) -> ir.Expr:
     return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=e.span)
 
 
+def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
+    """Returns `any(D)` and `all(D where c)` as counts: more than 0 members, and none for which c does not hold."""
+    domain_ = e.domain
+    if e.word == "all":
+        if domain_.where is None:
+            help_ = f"write what holds for all of them: `all({written(domain_, scope)} where …)`"
+            raise scope.problems.fail(errors.WrongType(e.span, wanted="a condition after `where`", given="`all` without one", help=help_))
+        domain_ = replace(domain_, where=ast.Unary(domain_.where.span, "not", domain_.where))
+    members = count(ast.Count(e.span, domain_), scope)
+    return ir.Compare(
+        fn=">" if e.word == "any" else "==", left=members, right=ir.Number(type=integer(0, 0, "number"), value=0), origin=e.span
+    )
+
+
 def total(e: ast.Total, scope: Scope) -> ir.Expr:
     """`sum(row)` and `sum(e over D)`."""
     if e.domain is None:
@@ -262,8 +282,31 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
     if name == "shift":
         arity(e, scope, 3)
         return shifted(e, scope)
-    classes = MATRIX_CLASSES if scope.part == "checks" else ()
-    candidates = ["count", "sum", "min", "max", "ramp", "distance", "shift", *ROW_FUNCTIONS, *classes, *scope.static.defines]
+    if name == "quotient":
+        arity(e, scope, 2)
+        left, right = scope.expressions(e.arguments)
+        return arithmetic(ast.Binary(e.span, "//", *e.arguments), left, right, scope)
+    if name == "round":
+        arity(e, scope, 1)
+        return nearest_whole(e, scope.expression(e.arguments[0]), scope)
+    if name == "before":
+        arity(e, scope, 1)
+        return before(e, scope)
+    classes = (*MATRIX_CLASSES, "before") if scope.part == "checks" else ()
+    candidates = [
+        "count",
+        "sum",
+        "min",
+        "max",
+        "ramp",
+        "distance",
+        "shift",
+        "quotient",
+        "round",
+        *ROW_FUNCTIONS,
+        *classes,
+        *scope.static.defines,
+    ]
     raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
 
 

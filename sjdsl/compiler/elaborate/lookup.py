@@ -56,11 +56,13 @@ def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
 
 
 def check_placed(agent: ir.Expr, span: Span, what: str, scope: Scope) -> None:
-    """Says so if `what` asks for the place or the choice of an agent that has none: in `phase start`, or when it comes back."""
+    """Says so if `what` asks for the place or the choice of an agent that has none: in `phase start`, when it comes back, or before the step."""
     if scope.part == "start":
         raise scope.problems.fail(errors.NoPlaceYet(span, what=what))
     if isinstance(agent, ir.Member) and agent.name == scope.returning:
         raise scope.problems.fail(errors.NoPlaceWhenBack(span, what=what, name=agent.name))
+    if isinstance(agent, ir.Member) and agent.name in scope.elsewhere:
+        raise scope.problems.fail(errors.NoPlaceBefore(span, what=what, name=agent.name))
 
 
 def table_words(table: ast.Table, scope: Scope) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """Elaborates `metrics` and `checks`: events, measures, and conditions that must hold."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import chain
 
 from sjdsl.compiler import ast, ir
@@ -25,7 +26,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     found = []
     for check in _written(game):
         if isinstance(check, ast.Require):
-            with scope.problems.survive():
+            with scope.problems.survive(), scope.static.requiring():
                 test = of_the_map(scope.condition(check.condition), scope.static)
                 for node in ir.walk(test):
                     if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
@@ -93,12 +94,14 @@ def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
     match check:
         case ast.Require():
-            test = of_the_map(scope.condition(check.condition), scope.static)
+            with scope.static.requiring():
+                test = of_the_map(scope.condition(check.condition), scope.static)
             return ir.Check(sort="require", values=(test,), origin=check.span)
         case ast.Always():
-            return ir.Check(sort="always", values=(scope.condition(check.condition),), origin=check.span)
+            return ir.Check(sort="always", values=(replace(scope, about_steps=True).condition(check.condition),), origin=check.span)
         case ast.Once():
-            values = (scope.condition(check.trigger), scope.condition(check.condition))
+            steps = replace(scope, about_steps=True)
+            values = (steps.condition(check.trigger), steps.condition(check.condition))
             return ir.Check(sort="once", values=values, origin=check.span)
         case ast.Conserved():
             return ir.Check(sort="conserved", values=(_single(check.value, scope.expression(check.value), scope),), origin=check.span)

@@ -21,8 +21,10 @@ def without_field(observable: ast.Show | ast.Hide, static: Static, problems: Pro
     owners = ["agent", "other"] * (name.text in static.agent_fields)
     owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
     help_ = f"a field is written with its owner: {' or '.join(f'`{verb} {o}.{name.text}`' for o in owners)}" if owners else ""
-    candidates = [*static.fields, *OWNERS, *static.kinds]
-    return problems.unknown(name, candidates, "the fields of the world, and what has fields,", {name.text: help_})
+    values = ["step", *static.defines] if isinstance(observable, ast.Show) else []
+    candidates = [*static.fields, *values, *OWNERS, *static.kinds]
+    known = "the fields of the world, the defines, and what has fields," if values else "the fields of the world, and what has fields,"
+    return problems.unknown(name, candidates, known, {name.text: help_})
 
 
 def of_a_kind(kind: str, verb: str, static: Static) -> str:

@@ -1,6 +1,7 @@
 """Elaborates `observe`: what an agent sees in its window, as planes in a fixed order."""
 
 from dataclasses import replace
+from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
@@ -14,10 +15,11 @@ from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.observation_help import attribute_unseen, no_agent_field, no_cell_field, of_a_kind, without_field
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.paths import attribute_types
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import Declared, Scope, Static, wrong_type
 from sjdsl.compiler.elaborate.seen_conditions import check_places, joined, observer_scope
+from sjdsl.compiler.ir.implications import facts, narrowed
 from sjdsl.compiler.ir.sorts import sort_of
-from sjdsl.compiler.ir.types import element, words
+from sjdsl.compiler.ir.types import element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
 What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
@@ -32,15 +34,21 @@ WHOSE = ("nobody", "self", "other")  # how an agent that a field holds is seen
 
 
 class Seen(Record):
-    """What a path names: a field (None for cells as a whole, and for headings of others), and which agent of it by number."""
+    """What a path names: a field (None for cells as a whole, and for headings of others), and which agent of it by number.
+
+    value: of `step` or a define, which is seen as a field of the world would be.
+    """
 
     key: Key
     field: ir.VarField | None = None
     numbered: bool = False
+    value: ir.Expr | None = None
 
 
-def observables(game: Composition, static: Static, problems: Problems) -> tuple[ir.Observable, ...]:
+def observables(game: Composition, static: Static, episode: ir.Expr | None, problems: Problems) -> tuple[ir.Observable, ...]:
     """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
+    step = ir.Step(type=integer(0, inf, "steps"))
+    static.of_observed = () if episode is None else facts(ir.Compare(fn="<=", left=step, right=episode))
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
         for field in fields.values():
@@ -116,10 +124,23 @@ def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems
     kinds = static.kinds_of(head)
     if kinds is not None and (head in static.kinds or (isinstance(observable, ast.Show) and observable.labels)):
         return [Seen(("cell", kind, "")) for kind in kinds]
+    if isinstance(observable, ast.Show) and (head == "step" or head in static.defines):
+        return [_computed(path, static, problems)]
     if head not in static.fields:
         raise without_field(observable, static, problems)
     static.used.add(Declared(head))
     return [Seen(("world", "", head), static.fields[head])]
+
+
+def _computed(path: ast.Path, static: Static, problems: Problems) -> Seen:
+    """Returns `step` or a define, with what the numbers in it can be between two steps."""
+    scope = observer_scope("world", "", "", static, problems)
+    value, name = scope.expression(path), path.name.text
+    if value.type.by or value.type.kind in ("member", "mix"):
+        raise wrong_type(scope, path, "a single value", value.type)
+    low, high = narrowed(value, scope.facts)
+    type_ = words(("no", "yes")) if value.type.kind == "condition" else value.type.model_copy(update={"low": low, "high": high})
+    return Seen(("world", "", name), ir.VarField(name=name, held_by="world", type=type_), value=value)
 
 
 def _of_owner(head: str, name: ast.Name, path: ast.Path, static: Static, problems: Problems) -> list[Seen]:
@@ -201,7 +222,7 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, static: Static, prob
         _check_plain(show, what, type_, problems)
     if what == "mover" and name == "heading":
         type_ = words(RELATIVE)
-    observable = ir.Observable(what=what, kind=kind, field=name, type=type_, labels=labels, origin=show.span)
+    observable = ir.Observable(what=what, kind=kind, field=name, type=type_, value=found.value, labels=labels, origin=show.span)
     if condition is None:
         return observable
     if what == "cell":
@@ -241,7 +262,7 @@ def _check_plain(show: ast.Show, what: What, type_: ir.Type, problems: Problems)
         raise problems.fail(
             errors.Unsupported(show.span, what="showing a field that holds a cell without labels", help=f"write {told}", fix=fix)
         )
-    if type_.kind in ("int", "real") and (type_.unit == "reward" or type_.low < 0):
+    if type_.kind == "real" or (type_.kind == "int" and type_.low < 0):
         problem = "showing a number that is not a count from 0 to 255"
         raise problems.fail(errors.Unsupported(show.span, what=problem, help=f"show it with labels, {told}", fix=fix))
     if what == "cell" and type_.kind != "word":

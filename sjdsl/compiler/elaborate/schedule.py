@@ -48,6 +48,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     for phase in game.phases.values():
         if phase.name.text not in scheduled:
             scope.problems.add(errors.PhaseNotScheduled(phase.name.span, name=phase.name.text))
+            _use(phase, phase.name.text, "", {parameter.text: None for parameter in phase.parameters}, scope)  # for its mistakes
     return tuple(turns)
 
 

@@ -1,6 +1,7 @@
 """Scopes: the symbol table of a game, and the variables and known facts at one point of the rules."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -67,9 +68,11 @@ class Static:
     map_cols: int = 0
     wraps: bool = False
     used: set[Declared] = field(default_factory=set)
+    required: set[Declared] = field(default_factory=set)  # numbers that a `require` reads, which does not use them
     broken: set[Declared] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
+    of_observed: tuple[Fact, ...] = ()  # of every state that is observed
     phases: tuple[ast.Phase, ...] = ()
 
     @cached_property
@@ -77,6 +80,15 @@ class Static:
         """Whether a phase sends agents away for some ticks, or removes them."""
         nodes = (node for phase in self.phases for node in walk(phase))
         return any(isinstance(node, ast.Remove) or (isinstance(node, ast.Send) and node.after is not None) for node in nodes)
+
+    @contextmanager
+    def requiring(self) -> Iterator[None]:
+        """What is read of numbers here is no use of them."""
+        before = set(self.used)
+        yield
+        read = {d for d in self.used - before if d.name in self.params or d.name in self.sizes}
+        self.required |= read
+        self.used -= read
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:
         """Returns the kinds a kind's or group's name stands for."""
@@ -101,6 +113,8 @@ class Scope(Record):
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
     `facts`: conditions that hold here. `part`: of the game; in `start` no agent stands anywhere.
     `withheld`: variables around that cannot be used here, with what to write instead. `returning`: an agent that is away until now.
+    `about_steps`: in a check that compares the state with that before the step; `elsewhere`: variables of which nobody knows whether they were
+    away in the state that is read.
     """
 
     static: Static
@@ -112,6 +126,8 @@ class Scope(Record):
     defining: tuple[str, ...] = ()
     withheld: Mapping[str, str] = field(default_factory=dict)
     returning: str = ""
+    about_steps: bool = False
+    elsewhere: frozenset[str] = frozenset()
 
     def expression(self, e: ast.Expr) -> ir.Expr:
         """Returns the typed form of any expression."""

@@ -11,7 +11,7 @@ from sjdsl.compiler.ir.implications import Fact, facts, is_known
 
 def observer_scope(what: str, kind: str, named: str, static: Static, problems: Problems) -> Scope:
     """Returns what conditions may name: `agent`, the observer, and the cell or agent that is seen. `named`: a group that a cell is called by."""
-    scope = Scope(static, problems, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, facts=static.of_observed, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
     if what == "cell":
         cell = ir.Member(name=kind, who="cell", kinds=(kind,))
         return scope.bind(kind, cell).bind(named, cell)

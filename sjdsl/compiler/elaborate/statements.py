@@ -4,10 +4,12 @@ from typing import assert_never
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.assignments import add, set_
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.domains import domain, near
+from sjdsl.compiler.elaborate.domains import domain
+from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
 from sjdsl.compiler.elaborate.movers import move
@@ -65,7 +67,7 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
         case ast.Move():
             return move(s, scope, use), scope
         case ast.Mark():
-            place = near(s.shape, s.anchor, scope)
+            place = near_shape(s.shape, s.anchor, scope)
             return ir.Mark(shape=place.shape, anchor=place.anchor, origin=s.span), scope
         case ast.End():
             return ir.End(origin=s.span), scope
@@ -116,12 +118,23 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
 
 
 def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
-    for i, name in enumerate(names):
-        if name.text in [n.text for n in names[:i]]:
-            raise scope.problems.fail(errors.WrittenTwice(name.span, what=f"the word `{name.text}`"))
+    _check_different(names, "word", scope)
+    for name in names:
+        if not name.text.isidentifier():
+            help_ = "one `draw` has words alone, `{ red: 0.5, blue: 0.5 }`, or whole numbers alone, each for itself, `{ 1: 0.5, 3: 0.5 }`"
+            raise scope.problems.fail(errors.WrongType(name.span, wanted="a word", given=f"`{name.text}`", help=help_))
         if not scope.static.is_word(name.text):
             known = [w for ws in scope.static.word_sets for w in ws]
-            raise scope.problems.unknown(name, known, "the words of the game")
+            listed = ", ".join(n.text for n in names)
+            how = f"the words of a `draw` are those of a field, a row (`by`) or an event: declare some, `field NAME : {{ {listed} }} = {names[0].text}`"
+            meant = near(name.text, known)
+            raise scope.problems.fail(errors.UnknownName(name.span, name=name.text, near=meant, help="" if meant.nearest else how))
+
+
+def _check_different(names: tuple[ast.Name, ...], what: str, scope: Scope) -> None:
+    for i, name in enumerate(names):
+        if name.text in [n.text for n in names[:i]]:
+            raise scope.problems.fail(errors.WrittenTwice(name.span, what=f"the {what} `{name.text}`"))
 
 
 def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
@@ -154,8 +167,12 @@ def _real_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
 
 
 def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:
-    _check_declared(tuple(e.key for e in table.entries), scope)
-    names = tuple(e.key.text for e in table.entries)
+    keys = tuple(e.key for e in table.entries)
+    are_numbers = all(key.text.isdigit() for key in keys)
+    if are_numbers:
+        _check_different(tuple(ast.Name(key.span, str(int(key.text))) for key in keys), "number", scope)
+    else:
+        _check_declared(keys, scope)
     weights = []
     for entry in table.entries:
         if isinstance(entry.value, ast.Table):
@@ -168,6 +185,11 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
             raise scope.problems.fail(errors.Weights(table.span, total=total))
     elif not _required_one(weights, scope):
         raise scope.problems.fail(errors.Weights(table.span, total="something known only when it runs"))
+    if are_numbers:
+        numbers = tuple(int(key.text) for key in keys)
+        type_ = integer(min(numbers), max(numbers), "number")
+        return ir.Draw(name=s.name.text, type=type_, numbers=numbers, weights=tuple(weights), stream=stream, origin=s.span)
+    names = tuple(key.text for key in keys)
     return ir.Draw(name=s.name.text, type=words(names), words=names, weights=tuple(weights), stream=stream, origin=s.span)
 
 

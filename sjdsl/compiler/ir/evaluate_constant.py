@@ -40,6 +40,8 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return sum(row) if e.fn == "sum" else min(row) if e.fn == "min" else max(row)
         case ir.Arithmetic(fn="neg"):
             return -_value(e.args[0], params)
+        case ir.Arithmetic(fn="round"):
+            return round(_value(e.args[0], params))
         case ir.Arithmetic(fn="min" | "max"):
             return (min if e.fn == "min" else max)(_value(a, params) for a in e.args)
         case ir.Arithmetic():
@@ -73,6 +75,8 @@ def fold(fn: str, a: float, b: float) -> float:
             return a * b
         case "/":
             return a / b
+        case "//":
+            return a // b
         case "%":
             return a % b
     raise AssertionError(fn)

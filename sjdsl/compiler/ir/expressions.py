@@ -11,7 +11,7 @@ if TYPE_CHECKING:
         "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
         "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
         "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | "
-        "Lowest | Mix | Ramp | Named | Narrowed | EventTotal | MatrixClass"
+        "Lowest | Mix | Ramp | Named | Narrowed | Before | EventTotal | MatrixClass"
     )
     Restriction: TypeAlias = "Near | InAgents | InCell | Among"
 else:
@@ -120,13 +120,14 @@ class Step(Expression):
 
 
 class Arithmetic(Expression):
-    """`neg` has one argument; `min` and `max` have two or more; `+` `-` `*` `/` `%` have two. Rows go entry by entry.
+    """`neg` and `round` have one argument; `min` and `max` have two or more; `+` `-` `*` `/` `//` `%` have two. Rows go entry by entry.
 
-    `/` of integers is a real; `%` is of integers, with the sign of the divisor.
+    `/` of integers is a real. `//` and `%` are of integers: the quotient rounded down, and the remainder, with the sign of the divisor.
+    `round` is an integer, of a real: the nearest one, of two the even one.
     """
 
     type: Type
-    fn: Literal["+", "-", "*", "/", "%", "neg", "min", "max"]
+    fn: Literal["+", "-", "*", "/", "//", "%", "neg", "round", "min", "max"]
     args: tuple[Expr, ...]
 
 
@@ -328,6 +329,13 @@ class Named(Expression):
 
 class Narrowed(Expression):
     """A word that guards leave fewer words to: `type.words` are those of `value.type.words` that remain."""
+
+    type: Type
+    value: Expr
+
+
+class Before(Expression):
+    """In `always` and `once`: the value when the step began. Variables bound outside stand for the same agents, cells and movers."""
 
     type: Type
     value: Expr

@@ -168,6 +168,7 @@ class Observable(Node):
     `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
     observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading. `shown_when`: where it does
     not hold, a word is `hidden`, a number 0.
+    `value`: what is shown in place of a field of the world, `step` or a define, by the name `field`.
     A field of agents may be an attribute (`row`, `heading`); one that holds an agent is seen as the words of `type`: `nobody`, `0`, `1`, …
     """
 
@@ -176,6 +177,7 @@ class Observable(Node):
     field: str = ""
     word: str | None = None
     type: Type
+    value: Expr | None = None
     labels: tuple[Label, ...] = ()
     hidden_when: Expr | None = None
     shown_when: Expr | None = None

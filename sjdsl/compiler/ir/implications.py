@@ -9,7 +9,8 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
-from sjdsl.compiler.ir.types import interval
+from sjdsl.compiler.ir.linear import LINEAR, narrowed_sum
+from sjdsl.compiler.ir.types import interval, rounded
 
 MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
@@ -223,7 +224,14 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
 
 
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
-    """Returns the interval of a number once the facts about it, or about its parts, are used."""
+    """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
+    low, high = _narrowed(e, known)
+    if known and isinstance(e, ir.Arithmetic) and e.fn in LINEAR and not e.type.by:
+        return narrowed_sum(e, (low, high), (f.condition for f in known))
+    return low, high
+
+
+def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     low, high = e.type.low, e.type.high
     if not known:
         return low, high
@@ -250,6 +258,8 @@ def interval_of_parts(e: ir.Arithmetic, parts: list[tuple[float, float]]) -> tup
             return min(p[0] for p in parts), min(p[1] for p in parts)
         case "max":
             return max(p[0] for p in parts), max(p[1] for p in parts)
+        case "round":
+            return rounded(*parts[0])
         case _:
             left, right = (a.type.model_copy(update={"low": p[0], "high": p[1]}) for a, p in zip(e.args, parts, strict=True))
             return interval(e.fn, left, right)

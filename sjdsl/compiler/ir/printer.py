@@ -65,6 +65,8 @@ def expression(e: ir.Expr) -> str:
             return f"ramp({expression(e.value)}, {expression(e.zero_at)}, {expression(e.one_at)})"
         case ir.Named() | ir.Narrowed():
             return expression(e.value)
+        case ir.Before():
+            return f"before({expression(e.value)})"
         case ir.EventTotal():
             return e.name if e.word is None else f"{e.name}[{entry_name(e.word)}]"
         case ir.MatrixClass():
@@ -122,6 +124,10 @@ def _arithmetic(e: ir.Arithmetic) -> str:
         return f"{e.fn}({', '.join(expression(a) for a in e.args)})"
     if e.fn == "neg":
         return f"(-{expression(e.args[0])})"
+    if e.fn == "round":
+        return f"round({expression(e.args[0])})"
+    if e.fn == "//":
+        return f"quotient({expression(e.args[0])}, {expression(e.args[1])})"
     return f"({expression(e.args[0])} {e.fn} {expression(e.args[1])})"
 
 

@@ -24,13 +24,14 @@ class Let(Statement):
 
 
 class Draw(Statement):
-    """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair."""
+    """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair, or `numbers` with weights."""
 
     name: str
     type: Type
     low: Expr | None = None
     high: Expr | None = None
     words: tuple[str, ...] = ()
+    numbers: tuple[int, ...] = ()
     weights: tuple[Expr, ...] = ()
     stream: int
 

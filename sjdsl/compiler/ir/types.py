@@ -5,6 +5,7 @@ from math import inf
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import level_text
 
+SLACK = 1e-5  # by how much reals may pass the ends of their intervals, relative: the interpreter allows as much
 INTEGER_UNITS = ("count", "steps", "cells")
 UNIT_LIMITS = {
     "count": (0, inf),
@@ -13,6 +14,7 @@ UNIT_LIMITS = {
     "reward": (-inf, inf),
     "probability": (0.0, 1.0),
     "fraction": (0.0, 1.0),
+    "number": (-inf, inf),
 }
 
 
@@ -125,6 +127,10 @@ def interval(fn: str, a: ir.Type, b: ir.Type) -> tuple[float, float]:
                 return -inf, inf
             corners = [x / y if abs(y) != inf else 0.0 for x in (a.low, a.high) for y in (b.low, b.high)]
             return min(corners), max(corners)
+        case "//":
+            divisors = [y for y in (b.low, -1, 1, b.high) if y and b.low <= y <= b.high]
+            corners = [whole_quotient(x, y) for x in (a.low, a.high) for y in divisors]
+            return min(corners), max(corners)
         case "%":
             return (0, b.high - 1) if b.low > 0 else (min(b.low + 1, 0), max(b.high - 1, 0))
         case _:
@@ -137,6 +143,22 @@ def without_zero(divisor: ir.Type) -> ir.Type:
         return divisor
     low, high = divisor.low + (divisor.low == 0), divisor.high - (divisor.high == 0)
     return divisor.model_copy(update={"low": low, "high": high}) if low <= high else divisor
+
+
+def rounded(low: float, high: float) -> tuple[float, float]:
+    """Returns the interval of `round` of the reals `low` .. `high`, which float32 arithmetic may pass by a little."""
+    return _rounded(low, -SLACK), _rounded(high, SLACK)
+
+
+def _rounded(end: float, slack: float) -> float:
+    return end if abs(end) == inf else round(end + slack * max(1.0, abs(end)))
+
+
+def whole_quotient(x: float, y: float) -> float:
+    """Returns the quotient of two ends of intervals of whole numbers, rounded down."""
+    if abs(x) == inf:
+        return x if y > 0 else -x
+    return (-1 if x and (x < 0) != (y < 0) else 0) if abs(y) == inf else x // y
 
 
 def times(x: float, y: float) -> float:

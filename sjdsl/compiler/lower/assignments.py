@@ -110,24 +110,32 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     mask = None if target.scope.mask is None else reduce("any", target.scope.mask, over)
     if mask == FALSE:
         return
-    key = None if key is None else _of_the_one(key, over)
-    after = _entries(before, mask, key, target, _of_the_one(value, over), w)
+    key = None if key is None else _of_the_one(key, over, target.scope.mask)
+    after = _entries(before, mask, key, target, _of_the_one(value, over, target.scope.mask), w)
     if after != before:
         w.assign(target.attribute, after.node if along is None else rolled(after.node, own, along))
 
 
-def _of_the_one(value: Value, over: tuple[Axis, ...]) -> Value:
+def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value | None) -> Value:
     """Returns a value or key without the axes of the statements inside the target's.
 
     It differs along them only if one instance at most reaches each target (else the write is refused): they are lanes of shapes
-    with one lane.
+    with one lane, or `mask` holds for one instance at most.
     """
     gone = tuple(a for a in over if a in value.axes)
     if not gone:
         return value
-    assert all(a.size == 1 for a in gone), gone
+    if any(a.size > 1 for a in gone):
+        return _only(value, over, mask)
     kept = tuple(a for a in value.axes if a not in gone)
     return replace(value, node=array.Index(value.node, tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)), axes=kept)
+
+
+def _only(value: Value, over: tuple[Axis, ...], mask: Value | None) -> Value:
+    """Returns the value of the one instance along some axes that happens."""
+    assert mask is not None, over
+    number: array.DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
+    return as_dtype(reduce("sum", select(mask, as_dtype(value, number), literal(0, number)), over), value.dtype)
 
 
 def _entries(before: Value, mask: Value | None, key: Value | None, target: Target, value: Value, w: Writer) -> Value:

@@ -31,7 +31,7 @@ from sjdsl.compiler.program.expressions import (
     scalar,
 )
 
-_OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "%": operator.mod}
+_OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "//": operator.floordiv, "%": operator.mod}
 _OPPOSITES = {"==": "!=", "!=": "=="}
 
 
@@ -139,7 +139,7 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     """Returns `a op b`; of two literals a literal, and nothing for what changes nothing."""
     if a.literal and b.literal and op in COMPARISONS:
         return literal(COMPARISONS[op](a.number, b.number), "bool")
-    if a.literal and b.literal and op in _OPERATIONS and not (op in "/%" and not b.number):
+    if a.literal and b.literal and op in _OPERATIONS and not (op in ("/", "//", "%") and not b.number):
         number = float32 if dtype == "f32" else int
         return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)
     if op in COMPARISONS:

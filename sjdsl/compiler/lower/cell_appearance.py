@@ -208,6 +208,7 @@ def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> Token
         raise NotSupported(f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255", observable.origin)
     if high > 255:
         instead = f"show it with labels, such as `show {name} as {{ much where {name} > 99, little }}`"
+        instead += f", or a define of less, such as `quotient({name}, {high // 256 + 1:g})`" if observable.value is not None else ""
         raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", observable.origin, instead)
     return TokenPlane(name, "number", (), int(high))
 
@@ -220,7 +221,7 @@ def shown_words(observable: ir.Observable) -> tuple[str, ...]:
 
 def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
-    if shows_attribute(observable):
+    if shows_attribute(observable) or observable.value is not None:
         return observable.type.high
     field = shown_field(game, observable)
     if not field.timer:

@@ -37,7 +37,7 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     assert isinstance(mover, AgentVar)
     if mover.axis is None:
         raise NotSupported("`move each` of movers that are named one by one", s.origin, "say with `where` which of them move")
-    axis, position = mover.axis, state_reads.positions(mover.sort)
+    axis, position = mover.axis, state_reads.positions(w, mover.sort)
     match course:
         case ir.Along():
             heading = to_words(w.value(course.heading, inner.always()), course.heading.type.words, HEADINGS, w)
@@ -73,7 +73,7 @@ def _open_way(course: ir.Wander, scope: IterationScope, mover: AgentVar, w: Writ
     """Returns in which direction each mover goes, one of those open to it by lot, and whether it goes at all."""
     assert mover.axis is not None
     axis, ways = mover.axis, w.axis("way", 4)
-    position = Index(state_reads.positions(mover.sort), (ALL, NEW_AXIS))
+    position = Index(state_reads.positions(w, mover.sort), (ALL, NEW_AXIS))
     each_way = Binary("+", Binary("*", position, Literal(4)), Index(iota(ways).node, (NEW_AXIS, ALL)))
     beside = w.keep("beside", Value(Index(_next_table(mover.sort, w), (each_way,)), "i32", (axis, ways)))
     everybody = state_reads.all_positions(w)
@@ -103,7 +103,10 @@ def _better(goal: ir.Domain, away: bool, scope: IterationScope, mover: AgentVar,
     if is_empty(goal, w):
         return call("jnp.zeros", Sequence((axis.extent, Literal(4))), Name("bool"))
     cells, member = _members(goal, scope, axis, w)
-    layout, given = w.module.layout, (state_reads.positions(mover.sort), cells, member, w.module.number("frame_cols", w.module.layout.cols))
+    layout, given = (
+        w.module.layout,
+        (state_reads.positions(w, mover.sort), cells, member, w.module.number("frame_cols", w.module.layout.cols)),
+    )
     if layout.wraps:
         gained = call("gains_around", *given, Literal(layout.height), Literal(layout.width))
     else:

@@ -23,7 +23,6 @@ from sjdsl.compiler.program.expressions import (
     Sequence,
     call,
     constant,
-    path,
 )
 
 
@@ -204,7 +203,7 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     name = w.module.constant(f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading")
     axis = _shape_axis(w, ident, sum(map(len, shape.lanes)), anchor)
     if isinstance(anchor, AgentVar):
-        at, facing = state_reads.position(anchor, w), state_reads.heading(anchor)
+        at, facing = state_reads.position(anchor, w), state_reads.heading(anchor, w)
     else:  # a cell has no heading, and the shapes around cells have no direction
         at, facing = state_reads.cell(anchor, w), literal(0, "i32")
     if shape.see_through:
@@ -275,7 +274,7 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
 
 def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     """Returns on which of the cells an agent stands that ends lanes."""
-    standing = stand_on(cells, path("state.position"))
+    standing = stand_on(cells, state_reads.positions(w))
     if block.condition is not None:
         axis = w.axis("blocker", w.module.agents)
         scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})

@@ -7,7 +7,7 @@ from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, in
 from sjdsl.compiler.lower.expressions import real
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Expression, Literal, Name, as_array, call, scalar
+from sjdsl.compiler.program.expressions import Arange, Cast, Expression, Index, Literal, Name, as_array, call, constant, scalar
 
 KEY = Name("key")
 
@@ -44,7 +44,7 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     happens: list[Value] = []
     before: Value | None = None
     for branch in s.branches:
-        p = real(branch.test, scope.always(), w)
+        p = _probability(branch.test, scope, w)
         if before is None:
             limit = Value(call("threshold", _array(p)), "u32", p.axes)
         else:
@@ -60,6 +60,12 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     assert before is not None
     last = happens[0] if len(s.branches) == 1 else binary("<", word, before, "bool")
     return happens, invert(last)
+
+
+def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns a probability; where a guard alone keeps it from being negative, what rounding has brought below 0 is 0."""
+    p = real(e, scope.always(), w)
+    return replace(p, node=call("jnp.maximum", p.node, Literal(0.0))) if e.type.low < 0 else p
 
 
 def _array(p: Value, axes: tuple[Axis, ...] | None = None) -> Expression:
@@ -95,9 +101,12 @@ def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Valu
     total: Value | None = None
     result = literal(0, "i32")
     for weight in s.weights[:-1]:
-        p = real(weight, scope.always(), w)
+        p = _probability(weight, scope, w)
         total = p if total is None else binary("+", total, p, "f32")
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
         past = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
         result = binary("+", result, past, "i32")
+    if s.numbers:
+        table = w.module.constant(f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32")
+        return replace(result, node=Index(table, (result.node,)))
     return as_dtype(result, "u8")

@@ -52,7 +52,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.At():
             return entry(e, scope, w)
         case ir.Step():
-            return Value(array.path("state.step"), "i32")
+            return Value(w.stored("step"), "i32")
         case ir.Arithmetic():
             return arithmetic(e, scope, w)
         case ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
@@ -83,6 +83,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return named(e, scope, w)
         case ir.Narrowed():
             return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
+        case ir.Before():
+            return before(e, scope, w)
         case ir.EventTotal() | ir.MatrixClass():
             raise AssertionError(e)
         case _:
@@ -123,6 +125,14 @@ def named(e: ir.Named, scope: IterationScope, w: Writer) -> Value:
     """Returns the value of a `define`, kept under its name for all who read it; short conditions are written out instead."""
     value = lower(e.value, scope, w)
     return value if value.dtype == "bool" and len(list(array.walk(value.node))) < LARGE else w.keep(e.name, value)
+
+
+def before(e: ir.Before, scope: IterationScope, w: Writer) -> Value:
+    """Returns a value of the state before the step, which a function of checks is given beside the state."""
+    here, w.state = w.state, "before"
+    value = lower(e.value, scope, w)
+    w.state = here
+    return value
 
 
 def nobody(w: Writer) -> Value:
@@ -209,9 +219,9 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
         case "index":
             return who.index
         case "heading":
-            return as_dtype(state_reads.heading(who), "u8")
+            return as_dtype(state_reads.heading(who, w), "u8")
         case "moved":
-            return state_reads.moved(who)
+            return state_reads.moved(who, w)
         case "away":
             here = state_reads.present(who, w)
             return FALSE if here is None else invert(here)
@@ -242,6 +252,11 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     """Returns a number computed from others: int32, or float32 if one of them is a real."""
+    if e.fn == "round":
+        value = real(e.args[0], scope, w)
+        if value.literal:
+            return literal(round(value.number), "i32")
+        return Value(array.Cast(array.call("jnp.rint", value.node), "i32", "f32"), "i32", value.axes, value.levels)
     dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
     args = [as_dtype(lower(a, scope, w), dtype) for a in e.args]
     if e.fn == "neg":

@@ -51,7 +51,7 @@ def nobody_moves(s: ir.Move, w: Writer) -> None:
 
 def settle(s: ir.Move, sort: str, target: Name, w: Writer) -> None:
     """Writes where agents, or the movers of a sort, stand after all of them have wanted their targets."""
-    position = state_reads.positions(sort)
+    position = state_reads.positions(w, sort)
     others = state_reads.all_positions(w, but=sort)
     if others is not None:  # they stay, so whoever wants their cells stays as well
         w.set(target, Where(call("is_one_of", target, others), position, target))
@@ -63,7 +63,7 @@ def settle(s: ir.Move, sort: str, target: Name, w: Writer) -> None:
 
 def conditional_blocks(body: AgentVar, target: Name, w: Writer) -> None:
     """Cells that block only in some states: who wants to enter stays."""
-    position = state_reads.positions(body.sort)
+    position = state_reads.positions(w, body.sort)
     for block, kind in blocks_of(body.sort or "agents", w):
         if body.axis is None:
             raise NotSupported("`move each` of agents named one by one where cells block under a condition", w.origin)

@@ -267,6 +267,8 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
         return _observable(observable.model_copy(update={"hidden_when": None}), words, {}, place, w)
     if shows_attribute(observable):
         return _attribute(observable, place, w)
+    if observable.value is not None:
+        return as_dtype(w.value(observable.value, place), "u8")
     declared = shown_field(w.module.game, observable)
     kinds = (declared.kind,) if declared.kind else ()
     read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, kinds=kinds, name=observable.field)
@@ -316,7 +318,7 @@ def _mover_plane(observable: ir.Observable, painted: Value, axes: tuple[Axis, ..
     if not observable.field:
         value = as_dtype(there, "u8")
     elif observable.field == "heading" and not observable.labels:
-        turned = array.Binary("-", state_reads.heading(mover).node, array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
+        turned = array.Binary("-", state_reads.heading(mover, w).node, array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
         value = Value(array.Cast(array.Binary("+", array.Binary("&", turned, array.Literal(3)), array.Literal(1)), "u8"), "u8", axes)
     else:
         value = _one_up(observable, _field_observable(observable, mover, place, w))

@@ -102,7 +102,7 @@ def _paint_movers(sort: ir.Movers, parts: tuple[Part, ...], planes: list[Name], 
     else:
         number = Value(call("jnp.ones", w.module.extent(sort.name), path("jnp.uint8")), "u8")
     shifted = binary("<<", number, shift_of(part, w), "u8")
-    w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(sort.name), shifted.node))
+    w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(w, sort.name), shifted.node))
 
 
 def first_look(look: Look, w: Writer) -> Value:

@@ -302,7 +302,7 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[str], w: Writer) 
     left: dict[str, array.Expression] = {}
     for sort in sorts:
         away = array.path(f"state.{attribute_of('away', sort)}")
-        is_nowhere = array.Binary("==", state_reads.positions(sort), state_reads.nowhere(w).node)
+        is_nowhere = array.Binary("==", state_reads.positions(w, sort), state_reads.nowhere(w).node)
         due[sort] = w.bind("due", array.Binary("&", is_nowhere, array.Binary("==", away, array.Literal(1))))
         waiting = array.Cast(array.Binary("&", is_nowhere, array.Binary(">", away, array.Literal(1))), "i32")
         left[attribute_of("away", sort)] = array.Binary("-", away, waiting)

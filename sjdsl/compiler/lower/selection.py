@@ -225,7 +225,7 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
     swept = sweep(d.restriction, scope, w)
     cells = swept.cells
     sort = mover_sort(d.var)
-    standing = w.keep("standing", Value(stand_on(cells, state_reads.positions(sort)), "bool"))
+    standing = w.keep("standing", Value(stand_on(cells, state_reads.positions(w, sort)), "bool"))
     first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
     anybody = w.keep("anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes))

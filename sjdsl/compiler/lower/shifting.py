@@ -91,7 +91,7 @@ def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Wr
         ways = zip((rows, columns), lengths, strict=True)
         rows, columns = (w.keep("shorter", replace(x, node=array.call("shorter_way", x.node, array.Literal(n)))) for x, n in ways)
     down, across = (replace(x, node=array.call("jnp.abs", x.node)) for x in (rows, columns))
-    looks = Value(array.Binary("&", state_reads.heading(who).node, array.Literal(1)), "i32", state_reads.heading(who).axes)
+    looks = Value(array.Binary("&", state_reads.heading(who, w).node, array.Literal(1)), "i32", state_reads.heading(who, w).axes)
     upright = select(binary("==", down, across, "bool"), binary("==", looks, literal(0, "i32"), "bool"), binary(">", down, across, "bool"))
     vertical = select(binary("<", rows, literal(0, "i32"), "bool"), literal(0, "i32"), literal(2, "i32"))
     level = select(binary("<", columns, literal(0, "i32"), "bool"), literal(3, "i32"), literal(1, "i32"))
@@ -112,7 +112,7 @@ def _as_it_looks(toward: Value, apart: Value, who: AgentVar, ways: tuple[Value, 
         for x, length in ((rows, w.module.layout.height), (columns, w.module.layout.width))
     ]
     either = w.keep("either_way", select(upright, *halves))
-    looks = state_reads.heading(who)
+    looks = state_reads.heading(who, w)
     line, way = (Value(array.Binary("&", x.node, array.Literal(1)), "i32", x.axes) for x in (looks, toward))
     across = binary("!=", line, way, "bool")
     there = both(apart, invert(w.keep("stuck", binary("&", either, across, "bool"))))

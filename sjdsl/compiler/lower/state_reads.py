@@ -41,7 +41,7 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
-    stored = Value(path(f"state.{attribute_name(declared)}"), storage(declared, w), (), w.module.levels(e.type))
+    stored = Value(w.stored(attribute_name(declared)), storage(declared, w), (), w.module.levels(e.type))
     if declared.type.kind == "word":
         stored = as_dtype(stored, "u8")
     if isinstance(owner, CellVar) and owner.beside:
@@ -73,7 +73,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     name = w.module.constant(
         "order_" + "_".join(owner.kinds), w.module.layout.order_table(owner.kinds), "cells of a group in reading order"
     )
-    vectors = Sequence(tuple(path(f"state.{attribute_name(p)}") for p in parts), is_list=True)
+    vectors = Sequence(tuple(w.stored(attribute_name(p)) for p in parts), is_list=True)
     together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
     whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
     return _widened(_looked_up(owner, replace(whole, levels=w.module.levels(e.type)), w), parts[0])
@@ -129,20 +129,20 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
 
 def position(owner: AgentVar, w: Writer) -> Value:
     """Returns the cells of agents."""
-    at = _of(owner, Value(positions(owner.sort), "i32"))
+    at = _of(owner, Value(positions(w, owner.sort), "i32"))
     return at if owner.axis is not None else w.keep("position", at)
 
 
-def heading(owner: AgentVar) -> Value:
+def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
     if owner.sort:  # a field, and so a byte
-        return as_dtype(_of(owner, Value(path(f"state.{attribute_of('heading', owner.sort)}"), "u8")), "i32")
-    return _of(owner, Value(path("state.heading"), "i32"))
+        return as_dtype(_of(owner, Value(w.stored(attribute_of("heading", owner.sort)), "u8")), "i32")
+    return _of(owner, Value(w.stored("heading"), "i32"))
 
 
-def moved(owner: AgentVar) -> Value:
+def moved(owner: AgentVar, w: Writer) -> Value:
     """Returns whether the last movement changed the cells of agents."""
-    return _of(owner, Value(path(f"state.{attribute_of('moved', owner.sort)}"), "bool"))
+    return _of(owner, Value(w.stored(attribute_of("moved", owner.sort)), "bool"))
 
 
 def present(owner: AgentVar, w: Writer) -> Value | None:
@@ -157,9 +157,9 @@ def nowhere(w: Writer) -> Value:
     return Value(w.module.number("nowhere", 0, "the cell of agents that are not on the map"), "i32")
 
 
-def positions(sort: str = "") -> Expression:
+def positions(w: Writer, sort: str = "") -> Expression:
     """Returns the cells of all agents, or of all movers of a sort."""
-    return path(f"state.{attribute_of('position', sort)}")
+    return w.stored(attribute_of("position", sort))
 
 
 def everybody(w: Writer, sort: str = "") -> AgentVar:
@@ -173,8 +173,8 @@ def all_positions(w: Writer, but: str | None = None) -> Expression | None:
     """Returns the cells of all agents and movers; `but`: without those of one sort. None: there is nobody."""
     sorts = [sort for sort in w.module.sorts if sort != but]
     if len(sorts) <= 1:
-        return positions(sorts[0]) if sorts else None
-    together = call("jnp.concatenate", Sequence(tuple(map(positions, sorts)), is_list=True))
+        return positions(w, sorts[0]) if sorts else None
+    together = call("jnp.concatenate", Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True))
     return w.keep("bodies" if but is None else "others", Value(together, "i32")).node
 
 

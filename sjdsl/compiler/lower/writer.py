@@ -192,6 +192,7 @@ class Writer:
     names: Names = field(default_factory=lambda: Names(set(RESERVED)))
     starting: bool = False
     origin: Span | None = None
+    state: str = "state"  # what is read from
     known: dict[tuple[Expression, str], Name] = field(default_factory=dict)
     shape_axes: dict[tuple[str, Variable], Axis] = field(default_factory=dict)
     axes_made: int = 0
@@ -251,6 +252,10 @@ class Writer:
         if key not in self.known:
             self.known[key] = self.bind(name, value.node)
         return replace(value, node=self.known[key])
+
+    def stored(self, attribute: str) -> Expression:
+        """Returns an attribute of the state that is read."""
+        return path(f"{self.state}.{attribute}")
 
     def beside(self, stored: Expression) -> Name:
         """Returns the parameter that a field of the cells around each cell is."""

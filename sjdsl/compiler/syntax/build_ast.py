@@ -168,6 +168,8 @@ RULES: dict[str, node_builders.Build] = {
     "dec": node_builders.dec,
     "nobody": ast.Nobody,
     "count": ast.Count,
+    "some": lambda span, domain: ast.Quantified(span, "any", domain),
+    "every": lambda span, domain: ast.Quantified(span, "all", domain),
     "total": node_builders.optional(ast.Total, 2),
     "extreme": node_builders.with_clauses(ast.Extreme, "if_none"),
     "case": node_builders.several(ast.Case, 1),

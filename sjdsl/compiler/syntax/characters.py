@@ -96,7 +96,8 @@ def _open_string(source: Source, text: str, at: int) -> Mended:
     span = source.span(at, end)
     fix = Fix(source.span(end, end), '"')
     token = _token(source, "STRING", text[at:end] + '"', at, end)
-    return Mended(errors.OpenString(span, fix=fix), token, end)
+    help_ = r"`\"` is a quote inside a text; the sign `\` itself is written twice: `\\`" if text[at:end].endswith('\\"') else ""
+    return Mended(errors.OpenString(span, fix=fix, help=help_), token, end)
 
 
 def _quoted(source: Source, text: str, at: int) -> Mended:

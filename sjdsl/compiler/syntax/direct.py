@@ -18,7 +18,7 @@ from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.build_ast import AS_WRITTEN, RULES
 from sjdsl.compiler.syntax.node_builders import Part, unquote
 from sjdsl.compiler.syntax.recovery.automaton import END
-from sjdsl.compiler.syntax.soft_words import SOFT, can_come
+from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
 
 WRONG = "WRONG"  # the kind of a character that begins no word or sign
 LONG = len(str(MAX_INTEGER))  # whole numbers of so many digits are left to `read_tree`
@@ -118,6 +118,8 @@ def cut(text: str, known: Tables) -> Words | None:
         texts.append(said)
     if not kinds or len(kinds) > MAX_TOKENS:
         return None
+    for at in names_in_place(kinds):
+        kinds[at] = "NAME"
     kinds.append(END)
     return words
 

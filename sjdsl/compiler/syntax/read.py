@@ -57,7 +57,13 @@ def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> 
     if not name or "\0" in name or "\\" in name or given.is_absolute():
         problems.add(errors.FileOutside(span, name=name))
         return None
-    path = (folder / given).resolve()
+    try:
+        path = (folder / given).resolve()
+        path.exists()
+    except (OSError, RuntimeError) as error:  # RuntimeError: links that lead to each other
+        problem = (getattr(error, "strerror", None) or "its links lead round in a circle").lower()
+        problems.add(errors.Unreadable(span, name=name, problem=problem))
+        return None
     if not path.is_relative_to(folder):
         problems.add(errors.FileOutside(span, name=name))
         return None

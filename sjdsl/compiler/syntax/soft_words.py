@@ -4,6 +4,7 @@ Words that came to the language after its first version are soft, so that no old
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from lark import Token
@@ -27,8 +28,20 @@ SOFT = frozenset(
         "AHEAD",
         "ALONG",
         "WRAPS",
+        "ANY",
     }
 )  # fmt: skip  (kinds of tokens, as in the parser's table)
+
+CALLED = frozenset({"ANY"})  # soft words of expressions, where names can stand as well: words only before `(`
+
+
+def names_in_place(kinds: Sequence[str]) -> list[int]:
+    """Returns which tokens of `CALLED` are names: those without `(`, and all of a word that the text gives to a `define` of its own."""
+    if CALLED.isdisjoint(kinds):
+        return []
+    own = {kind for before, kind in pairwise(kinds) if before == "DEFINE"}
+    following = [*kinds[1:], ""]
+    return [at for at, kind in enumerate(kinds) if kind in CALLED and (kind in own or following[at] != "LPAR")]
 
 
 def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:

@@ -12,6 +12,7 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix
 from sjdsl.compiler.diagnostics.limits import MAX_DEPTH, MAX_DIGITS, MAX_INTEGER, MAX_PROBLEMS, MAX_TOKENS, too_much
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import mend, without_controls
+from sjdsl.compiler.syntax.soft_words import names_in_place
 
 OPENING, CLOSING, PREFIX = ("LBRACE", "LPAR", "LSQB"), ("RBRACE", "RPAR", "RSQB"), ("NOT", "SIGN")
 
@@ -60,6 +61,8 @@ def scan(source: Source, parser: Lark) -> Scan:
                 found.tokens.append(mended.token)
             thread.state.line_ctr.feed(text[at : mended.end])
             found.complete = len(found.problems) < MAX_PROBLEMS
+    for at in names_in_place([token.type for token in found.tokens]):
+        found.tokens[at] = Token.new_borrow_pos("NAME", found.tokens[at], found.tokens[at])
     return found
 
 

@@ -138,6 +138,13 @@ class DefineCycle(Diagnostic, code="SJ119", title="A define that uses itself"):
     name: str
 
 
+class UndoneByVariant(Diagnostic, code="SJ121", title="A change that a variant undoes", severity="warning"):
+    says = "variant `{variant}`, of the game that this extends, changes `{name}` too, and undoes this"
+    hints = ("give this game a variant `{variant}` of its own, with what is to hold then; `drop {variant}` takes it away",)
+    name: str
+    variant: str
+
+
 class NoPaint(Diagnostic, code="SJ120", title="No such sprite or colour"):
     says = "`{name}` is no sprite and no colour"
     hints = (

@@ -145,6 +145,12 @@ class NoPlaceWhenBack(NoPlaceYet):
     name: str
 
 
+class NoPlaceBefore(NoPlaceYet):
+    says = "`{name}` may have been away when the step began, and then `{what}` means nothing"
+    hints = ("name the agents inside `before`, where they are those of that time: `before(count(agent as x where x.row > 2))`",)
+    name: str
+
+
 class NeverCounted(Diagnostic, code="SJ509", title="An event that is never counted", severity="warning"):
     says = "the event `{name}` is listed in `metrics`, but no rule counts it: it is always 0"
     hints = ("count it where it happens, `tally {path}`, or take it out of `metrics`",)

@@ -190,6 +190,12 @@ class OutOfLimits(Negative):
     reason: str = ""
 
 
+class RoundsTooFar(Negative):
+    says = "{name} is taken of a number that can be beyond -{limit} .. {limit}"
+    hints = ("give its parameters limits, `in a .. b`, or keep it between two numbers: `round(min(max(x, 0), 100))`",)
+    limit: int
+
+
 class Crossed(Diagnostic, code="SJ215", title="Bounds that can cross"):
     says = "the bounds {low} and {high} can cross"
     hints = ("write `require {low} <= {high}` in `checks`, or give the parameters ranges",)

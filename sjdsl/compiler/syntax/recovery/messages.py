@@ -24,7 +24,7 @@ MISPLACED = (
     (STATEMENTS, SECTIONS, "a statement stands inside a `phase`"),
     (SECTIONS, STATEMENTS, "a declaration stands outside the phases"),
 )
-VALUES = frozenset(("NAME", "INT", "DEC", "COUNT", "SUM", "CASE", "LPAR", "NOBODY", "SIGN"))
+VALUES = frozenset(("NAME", "INT", "DEC", "COUNT", "SUM", "CASE", "LPAR", "NOBODY", "SIGN", "ANY", "ALL"))
 OPERATORS = frozenset(("CMP", "SIGN", "TIMES", "AND", "OR", "IS", "IN", "ON", "CHOSE"))
 LONGEST = 7  # things named as expected
 

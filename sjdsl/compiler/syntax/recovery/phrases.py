@@ -236,6 +236,9 @@ def _policies() -> Iterator[tuple[str, ...]]:
         yield f"{word} NAME", "when step >= 0 choose {1}", always
         for at in ("at", "to"):
             yield f"{word} NAME {at} DOMAIN", "aim line(1) at {2} choose {1}", "say in which shape: `aim line(3) at {2} choose {1}`"
+    sought = "`when` is followed by `choose`; what is sought has its condition behind `where`: `seek {2} where {1}`"
+    yield "when EXPR seek DOMAIN", "seek {2}", sought
+    yield "when EXPR aim NAME at DOMAIN choose NAME", "aim {2} at {3} choose {4}", sought.replace("seek {2}", "aim {2} at {3}")
     yield "when EXPR { NAME }", "when {1} choose {2}"
     yield "aim NAME at DOMAIN with NAME", "aim {1} at {2} choose {3}"
     yield "aim at DOMAIN with NAME", "aim line(3) at {1} choose {2}", "say in which shape: `aim line(3) at {1} choose {2}`"

@@ -1,0 +1,90 @@
+"""Sums and differences of numbers: what conditions about sums say of other sums of the same parts.
+
+p + q <= 1   ->   1 - p - q is at least 0
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import field
+from functools import cached_property
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.ir.equivalence import Form, form
+from sjdsl.compiler.ir.types import times
+
+LINEAR = ("+", "-", "neg")
+Interval = tuple[float, float]
+
+
+class Linear(Record, eq=False):
+    """A number that is added to so many times each part; `parts`: each with its interval, by its form."""
+
+    number: float = 0
+    factors: dict[Form, float] = field(default_factory=dict)
+    parts: dict[Form, Interval] = field(default_factory=dict)
+
+    def plus(self, other: "Linear", factor: float = 1) -> "Linear":
+        """Returns the sum with the other one times a factor."""
+        factors = dict(self.factors)
+        for part, times_ in other.factors.items():
+            factors[part] = factors.get(part, 0) + factor * times_
+        return Linear(self.number + factor * other.number, {p: f for p, f in factors.items() if f}, self.parts | other.parts)
+
+    @cached_property
+    def interval(self) -> Interval:
+        """What it can be, by the intervals of its parts."""
+        low = high = self.number
+        for part, factor in self.factors.items():
+            ends = [times(factor, end) for end in self.parts[part]]
+            low, high = low + min(ends), high + max(ends)
+        return low, high
+
+
+def linear(e: ir.Expr) -> Linear:
+    """Returns a number as a sum of parts, which are no sums themselves."""
+    match e:
+        case ir.Number():
+            return Linear(e.value)
+        case ir.Named() | ir.Narrowed():
+            return linear(e.value)
+        case ir.Arithmetic(fn="+" | "-", args=(left, right)) if not e.type.by:
+            return linear(left).plus(linear(right), 1 if e.fn == "+" else -1)
+        case ir.Arithmetic(fn="neg", args=(value,)) if not e.type.by:
+            return Linear().plus(linear(value), -1)
+        case _:
+            part = form(e)
+            return Linear(0, {part: 1}, {part: (e.type.low, e.type.high)})
+
+
+def narrowed_sum(e: ir.Expr, interval: Interval, known: Iterable[ir.Expr]) -> Interval:
+    """Returns the interval of a sum or difference once conditions that compare sums of the same parts are used, one at a time."""
+    mine, (low, high) = linear(e), interval
+    for fact in (sure for condition in known for sure in _not_negative(condition)):
+        for part in mine.factors.keys() & fact.factors.keys():
+            factor = mine.factors[part] / fact.factors[part]
+            rest = mine.plus(fact, -factor).interval  # e is this and `factor` times the fact, which is at least 0
+            if factor > 0:
+                low = max(low, rest[0])
+            else:
+                high = min(high, rest[1])
+    return low, high
+
+
+def _not_negative(condition: ir.Expr) -> Iterator[Linear]:
+    """Yields what is at least 0 if a condition holds, of sums of several parts; of fewer, their intervals say as much."""
+    match condition:
+        case ir.Compare(fn=fn, left=left, right=right) if fn != "!=" and not (left.type.by or right.type.by):
+            apart = linear(left).plus(linear(right), -1)
+            whole = left.type.kind == right.type.kind == "int"
+            if len(apart.factors) < 2:
+                return
+            if fn in (">", ">=", "=="):
+                yield apart.plus(Linear(-1)) if whole and fn == ">" else apart
+            if fn in ("<", "<=", "=="):
+                turned = Linear().plus(apart, -1)
+                yield turned.plus(Linear(-1)) if whole and fn == "<" else turned
+        case ir.InRange(value=value, low=low, high=high):
+            yield from _not_negative(ir.Compare(fn=">=", left=value, right=low))
+            yield from _not_negative(ir.Compare(fn="<=", left=value, right=high))
+        case _:
+            pass
