@@ -66,6 +66,13 @@ def channel_bounds(env: Environment) -> np.ndarray:
     return np.array([plane.high if plane.encoding == "number" else 1 for plane in env.token_planes for _ in plane.channels], np.uint8)
 
 
+def window_high(env: Environment) -> np.ndarray:
+    """Returns the greatest value of each entry of what an agent sees, `[rows, cols, channels]` uint8."""
+    _, _, rows, cols = env.observation_shape
+    highs = channel_bounds(env)
+    return np.broadcast_to(highs, (rows, cols, len(highs))).copy()
+
+
 def make_box(low: float, high: float, shape: tuple[int, ...]) -> Any:
     """Returns a float32 box of the class that SocialJax's own wrappers test for, or of ours where neither it nor gymnax is installed."""
     return space_classes()[0](low, high, shape)

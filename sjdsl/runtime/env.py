@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from sjdsl.runtime.arguments import check_params, check_state, checked_actions
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.module import GameModule
 from sjdsl.runtime.planes import TokenPlane, channel_names
@@ -98,17 +99,32 @@ class Environment:
             return int(self.module.episode_length(self.params))
 
     def with_params(self, params: Params) -> "Environment":
-        """Returns the same game with other run-time parameters, which may be traced; see `jax.vmap`."""
+        """Returns the same game with other run-time parameters, which may be traced; see `jax.vmap`. Raises TypeError for none of its."""
+        check_params(self.module, self.params, params)
         return Environment(self.module, params, self.observation, self.game)
 
     def __repr__(self) -> str:
         return f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, {self.num_actions} actions, {self.observation}>"
 
     def _reset(self, key: Array, params: Params | None = None) -> tuple[Array, State]:
-        """Returns the first observation and state of an episode. `key`: a typed key, or two uint32 words (old style)."""
-        params = self.params if params is None else params
+        """Returns the first observation and state of an episode.
+
+        Args:
+          key: a typed key, or two uint32 words (old style).
+          params: instead of `env.params`.
+        Raises:
+          TypeError, ValueError: something else than one key, or parameters of another game.
+        """
+        params = self._params(params)
         state = self.module.reset(params, key_words(key))
         return self._observe(state, params), state
+
+    def _params(self, given: Params | None) -> Params:
+        """Returns the parameters of a call: the environment's own, or others of the same game."""
+        if given is None:
+            return self.params
+        check_params(self.module, self.params, given)
+        return given
 
     def _step(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
         """One step; a finished episode is followed by the first state of the next.
@@ -123,10 +139,10 @@ class Environment:
           `events` int32 `[N]` or scalar counts of this step, `metrics` float32 scalars, `terminal_observation` and
           `terminal_state` (before the reset; they cost nothing under `jit` when unused).
         Raises:
-          TypeError: actions are not whole numbers.
-          ValueError: there is not one action for each agent.
+          TypeError: actions are not whole numbers; a key, a state or parameters that are none of this game.
+          ValueError: there is not one action for each agent; a batch of keys or states.
         """
-        params = self.params if params is None else params
+        params = self._params(params)
         words = key_words(key)
         ended, reward, done, info = self._transition(words, state, actions, params)
         state = reset_where(self.module.reset, done, words, params, ended)
@@ -136,19 +152,15 @@ class Environment:
 
     def _step_env(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
         """As `step`, without the reset."""
-        params = self.params if params is None else params
+        params = self._params(params)
         state, reward, done, info = self._transition(key_words(key), state, actions, params)
         info["terminal_observation"] = observation = self._observe(state, params)
         info["terminal_state"] = state
         return observation, state, reward, done, info
 
     def _transition(self, words: Array, state: State, actions: Array, params: Params) -> tuple[State, Array, Array, Info]:
-        actions = jnp.asarray(actions)
-        if not jnp.issubdtype(actions.dtype, jnp.integer):
-            raise TypeError(f"actions are {actions.dtype}, but they are numbers of actions: whole numbers, such as int32")
-        if actions.shape != (self.num_agents,):
-            raise ValueError(f"actions have shape {actions.shape}, one for each agent is wanted: ({self.num_agents},)")
-        state, out = self.module.step(state, actions.astype(jnp.int32), params, words)
+        check_state(self.module, state)
+        state, out = self.module.step(state, checked_actions(actions, self.num_agents), params, words)
         metrics = self.module.measures(state, params)
         state = state.replace(step=state.step + 1)
         truncated = (state.step >= self.module.episode_length(params)) & ~out.ended
@@ -164,14 +176,16 @@ class Environment:
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
-        tokens = self._tokens(state, self.params if params is None else params)
+        check_state(self.module, state)
+        tokens = self._tokens(state, self._params(params))
         if self.observation == "tokens":
             return tokens
         return to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
 
     def allowed_actions(self, state: State, params: Params | None = None) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
-        return self.module.allowed_actions(state, self.params if params is None else params)
+        check_state(self.module, state)
+        return self.module.allowed_actions(state, self._params(params))
 
     @property
     def forbids_actions(self) -> bool:
