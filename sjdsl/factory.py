@@ -3,6 +3,7 @@
 import linecache
 from collections.abc import Mapping
 from functools import lru_cache, partial
+from os import PathLike
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -20,7 +21,7 @@ from sjdsl.compiler.elaborate.world_map import parse_file, row_spans
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
-from sjdsl.parameters import admitted_params, build_params, split_sizes
+from sjdsl.parameters import admitted_params, build_params, plain_number, split_sizes
 from sjdsl.runtime.env import Encoding, Environment
 
 
@@ -43,17 +44,29 @@ def make(
       map: another map for the game's legend: a text file, or its rows.
       observation: `tokens` or `onehot`, uint8 both.
     Raises:
-      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError: the arguments, a name
-        that several games have among them.
+      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError, TypeError: the arguments, a
+        name that several games have among them.
     """
+    _check_types(game, variant, params)
     source = read_source(find_game(game))
     variants = () if not variant else tuple(variant.split("+"))
     composition = compose(source, variants)
+    num_agents = None if num_agents is None else plain_number(num_agents)
     sizes, run_time = split_sizes(*composition.number_names(), dict(params or {}))
     made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source)))
     if num_agents is not None and made.game.agents.number != num_agents:
         raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
     return environment_of(made, run_time, observation)
+
+
+def _check_types(game: Any, variant: Any, params: Any) -> None:
+    """Raises TypeError for an argument of `make` that cannot be meant."""
+    if not isinstance(game, str | PathLike):
+        raise TypeError(f"a game is a name or the path of a .sj file, not {game!r}")
+    if not isinstance(variant, str | None):
+        raise TypeError(f"a variant is a name, and several are `first+second`; it is not {variant!r}")
+    if params is not None and not isinstance(params, Mapping):
+        raise TypeError(f"params is a mapping from names of numbers of the game to values, not {params!r}")
 
 
 def environment_of(made: Build, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
@@ -71,7 +84,12 @@ def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[
     if map is None:
         return None, ()
     if isinstance(map, tuple | list):
+        odd = [row for row in map if not isinstance(row, str)]
+        if odd:
+            raise TypeError(f"a row of a map is a text, not {odd[0]!r}")
         return tuple(map), row_spans(map, "map")
+    if not isinstance(map, str | PathLike):
+        raise TypeError(f"a map is a text file or a tuple of its rows, not {map!r}")
     path = Path(map)
     if not path.is_file():
         raise FileNotFoundError(f"there is no map file `{map}`")

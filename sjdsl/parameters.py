@@ -26,19 +26,26 @@ ROUNDING = 2.0**-24  # a limit that is rounded to float32 is still inside
 def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values) -> tuple[dict[str, Any], dict[str, Any]]:
     """Returns the given values that are sizes (fixed when compiled) and those that are parameters.
 
-    Raises ValueError for a name the game does not have, and for None.
+    Raises ValueError for a name the game does not have, and for None; TypeError for what is no name.
     """
     sizes, rest = {}, {}
     for name, value in given.items():
+        if not isinstance(name, str):
+            raise TypeError(f"params has names of numbers of the game, not {name!r}; it has {', '.join([*game_sizes, *params])}")
         if value is None:
             raise ValueError(f"`{name}` is None: give it a number, or leave it out")
         if name in game_sizes:
-            sizes[name] = value
+            sizes[name] = plain_number(value)
         elif name in params:
             rest[name] = value
         else:
             raise ValueError(f"the game has no number `{name}`{meant(name, [*game_sizes, *params], 'it has')}")
     return sizes, rest
+
+
+def plain_number(value: Any) -> Any:
+    """Returns a number of NumPy or JAX, or an array of one without axes, as Python's own; anything else as it is."""
+    return value.item() if hasattr(value, "item") and np.ndim(value) == 0 else value
 
 
 def build_params(game: ir.Game, module: "GameModule", given: Values, check_requires: bool = True) -> Any:
@@ -185,7 +192,7 @@ def _checked(name: str, value: Any, type_: ir.Type) -> Any:
         if value not in type_.words:
             raise ValueError(f"`{name}` is one of {', '.join(type_.words)}, not {value!r}")
         return value
-    number = value.item() if getattr(value, "shape", None) == () else value
+    number = plain_number(value)
     if isinstance(number, bool) or not isinstance(number, int | float) or number != number:
         raise ValueError(f"`{name}` is a number ({type_.unit}), not {value!r}")
     if type_.kind == "int" and isinstance(number, float) and not number.is_integer():

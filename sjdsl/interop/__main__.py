@@ -1,4 +1,4 @@
-"""`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs a training script of SocialJax or JaxMARL, as it is, with our games."""
+"""`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs a training script of SocialJax, JaxMARL or Mava, as it is, with our games."""
 
 import importlib.util
 import runpy
@@ -12,9 +12,16 @@ from sjdsl.interop import socialjax_modules
 
 USAGE = """usage: python -m sjdsl.interop SCRIPT [ARGUMENTS]
 
-Runs a training script of SocialJax or of JaxMARL with compiled games: `socialjax.make` makes ours, and
-`jaxmarl.make` knows `sjdsl/clean_up` and the others. The arguments are the script's own."""
-ROOTS = ("algorithms", "baselines", "socialjax", "jaxmarl")  # a folder that holds one of them is a checkout, from which scripts import
+Runs a training script of SocialJax, JaxMARL or Mava with compiled games: `socialjax.make` makes ours,
+`jaxmarl.make` knows `sjdsl_clean_up` and the others, and Mava's configurations have `env=sjdsl env.game=clean_up`.
+The arguments are the script's own."""
+ROOTS = (
+    "algorithms",
+    "baselines",
+    "socialjax",
+    "jaxmarl",
+    "mava",
+)  # a folder that holds one of them is a checkout, from which scripts import
 
 
 def run_script(script: Path, arguments: Sequence[str]) -> None:
@@ -32,6 +39,8 @@ def run_script(script: Path, arguments: Sequence[str]) -> None:
         print(f"note: the package socialjax cannot be imported ({reason}); its wrappers are ours", file=sys.stderr)
     if importlib.util.find_spec("jaxmarl") is not None:
         importlib.import_module("sjdsl.interop.jaxmarl")  # registers the games
+    if any((place / "mava/utils/make_env.py").is_file() for place in checkouts[:1]):
+        importlib.import_module("sjdsl.interop.mava").register()
     sys.argv = [str(script), *arguments]
     runpy.run_path(str(script), run_name="__main__")
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from sjdsl.factory import make
 from sjdsl.games_folder import bundled
+from sjdsl.interop.calls import numbers_of_actions, seeded_key
 from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot
 from sjdsl.render.board import Tiles, draw_board
@@ -45,11 +46,11 @@ class Substrate(dm_env.Environment):
           arguments: of `sjdsl.make`; a variant is added to that of the substrate.
           seed: of all episodes; another one each time by default.
           tile: pixels of a cell's side.
-        Raises ValueError for a substrate that is not there yet.
+        Raises:
+          ValueError: a substrate that is not there yet, or a negative seed. TypeError: a seed that is no whole number.
         """
         self.env = _make(game, arguments)
-        number = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
-        self._key = jax.random.key(number)
+        self._key = seeded_key(seed)
         self._look = replace(make_look(self.env.game), tile=tile)
         self._sees = jax.jit(self.env.module.observe)
         self._tiles: Tiles = {}
@@ -74,14 +75,11 @@ class Substrate(dm_env.Environment):
         """Plays one step; `action` has one number for each player."""
         if self._state is None:
             return self.reset()
-        chosen = [int(number) for number in action]
-        if len(chosen) != self.env.num_agents:
-            raise ValueError(f"{len(chosen)} actions for {self.env.num_agents} players")
-        for player, number in enumerate(chosen):
-            if not 0 <= number < self.env.num_actions:
-                raise ValueError(f"{number} is no action of player {player}: 0 .. {self.env.num_actions - 1}")
+        if len(action) != self.env.num_agents:
+            raise ValueError(f"{len(action)} actions for {self.env.num_agents} players")
+        chosen = numbers_of_actions(action, self.env.num_actions, lambda player: f" of player {player}")
         self._key, key = jax.random.split(self._key)
-        _, self._state, reward, done, info = self.env.step_env(key, self._state, np.array(chosen, np.int32))
+        _, self._state, reward, done, info = self.env.step_env(key, self._state, chosen)
         rewards = np.asarray(reward, np.float64)
         self._events = list(_events(info["events"]))
         kind = dm_env.StepType.LAST if bool(done) else dm_env.StepType.MID

@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 
 from sjdsl.games_folder import game_names
+from sjdsl.interop.calls import by_name, checked_seed
 from sjdsl.interop.missing import needs
 from sjdsl.interop.slots import Autoreset, Slots, SlotStep
+from sjdsl.interop.spaces import window_high
 from sjdsl.runtime.env import Encoding
 
 with needs("gymnasium"):
@@ -60,7 +62,7 @@ class VectorGame(VectorEnv):
         self._slots = Slots(game, num_envs, observation, common_reward, MODES[mode], **arguments)
         self.env = self._slots.env
         self.num_envs = self._slots.num_slots
-        self.single_observation_space = spaces.Box(0, 255, self._slots.window, np.uint8)
+        self.single_observation_space = spaces.Box(0, window_high(self.env), dtype=np.uint8)
         self.single_action_space = spaces.Discrete(self.env.num_actions)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -71,36 +73,39 @@ class VectorGame(VectorEnv):
         The same seed, one number, gives the same episodes under the same actions.
 
         Raises:
-          TypeError: several seeds, or another option. ValueError: a mask that has only some of the agents of an environment.
+          TypeError: a seed that is not one whole number, or another option.
+          ValueError: a negative seed; a mask that has only some of the agents of an environment.
         """
-        if seed is not None and not isinstance(seed, int | np.integer):
-            raise TypeError(f"the seed is one number for all environments, not {seed!r}")
         asked = dict(options or {})
         chosen = asked.pop("reset_mask", None)
         if asked:
             raise TypeError(f"there is no option `{next(iter(asked))}`; it is `reset_mask`")
-        super().reset(seed=None if seed is None else int(seed))
+        super().reset(seed=checked_seed(seed))
         return self._slots.reset(seed, chosen), {}
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Plays one step; an action out of range is refused."""
+        """Plays one step; an action that is no whole number, or out of range, is refused."""
         if self.closed:
             raise RuntimeError("the environment is closed")
         made = self._slots.step(actions)
         return made.observations, made.rewards.astype(np.float64), made.terminated, made.truncated, self._infos(made)
 
+    def action_masks(self) -> np.ndarray:
+        """Returns which actions each agent may take next, `[num_envs, num_actions]` bool."""
+        return self._slots.action_masks()
+
     def _infos(self, made: SlotStep) -> dict[str, Any]:
         """Returns arrays by name, each with `_name`, where it holds, as Gymnasium's own vector environments have them."""
-        every = np.ones(self.num_envs, bool)
+        counts, every = by_name(made.events), np.ones(self.num_envs, bool)
         ended = np.zeros(self.num_envs, bool)
         ended[list(made.final)] = True
-        going = dict(made.events) | {f"_{name}": every & ~ended & ~made.began for name in made.events}
+        going = counts | {f"_{name}": every & ~ended & ~made.began for name in counts}
         if not made.final:
             return going
         last = np.full(self.num_envs, None, object)
         for slot, observation in made.final.items():
             last[slot] = observation
-        events = dict(made.events) | {f"_{name}": ended for name in made.events}
+        events = counts | {f"_{name}": ended for name in counts}
         return going | {"final_obs": last, "_final_obs": ended, "final_info": events, "_final_info": ended}
 
 

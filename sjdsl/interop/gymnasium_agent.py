@@ -8,8 +8,10 @@ import jax
 import numpy as np
 
 from sjdsl.factory import make
+from sjdsl.interop.calls import by_name, checked_seed, numbers_of_actions
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
+from sjdsl.interop.spaces import window_high
 from sjdsl.runtime.env import Encoding, Environment
 from sjdsl.runtime.policy import UNTRAINED, Policy, take_actions, with_memory
 
@@ -58,8 +60,7 @@ class AgentGame(gymnasium.Env):
         if not 0 <= agent < self.env.num_agents:
             raise ValueError(f"{self.env.name} has no agent {agent}: 0 to {self.env.num_agents - 1}")
         self.agent, self.render_mode = agent, render_mode
-        _, channels, rows, cols = self.env.observation_shape
-        self.observation_space = spaces.Box(0, 255, (rows, cols, channels), np.uint8)
+        self.observation_space = spaces.Box(0, window_high(self.env), dtype=np.uint8)
         self.action_space = spaces.Discrete(self.env.num_actions)
         self._seen_by_others = make(game, observation="tokens", **arguments)
         self._others = with_memory(_policy_of(others, self._seen_by_others))
@@ -74,7 +75,7 @@ class AgentGame(gymnasium.Env):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode. The same seed gives the same episode, and the same ones after it, under the same actions."""
         del options
-        super().reset(seed=seed)
+        super().reset(seed=checked_seed(seed))
         self._key = jax.random.key(int(self.np_random.integers(2**32)))
         self._key, observation, self._state, mask = self._begin(self._key)
         self._memory, self._over = self._others.start, False
@@ -87,24 +88,27 @@ class AgentGame(gymnasium.Env):
         """Plays one step.
 
         Raises:
-          RuntimeError: no episode is under way. ValueError: a number that is no action.
+          RuntimeError: no episode is under way. TypeError: the action is no whole number. ValueError: it is none of the game's.
         """
         if self._over:
             raise RuntimeError("no episode is under way; call reset")
-        if not 0 <= int(action) < self.env.num_actions:
-            raise ValueError(f"{action} is no action: 0 .. {self.env.num_actions - 1}")
-        self._key, self._memory, observation, self._state, rewards, info = self._advance(
-            self._key, self._memory, self._state, np.int32(action)
-        )
+        chosen = numbers_of_actions([action], self.env.num_actions, lambda _: "")[0]
+        self._key, self._memory, observation, self._state, rewards, info = self._advance(self._key, self._memory, self._state, chosen)
         paid = np.array(rewards)
         self._returns = self._returns + paid
         terminated, truncated = bool(info["terminated"]), bool(info["truncated"])
         self._over = terminated or truncated
         if self.render_mode == "human":
             self.render()
-        infos: dict[str, Any] = {name: int(count) for name, count in info["events"].items()}
+        infos: dict[str, Any] = {name: int(count) for name, count in by_name(info["events"]).items()}
         infos |= {"action_mask": np.array(info["action_mask"]), "rewards": paid}
         return np.array(observation), float(paid[self.agent]), terminated, truncated, infos
+
+    def action_masks(self) -> np.ndarray:
+        """Returns the actions that are allowed next, `[num_actions]` bool, as `MaskablePPO` of sb3-contrib asks for them."""
+        if self._state is None:
+            raise RuntimeError("call reset before action_masks")
+        return np.asarray(self.env.allowed_actions(self._state)[self.agent])
 
     def render(self) -> np.ndarray | str | None:
         """Returns the state as a picture `[height, width, 3]` uint8 or as a text; shows it and returns None where the mode is `human`."""

@@ -11,7 +11,9 @@ from jax import Array
 
 from sjdsl.factory import make as make_environment
 from sjdsl.games_folder import game_names
+from sjdsl.interop.calls import by_name
 from sjdsl.interop.missing import needs
+from sjdsl.interop.spaces import channel_bounds
 from sjdsl.runtime.env import Encoding
 
 with needs("jaxmarl"):
@@ -71,7 +73,7 @@ class JaxMARLGame(MultiAgentEnv):
         self._common_reward, self._shaped_reward, self._terminal_observation = common_reward, shaped_reward, terminal_observation
         _, channels, rows, cols = self.env.observation_shape
         shape = (rows * cols * channels,) if flat else (rows, cols, channels)
-        self.observation_spaces = dict.fromkeys(self.agents, spaces.Box(0.0, 255.0, shape, jnp.float32))
+        self.observation_spaces = dict.fromkeys(self.agents, spaces.Box(0.0, float(channel_bounds(self.env).max()), shape, jnp.float32))
         self.action_spaces = dict.fromkeys(self.agents, spaces.Discrete(self.env.num_actions))
 
     @property
@@ -161,7 +163,8 @@ class JaxMARLGame(MultiAgentEnv):
         """Returns rewards, dones and infos in JaxMARL's form."""
         if self._common_reward:
             reward = jnp.broadcast_to(reward.sum(), reward.shape)
-        counts = {**info["metrics"], **info["events"], "truncated": info["truncated"], "terminated": info["terminated"]}
+        counts = by_name(info["metrics"], "metrics") | by_name(info["events"])
+        counts |= {"truncated": info["truncated"], "terminated": info["terminated"]}
         infos: dict[str, Any] = {name: jnp.broadcast_to(count, (self.num_agents,)) for name, count in counts.items()}
         if self._shaped_reward:
             infos["shaped_reward"] = dict.fromkeys(self.agents, jnp.float32(0))

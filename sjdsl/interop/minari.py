@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.factory import make
+from sjdsl.interop.calls import by_name
 from sjdsl.interop.gymnasium import environment_id
 from sjdsl.interop.missing import needs
 from sjdsl.replay import Dataset, Episode
@@ -78,7 +79,7 @@ def _buffer(episode: Episode, number: int, agent: int, place: int) -> EpisodeBuf
     steps = len(episode.actions)
     assert episode.observations is not None
     last = np.arange(steps) == steps - 1
-    infos: dict[str, Any] = {name: count[:, agent] if count.ndim == 2 else count for name, count in episode.events.items()}
+    infos: dict[str, Any] = {name: count[:, agent] if count.ndim == 2 else count for name, count in by_name(episode.events).items()}
     # Minari has an info for the first observation too
     padded = {name: np.concatenate([np.zeros(1, count.dtype), count]) for name, count in infos.items()}
     return EpisodeBuffer(

@@ -8,8 +8,10 @@ import numpy as np
 
 from sjdsl.factory import make
 from sjdsl.games_folder import game_names
+from sjdsl.interop.calls import action_masks, by_name, numbers_of_actions, seeded_key
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
+from sjdsl.interop.spaces import window_high
 from sjdsl.runtime.env import Encoding
 
 with needs("pettingzoo"):
@@ -23,7 +25,8 @@ class ParallelGame(ParallelEnv):
     """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all leave together.
 
     Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"` is asked for; rewards are raw. An episode ends
-    by truncation, or by termination where the rules say `end`. Infos have the events of the step. An action out of range is refused.
+    by truncation, or by termination where the rules say `end`. Infos have the events of the step, and `action_mask`, `[num_actions]` int8,
+    the actions that are allowed next. An action out of range is refused.
     It can be pickled: what comes back starts where this one stands.
     """
 
@@ -42,13 +45,11 @@ class ParallelGame(ParallelEnv):
         self.render_mode = render_mode
         self.possible_agents = [f"agent_{index}" for index in range(self.env.num_agents)]
         self.agents: list[str] = []
-        _, *window = self.env.observation_shape[1:]
-        box = spaces.Box(0, 255, (*window, self.env.observation_shape[1]), np.uint8)
-        self.observation_spaces = dict.fromkeys(self.possible_agents, box)
+        self.observation_spaces = dict.fromkeys(self.possible_agents, spaces.Box(0, window_high(self.env), dtype=np.uint8))
         self.action_spaces = {agent: spaces.Discrete(self.env.num_actions) for agent in self.possible_agents}
         size = jax.eval_shape(lambda key: self.env.state_vector(self.env.reset(key)[1]), jax.random.key(0)).shape
         self.state_space = spaces.Box(-1.0, 1.0, size, np.float32)
-        self._vector = jax.jit(self.env.state_vector)
+        self._vector, self._allowed = jax.jit(self.env.state_vector), jax.jit(self.env.allowed_actions)
         self._key: Any = None
         self._state: Any = None
         self._returns = np.zeros(self.env.num_agents)
@@ -65,17 +66,15 @@ class ParallelGame(ParallelEnv):
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, np.ndarray], Figures]:
         """Starts an episode. The same seed gives the same episode under the same actions; without one, the draws go on."""
         del options
-        if seed is not None:
-            self._key = jax.random.key(seed)
-        elif self._key is None:
-            self._key = jax.random.key(int(np.random.SeedSequence().generate_state(1)[0]))
+        if seed is not None or self._key is None:
+            self._key = seeded_key(seed)
         self._key, reset_key = jax.random.split(self._key)
         observation, self._state = self.env.reset(reset_key)
         self._returns = np.zeros(self.env.num_agents)
         self.agents = self.possible_agents[:]
         if self.render_mode == "human":
             self.render()
-        return self._of_each(_channels_last(observation)), {agent: {} for agent in self.agents}
+        return self._of_each(_channels_last(observation)), {agent: {"action_mask": mask} for agent, mask in self._masks().items()}
 
     def step(self, actions: Mapping[str, int]) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], Figures]:
         """Plays one step; without agents, after an episode's end, nothing happens."""
@@ -83,19 +82,22 @@ class ParallelGame(ParallelEnv):
             if self._state is None:
                 raise RuntimeError("call reset before step")
             return {}, {}, {}, {}, {}
-        chosen = np.array([self._checked(agent, actions) for agent in self.agents], np.int32)
+        missing = [agent for agent in self.agents if agent not in actions]
+        if missing:
+            raise KeyError(f"no action for {missing[0]}; give one to each of {', '.join(self.agents)}")
+        chosen = numbers_of_actions([actions[agent] for agent in self.agents], self.env.num_actions, lambda i: f" of {self.agents[i]}")
         self._key, step_key = jax.random.split(self._key)
         observation, self._state, reward, done, info = self.env.step_env(step_key, self._state, chosen)
         rewards = np.asarray(reward, np.float64)
         self._returns = self._returns + rewards
-        events = {name: np.asarray(count) for name, count in info["events"].items()}
+        events, masks = {name: np.asarray(count) for name, count in by_name(info["events"]).items()}, self._masks()
         results = (
             self._of_each(_channels_last(observation)),
             {agent: float(value) for agent, value in zip(self.agents, rewards, strict=True)},
             dict.fromkeys(self.agents, bool(info["terminated"])),
             dict.fromkeys(self.agents, bool(info["truncated"])),
             {
-                agent: {name: int(count[index] if count.ndim else count) for name, count in events.items()}
+                agent: {name: int(count[index] if count.ndim else count) for name, count in events.items()} | {"action_mask": masks[agent]}
                 for index, agent in enumerate(self.agents)
             },
         )
@@ -132,13 +134,9 @@ class ParallelGame(ParallelEnv):
             self._state = jax.tree.unflatten(structure, [jax.numpy.asarray(leaf) for leaf in kept["leaves"]])
         self._returns, self.agents = kept["returns"], kept["agents"]
 
-    def _checked(self, agent: str, actions: Mapping[str, int]) -> int:
-        if agent not in actions:
-            raise KeyError(f"no action for {agent}; give one to each of {', '.join(self.agents)}")
-        action = int(actions[agent])
-        if not 0 <= action < self.env.num_actions:
-            raise ValueError(f"{action} is no action of {agent}: 0 .. {self.env.num_actions - 1}")
-        return action
+    def _masks(self) -> dict[str, np.ndarray]:
+        """Returns the actions that are allowed next, by agent."""
+        return self._of_each(action_masks(self.env, self._state, self._allowed).astype(np.int8))
 
     def _of_each(self, values: np.ndarray) -> dict[str, np.ndarray]:
         return dict(zip(self.agents, values, strict=True))

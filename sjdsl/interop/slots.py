@@ -9,6 +9,7 @@ import numpy as np
 from jax import Array
 
 from sjdsl.factory import make
+from sjdsl.interop.calls import action_masks, numbers_of_actions, seeded_key
 from sjdsl.runtime.env import Encoding
 
 
@@ -77,6 +78,7 @@ class Slots:
         self._advance = jax.jit(self._step)
         self._advance_alone = jax.jit(self._step_env)
         self._look = jax.jit(jax.vmap(self.env.observe))
+        self._allowed = jax.jit(jax.vmap(self.env.allowed_actions))
 
     def reset(self, seed: int | None = None, chosen: np.ndarray | None = None) -> np.ndarray:
         """Starts episodes and returns the observations of all; without a seed the draws go on, or begin somewhere at first.
@@ -84,15 +86,14 @@ class Slots:
         Args:
           chosen: `[S]` bool, whose environments to reset; all by default, and the first time.
         Raises:
-          ValueError: `chosen` has another shape, or only some of the agents of an environment.
+          ValueError: `chosen` has another shape, or only some of the agents of an environment; the seed is negative.
+          TypeError: the seed is no whole number.
         """
         envs = np.ones(self.num_envs, bool) if chosen is None else self._whole(chosen)
         if self._state is None:
             envs[:] = True
-        if seed is not None:
-            self._key = jax.random.key(seed)
-        elif self._key is None:
-            self._key = jax.random.key(int(np.random.SeedSequence().generate_state(1)[0]))
+        if seed is not None or self._key is None:
+            self._key = seeded_key(seed)
         self._key, observation, state = self._begin(self._key)
         self._over = self._over & ~envs
         if envs.all():
@@ -108,19 +109,17 @@ class Slots:
           actions: `[S]` integers.
         Raises:
           RuntimeError: before the first reset, or in an environment that has ended and waits for its reset.
-          ValueError: another shape, or a number that is no action.
+          TypeError: actions that are not whole numbers. ValueError: another shape, or a number that is no action.
         """
         if self._state is None:
             raise RuntimeError("call reset before step")
         chosen = np.asarray(actions)
         if chosen.shape != (self.num_slots,):
             raise ValueError(f"actions have shape {chosen.shape}, one for each slot is wanted: ({self.num_slots},)")
-        wrong = (chosen < 0) | (chosen >= self.env.num_actions)
-        if wrong.any():
-            raise ValueError(f"{chosen[wrong][0]} is no action of slot {wrong.argmax()}: 0 .. {self.env.num_actions - 1}")
+        chosen = numbers_of_actions(chosen, self.env.num_actions, lambda slot: f" of slot {slot}")
         if self._autoreset == "never" and self._over.any():
             raise RuntimeError(f"environment {self._over.argmax()} has ended; reset it before the next step")
-        chosen = chosen.reshape(self.num_envs, self.num_agents).astype(np.int32)
+        chosen = chosen.reshape(self.num_envs, self.num_agents)
         begins, same = self._over, self._autoreset == "same step"
         if same:
             self._key, observation, self._state, reward, info = self._advance(self._key, self._state, chosen)
@@ -142,6 +141,12 @@ class Slots:
             began=spread(begins),
             final=self._final(info["terminal_state"], ended) if same else {},
         )
+
+    def action_masks(self) -> np.ndarray:
+        """Returns which actions each slot may take next, `[S, A]` bool. Raises RuntimeError before the first reset."""
+        if self._state is None:
+            raise RuntimeError("call reset before action_masks")
+        return action_masks(self.env, self._state, self._allowed).reshape(self.num_slots, -1)
 
     def _whole(self, chosen: np.ndarray) -> np.ndarray:
         """Returns which environments the chosen slots are."""

@@ -220,7 +220,11 @@ registered_envs = tuple(entries())
 
 
 def _stacked(actions: Sequence[Array] | Array) -> Array:
-    return jnp.stack([jnp.asarray(action, jnp.int32).reshape(()) for action in actions])
+    given = [jnp.asarray(action) for action in actions]
+    for action in given:
+        if not jnp.issubdtype(action.dtype, jnp.integer):
+            raise TypeError(f"actions are {action.dtype}, but they are numbers of actions: whole numbers, such as int32")
+    return jnp.stack([action.astype(jnp.int32).reshape(()) for action in given])
 
 
 def _rows(map_ascii: Sequence[str], entry: Entry) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Observation and action spaces like those of gymnax, for adapters whose library is not installed with them."""
+"""Bounds of observations; spaces like those of gymnax, for adapters whose library is not installed with them."""
 
 import importlib
 import warnings
@@ -8,7 +8,10 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
+
+from sjdsl.runtime.env import Environment
 
 # who else has classes of this manner, the first that can be imported is taken; SocialJax's wrappers accept both
 ELSEWHERE = ("socialjax.environments.spaces", "gymnax.environments.spaces")
@@ -51,6 +54,23 @@ class Box:
 
 class MultiDiscrete(Discrete):
     """No game has one; scripts import the name."""
+
+
+def channel_bounds(env: Environment) -> np.ndarray:
+    """Returns the greatest value of each channel of an observation, `[C]` uint8; the least is 0.
+
+    A one-hot channel has 0 and 1, but for those of numbers, which are shown as they are.
+    """
+    if env.observation == "tokens":
+        return np.array([plane.high for plane in env.token_planes], np.uint8)
+    return np.array([plane.high if plane.encoding == "number" else 1 for plane in env.token_planes for _ in plane.channels], np.uint8)
+
+
+def window_high(env: Environment) -> np.ndarray:
+    """Returns the greatest value of each entry of what an agent sees, `[rows, cols, channels]` uint8."""
+    _, _, rows, cols = env.observation_shape
+    highs = channel_bounds(env)
+    return np.broadcast_to(highs, (rows, cols, len(highs))).copy()
 
 
 def make_box(low: float, high: float, shape: tuple[int, ...]) -> Any:

@@ -5,20 +5,52 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.interop.calls import by_name, checked_seed
 from sjdsl.interop.missing import needs
 from sjdsl.interop.slots import Slots
+from sjdsl.interop.spaces import window_high
 from sjdsl.runtime.env import Encoding
 
 with needs("sb3"):
+    import torch
     from gymnasium import spaces
+    from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
     from stable_baselines3.common.vec_env import VecEnv
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
+
+
+MASKS = "action_masks"
+SIDES, CHANNELS = (5, 3, 3), 32  # of convolutions, as the cnn of `sjdsl.trainers` has them
+
+
+class WindowCNN(BaseFeaturesExtractor):
+    """Convolutions for what an agent sees, `[rows, cols, channels]`, one-hot, also where frames are stacked.
+
+    It goes to `CnnPolicy` as `policy_kwargs={"features_extractor_class": WindowCNN}`: the policy's own network wants pictures of at least
+    36 pixels a side.
+    """
+
+    def __init__(self, observation_space: spaces.Box, features_dim: int = 64) -> None:
+        """`features_dim`: how many numbers come out."""
+        super().__init__(observation_space, features_dim)
+        rows, cols, depth = observation_space.shape
+        layers: list[torch.nn.Module] = []
+        for side in SIDES:
+            layers += [torch.nn.Conv2d(depth, CHANNELS, side, padding="same"), torch.nn.ReLU()]
+            depth = CHANNELS
+        self.layers = torch.nn.Sequential(*layers, torch.nn.Flatten(), torch.nn.Linear(rows * cols * depth, features_dim), torch.nn.ReLU())
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        """Returns `[B, features_dim]` of observations `[B, rows, cols, channels]`."""
+        result: torch.Tensor = self.layers(observations.movedim(-1, 1))
+        return result
 
 
 class VecGame(VecEnv):
     """`num_envs` environments of a game; slot `b * num_agents + i` is agent i of environment b.
 
-    One policy plays all slots: parameters are shared. At an episode's end the observation is that of the next episode, and the slot's
+    Observations are `[rows, cols, channels]` uint8 with bounds of their own: Stable-Baselines3 takes them as they are, and stacks frames
+    along the channels. (What has the bounds 0 and 255 it takes for a picture, divides by 255 and turns round.) One policy plays all slots: parameters are shared. At an episode's end the observation is that of the next episode, and the slot's
     info has `terminal_observation` and `TimeLimit.truncated`, from which Stable-Baselines3 bootstraps. Rewards are raw.
     """
 
@@ -37,7 +69,7 @@ class VecGame(VecEnv):
         self.render_mode = None
         self._actions: np.ndarray | None = None
         self._seed: int | None = None
-        box = spaces.Box(0, 255, self._slots.window, np.uint8)
+        box = spaces.Box(0, window_high(self.env), dtype=np.uint8)
         super().__init__(self._slots.num_slots, box, spaces.Discrete(self.env.num_actions))
 
     def reset(self) -> np.ndarray:
@@ -56,22 +88,27 @@ class VecGame(VecEnv):
             raise RuntimeError("call step_async before step_wait")
         actions, self._actions = self._actions, None
         made = self._slots.step(actions)
-        infos: list[dict[str, Any]] = [{name: int(count[slot]) for name, count in made.events.items()} for slot in range(self.num_envs)]
+        events = by_name(made.events)
+        infos: list[dict[str, Any]] = [{name: int(count[slot]) for name, count in events.items()} for slot in range(self.num_envs)]
         for slot, observation in made.final.items():
             infos[slot] |= {"terminal_observation": observation, "TimeLimit.truncated": bool(made.truncated[slot])}
         return made.observations, made.rewards, made.terminated | made.truncated, infos
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Sets the seed of the next reset, one number for all slots."""
-        self._seed = seed
+        """Sets the seed of the next reset, one number for all slots. Errors: of `sjdsl.interop.calls.checked_seed`."""
+        self._seed = checked_seed(seed)
         return [seed] * self.num_envs
+
+    def action_masks(self) -> np.ndarray:
+        """Returns which actions each slot may take next, `[num_envs, num_actions]` bool."""
+        return self._slots.action_masks()
 
     def close(self) -> None:
         """Nothing is held open."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Returns an attribute of this object or of the game's environment, once for each slot asked for."""
-        owner = self if attr_name in vars(self) else self.env
+        owner = self if attr_name in vars(self) or attr_name == MASKS else self.env
         return [getattr(owner, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
@@ -80,9 +117,10 @@ class VecGame(VecEnv):
         raise AttributeError(f"`{attr_name}` cannot be set for a slot: make the environment with other arguments")
 
     def env_method(self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any) -> list[Any]:
-        """Slots are one program and have no methods of their own."""
-        del method_args, indices, method_kwargs
-        raise AttributeError(f"a slot has no method `{method_name}`")
+        """Slots are one program and have no methods but `action_masks`, for which `MaskablePPO` of sb3-contrib asks."""
+        if method_name == MASKS and not method_args and not method_kwargs:
+            return list(self.action_masks()[list(self._get_indices(indices))])
+        raise AttributeError(f"a slot has no method `{method_name}`, only `{MASKS}`, which takes no arguments")
 
     def env_is_wrapped(self, wrapper_class: type, indices: VecEnvIndices = None) -> list[bool]:
         """Slots are never wrapped."""

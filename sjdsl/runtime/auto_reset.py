@@ -16,14 +16,15 @@ def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Arr
     """Returns the first state of an episode where `done`, else `state`.
 
     For a batch the resets are computed only if some environment is done: a `select` in every step would cost more than most
-    phases. A second `vmap` around turns the choice back into a select; the values are the same.
+    phases. A second `vmap` around turns the choice back into a select; the values are the same. So does a derivative, in both modes.
     """
 
-    @custom_vmap
-    def choose(done: Array, words: Array, params: Params, state: State) -> State:
+    def plain(done: Array, words: Array, params: Params, state: State) -> State:
         return lax.cond(done, lambda: reset(params, words), lambda: state)
 
-    @choose.def_vmap
+    cheap = custom_vmap(plain)
+
+    @cheap.def_vmap
     def batched(size: int, in_batched: Any, done: Array, words: Array, params: Params, state: State) -> tuple[State, Any]:
         done_batched, words_batched, params_batched, state_batched = in_batched
         state = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (size, *x.shape)), state, state_batched)
@@ -35,5 +36,12 @@ def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Arr
             return jax.tree.map(lambda n, o: jnp.where(done.reshape((size,) + (1,) * (o.ndim - 1)), n, o), new, state)
 
         return lax.cond(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
+
+    choose = jax.custom_jvp(cheap)  # of a rule for batches alone JAX takes no derivative backwards
+
+    @choose.defjvp
+    def derivative(values: Any, changes: Any) -> tuple[State, State]:
+        result: tuple[State, State] = jax.jvp(plain, values, changes)
+        return result
 
     return choose(done, words, params, state)

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from sjdsl.runtime.arguments import check_params, check_state, checked_actions
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.module import GameModule
 from sjdsl.runtime.param_arrays import check_arrays
@@ -108,8 +109,10 @@ class Environment:
         They may be traced, by `jax.vmap` for example; of these only shape and dtype are checked. In an environment of `make` all others are as
         `make(params=…)` takes them.
 
-        Raises ValueError: a shape or dtype that is not the parameter's, a value that the game does not take.
+        Raises:
+          TypeError: parameters of another game. ValueError: a shape or dtype that is not the parameter's, a value that the game does not take.
         """
+        check_params(self.module, self.params, params)
         if self._admit is None:
             check_arrays(params, self.params)
         else:
@@ -120,6 +123,7 @@ class Environment:
         """Returns the parameters to play with. They are traced, mostly: their values are not looked at."""
         if params is None:
             return self.params
+        check_params(self.module, self.params, params)
         check_arrays(params, self.params)
         return params
 
@@ -127,7 +131,14 @@ class Environment:
         return f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, {self.num_actions} actions, {self.observation}>"
 
     def _reset(self, key: Array, params: Params | None = None) -> tuple[Array, State]:
-        """Returns the first observation and state of an episode. `key`: a typed key, or two uint32 words (old style)."""
+        """Returns the first observation and state of an episode.
+
+        Args:
+          key: a typed key, or two uint32 words (old style).
+          params: instead of `env.params`.
+        Raises:
+          TypeError, ValueError: something else than one key, or parameters of another game.
+        """
         params = self._given(params)
         state = self.module.reset(params, key_words(key))
         return self._observe(state, params), state
@@ -145,8 +156,8 @@ class Environment:
           `events` int32 `[N]` or scalar counts of this step, `metrics` float32 scalars, `terminal_observation` and
           `terminal_state` (before the reset; they cost nothing under `jit` when unused).
         Raises:
-          TypeError: actions are not whole numbers.
-          ValueError: there is not one action for each agent.
+          TypeError: actions are not whole numbers; a key, a state or parameters that are none of this game.
+          ValueError: there is not one action for each agent; a batch of keys or states.
         """
         params = self._given(params)
         words = key_words(key)
@@ -165,12 +176,8 @@ class Environment:
         return observation, state, reward, done, info
 
     def _transition(self, words: Array, state: State, actions: Array, params: Params) -> tuple[State, Array, Array, Info]:
-        actions = jnp.asarray(actions)
-        if not jnp.issubdtype(actions.dtype, jnp.integer):
-            raise TypeError(f"actions are {actions.dtype}, but they are numbers of actions: whole numbers, such as int32")
-        if actions.shape != (self.num_agents,):
-            raise ValueError(f"actions have shape {actions.shape}, one for each agent is wanted: ({self.num_agents},)")
-        state, out = self.module.step(state, actions.astype(jnp.int32), params, words)
+        check_state(self.module, state)
+        state, out = self.module.step(state, checked_actions(actions, self.num_agents), params, words)
         metrics = self.module.measures(state, params)
         state = state.replace(step=state.step + 1)
         truncated = (state.step >= self.module.episode_length(params)) & ~out.ended
@@ -186,6 +193,7 @@ class Environment:
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
+        check_state(self.module, state)
         tokens = self._tokens(state, self._given(params))
         if self.observation == "tokens":
             return tokens
@@ -193,6 +201,7 @@ class Environment:
 
     def allowed_actions(self, state: State, params: Params | None = None) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
+        check_state(self.module, state)
         return self.module.allowed_actions(state, self._given(params))
 
     @property

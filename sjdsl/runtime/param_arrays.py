@@ -16,8 +16,6 @@ def check_arrays(params: Any, own: Any) -> None:
     Raises ValueError, by the name of the parameter.
     """
     for name in (field.name for field in fields(own)):
-        if not hasattr(params, name):
-            raise ValueError(f"these are not the parameters of this game: they have no `{name}`")
         value, wanted = getattr(params, name), getattr(own, name)
         if not isinstance(value, int | float | np.generic | np.ndarray | jax.Array):
             raise ValueError(f"`{name}` is {value!r}, and an array is wanted: {_told(wanted)}")

@@ -17,14 +17,20 @@ _PARITY = 0x1BD11BDA
 
 
 def key_words(key: Array) -> Array:
-    """Returns the `[2]` uint32 words of a key: typed or old style; a generator other than threefry is asked for two words."""
-    if jnp.issubdtype(key.dtype, jax.dtypes.prng_key):
-        if jax.random.key_impl(key) != "threefry2x32":
-            return jax.random.bits(key, (2,), jnp.uint32)
-        return jax.random.key_data(key)
-    if key.shape != (2,) or key.dtype != jnp.uint32:
-        raise ValueError(f"a key is a typed key (jax.random.key) or two uint32 words, not {key.dtype}{list(key.shape)}")
-    return key
+    """Returns the `[2]` uint32 words of a key: typed or old style; a generator other than threefry is asked for two words.
+
+    Raises TypeError for what is no array, ValueError for an array of another kind, or of several keys.
+    """
+    wanted = "a key is a typed key (jax.random.key) or two uint32 words"
+    if not hasattr(key, "dtype"):
+        raise TypeError(f"{wanted}, not {key!r:.60}")
+    typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
+    if key.shape != (() if typed else (2,)) or not (typed or key.dtype == jnp.uint32):
+        several = "; for a batch of environments, jax.vmap the call" if key.ndim > (0 if typed else 1) else ""
+        raise ValueError(f"{wanted}, not {key.dtype}{list(key.shape)}{several}")
+    if not typed:
+        return key
+    return jax.random.key_data(key) if jax.random.key_impl(key) == "threefry2x32" else jax.random.bits(key, (2,), jnp.uint32)
 
 
 def random_bits_at(key: Array, stream: int, numbers: Array) -> Array:

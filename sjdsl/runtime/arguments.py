@@ -1,0 +1,72 @@
+"""Checks of what callers hand to an environment: of types and shapes alone, so that a compiled step has none of them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from functools import lru_cache
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from sjdsl.runtime.module import GameModule
+
+
+def checked_actions(actions: Any, num_agents: int) -> Array:
+    """Returns actions as `[N]` int32.
+
+    Raises:
+      TypeError: they are no whole numbers. ValueError: there is not one for each agent.
+    """
+    if actions is None or isinstance(actions, Mapping):
+        raise TypeError(f"actions are numbers, one for each agent in their order, not {type(actions).__name__}")
+    given = jnp.asarray(actions)
+    if not jnp.issubdtype(given.dtype, jnp.integer):
+        raise TypeError(f"actions are {given.dtype}, but they are numbers of actions: whole numbers, such as int32")
+    if given.shape != (num_agents,):
+        raise ValueError(f"actions have shape {given.shape}, one for each agent is wanted: ({num_agents},){_for_a_batch(given.ndim - 1)}")
+    return given.astype(jnp.int32)
+
+
+def check_state(module: GameModule, state: Any) -> None:
+    """Looks whether a state is one of the game.
+
+    Raises:
+      TypeError: it is something else, or the state of another game. ValueError: a part of it has another shape.
+    """
+    wanted = _shapes(module.initial_state)
+    if _names(state) != _names(wanted):
+        raise TypeError(
+            f"this is no state of {module.NAME} but {_described(state)}: a state is what `reset` or `step` of the game returned"
+        )
+    for name in _names(wanted):
+        shape, given = getattr(wanted, name).shape, np.shape(getattr(state, name))
+        if shape != given:
+            raise ValueError(f"`{name}` of the state has shape {given}, not {shape}{_for_a_batch(len(given) - len(shape))}")
+
+
+def check_params(module: GameModule, usual: Any, params: Any) -> None:
+    """Looks whether parameters are those of the game. Raises TypeError."""
+    if _names(params) != _names(usual):
+        raise TypeError(f"these are no parameters of {module.NAME} but {_described(params)}: write env.params.replace(name=value)")
+
+
+@lru_cache(maxsize=256)
+def _shapes(initial_state: Callable[[], Any]) -> Any:
+    return jax.eval_shape(initial_state)
+
+
+def _names(value: Any) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(value)) if is_dataclass(value) else ()
+
+
+def _described(value: Any) -> str:
+    """Returns what a value is, in the words of a message."""
+    if not is_dataclass(value):
+        return f"a value of type {type(value).__name__}"
+    return f"a {type(value).__name__} with {', '.join(_names(value)[:4])}, …"
+
+
+def _for_a_batch(axes: int) -> str:
+    return "; for a batch of environments, jax.vmap the call" if axes > 0 else ""
