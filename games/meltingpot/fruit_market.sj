@@ -30,12 +30,13 @@ game fruit_market "Fruit Market: Concentric Rivers" {
     forbid hold, shove, pull when agent.held > 0
   }
   define walks(a)    = a chose forward or a chose backward or a chose step_left or a chose step_right
-  define price(a)    = case a.wants { banana: apple, otherwise: banana }  # what it pays with
+  define price(a)    = case a.wants { banana: apple, otherwise: banana }                 # what it pays with
   define stands(a)   = a.wants is not none and a.bag[price(a)] >= a.pays
   define fits(a, b)  = stands(a) and stands(b) and a.wants is price(b) and b.wants is price(a) and a.asks <= b.pays and b.asks <= a.pays
   define beats(b, c) = b.asks <= c.asks and b.pays >= c.pays and (b.asks < c.asks or b.pays > c.pays)
   define best(a, b) = count(agent as c in disc(4) of a where fits(a, c) and beats(c, b)) == 0  shape arm = line(2)  # Melting Pot
-  define grips(a) = a chose hold or a chose shove or a chose pull
+  define heard(a, b) = stands(b) and count(agent as c in disc(4) of a where c is b) > 0  # Melting Pot: offers that can be paid, near by
+  define grips(a)    = a chose hold or a chose shove or a chose pull
 
   phase start {
     each agent {
@@ -94,7 +95,16 @@ game fruit_market "Fruit Market: Concentric Rivers" {
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show agent.farms  show agent.bag  show agent.wants  show agent.asks  show agent.pays  show agent.stamina  show agent.hunger
-    show other.farms  show other.wants  show other.asks  show other.pays  show other.stamina  hide ground.start
+    show agent.held as { held where agent.held > 0, free }  show other.held as { held where other.held > 0, free }
+    show other.wants as {
+      apple where heard(agent, other) and other.wants is apple, banana where heard(agent, other) and other.wants is banana, none }
+    show other.asks as { two where heard(agent, other) and other.asks == 2, one where heard(agent, other), none }
+    show other.pays as {
+      three where heard(agent, other) and other.pays == 3,
+      two where heard(agent, other) and other.pays == 2,
+      one where heard(agent, other),
+      none }
+    show other.farms  show other.stamina  hide ground.start
   }
   metrics { event eaten by { apple, banana }  event picked  event trades }
   define carried = sum(agent.bag[apple] + agent.bag[banana] over agent)

@@ -12,15 +12,14 @@ game hidden_agenda "Hidden Agenda" {
   param regrow : probability = 0.001           # Melting Pot
   param charge : steps       = 50 in 0 .. 200  # Melting Pot: at the start; one step longer after a vote
   param pause  : steps       = 50 in 0 .. 255  # Melting Pot: after a shot
-  param play : steps = 200 in 1 .. 1000  param vote_time : steps = 25 in 2 .. 1000  # Melting Pot: until a vote; how long it takes
+  param play : steps = 200 in 1 .. 1000  param vote_time : steps = 25 in 1 .. 1000  # Melting Pot: until a vote; how long it takes
 
   kind floor "."  kind wall "#" { blocks agents }  # Melting Pot: the beam passes through
   kind vein "G" { field gem : { none, gem } = gem }
   kind grate "O"  kind start_point "P"
   kind seat "V"  kind jail "D"  map "maps/hidden_agenda.txt"
   field round : { playing, voting } = playing  field delivered : 0 .. goal capped = 0
-  timer clock                      # until the vote begins, or ends
-  field called : { no, yes } = no  # has a shot called the vote in this step?
+  timer clock  # until the vote begins, or ends
 
   agents players {
     acts turn_left, turn_right, step_left, step_right, forward, backward, stay, tag, vote(whom : agent), abstain
@@ -59,7 +58,7 @@ game hidden_agenda "Hidden Agenda" {
     }
     set clock = play - 1
   }
-  schedule grow -> tick -> walk -> gather -> fire -> ballot -> adjourn -> freeze -> verdict
+  schedule grow -> tick -> walk -> gather -> fire -> adjourn -> ballot -> freeze -> verdict
   phase grow { each vein where vein.gem is none { chance regrow { set vein.gem = gem } } }
   phase walk { move each agent }
   phase gather {
@@ -70,16 +69,16 @@ game hidden_agenda "Hidden Agenda" {
     each agent as a where a chose tag {
       mark beam of a  set a.charging = pause
       first agent as b in beam of a { when b.state is active { set b.struck = yes  tally tagged for a } }
-      when count(agent as b where b is not a and b.state is active and sees(b, a)) > targets(a) { set clock = 0  set called = yes }
+      when count(agent as b where b is not a and b.state is active and sees(b, a)) > targets(a) { set clock = 0 }
     }
   }
-  phase ballot {
-    each agent as a where a chose vote { set a.ballot = a.vote.whom.index  tally voted for a }
-    each agent as a where a chose abstain { set a.ballot = players }
+  phase ballot {  # Melting Pot: those of the step in which the vote ends come too late
+    each agent as a where a chose vote and round is voting { set a.ballot = a.vote.whom.index  tally voted for a }
+    each agent as a where a chose abstain and round is voting { set a.ballot = players }
   }
   phase adjourn {
     when clock == 0 and round is playing {
-      set round = voting  set clock = case called { yes: vote_time - 1, no: vote_time }  set called = no  tally votes_held  # Melting Pot
+      set round = voting  set clock = vote_time  tally votes_held
       each agent where agent.state is active { set agent.ballot = players  send agent to seat }
     }
     when clock == 0 and round is voting {

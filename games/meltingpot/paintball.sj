@@ -6,7 +6,7 @@ game paintball "Paintball: Capture the Flag" {
   about our_paradigm "team competition"  # ours: zero-sum between teams, a common interest within each
 
   size players : count = 8 in 2 .. 32                       # Melting Pot; even numbers are red, odd ones blue
-  size full : count = 5  size absence : steps = 80          # Melting Pot: hits that break a wall; how long who is shot is away
+  size full : count = 5  size absence : steps = 81          # Melting Pot: hits that break a wall; how long who is shot is away
   param length : steps = 1000  episode length  param score : reward = 1  # Melting Pot; score: to each of a team, from each of the other
   param broken  : probability = { door: 0.1, hatch: 0.25 }  # Melting Pot: walls that begin broken
   param healing : probability = 0.05                        # Melting Pot: one point of health, per step

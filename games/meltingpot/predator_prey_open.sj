@@ -125,4 +125,9 @@ game predator_prey_open "Predator and Prey: Open" {
   variant alley_hunt "Apples in a maze of dead ends" { set hunters = 5  map "maps/predator_prey_alley_hunt.txt" }   # Melting Pot
   variant orchard "Apples here, acorns there" { set hunters = 5  map "maps/predator_prey_orchard.txt" }             # Melting Pot
   variant random_forest "Acorns, patches of grass" { set hunters = 5  map "maps/predator_prey_random_forest.txt" }  # Melting Pot
+  variant described "Prey cannot move while it eats an acorn, as the description says and the code does not" {
+    agents {
+      forbid forward, backward, step_left, step_right, turn_left, turn_right when agent.tired > 1 or agent.mouth is eating
+    }
+  }
 }

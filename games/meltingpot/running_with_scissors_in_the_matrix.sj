@@ -63,6 +63,10 @@ game running_with_scissors_in_the_matrix "Running with Scissors in the Matrix" e
     observe { window ahead 3, behind 1, left 2, right 2  hide other.badge }                     # Melting Pot
     schedule walk -> tick -> collect -> aim -> wreck -> meet -> settle -> sign
     drop grow  drop close  drop soonest  drop interval  drop ending  drop regrow  drop absence  # nothing comes back
-    phase settle { each agent where agent.frozen == 1 { give agent.owed to agent  end } }
+    timer closing
+    phase settle {
+      each agent where agent.frozen == 1 { give agent.owed to agent  set agent.bag = 1 }
+      when count(agent where agent.frozen == 1) > 0 { set closing = 2 } otherwise when closing == 1 { end }  # Melting Pot: a step later
+    }
   }
 }

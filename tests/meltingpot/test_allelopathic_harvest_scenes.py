@@ -73,7 +73,7 @@ def test_a_second_hit_sends_away_at_a_cost() -> None:
     facts = {"params": {"cooling": 0}, "fields": {"agent.coat": "red"}}
     scene = put("123<....  0", "...^....  1", "..1123..", ".>.....<  23", **facts).step("stay, zap").has({"reward": 0})
     scene.step("stay, zap").has({"reward": [-10, 0, 0, 0], "agent.away": [True, False, False, False], "agent.coat": {0: "none"}})
-    scene.step(times=24).has({"agent.away": {0: True}}).step().has({"agent.away": False, "allowed forward": True, "agent.hits": 0})
+    scene.step(times=26).has({"agent.away": {0: True}}).step().has({"agent.away": False, "allowed forward": True, "agent.hits": 0})
 
 
 def test_growth_is_by_the_number_of_bushes_of_a_colour() -> None:

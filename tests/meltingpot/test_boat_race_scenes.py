@@ -8,7 +8,7 @@ from sjdsl.testing import Scene, Stage
 
 ROWS = ("NNNN", ".hh.", "lnnl", "l..l", "~bb~", "~aa~", "~ww~", "~BB~", "l..l", "lssl", "lHHl", "SSSS", "PPPP")
 STAGE = Stage("boat_race", ROWS, 3, params={"regrow": 0, "flail_moves": 0}, interpreted=True)
-RACE, LAST = 100, 294  # steps of the race, and the one that ends it
+RACE, LAST = 100, 296  # steps of the race, and the one that ends it
 
 
 def put(places: dict[int, tuple[int, int]], step: int = RACE, sign: str = "^", **facts: Any) -> Scene:
@@ -29,9 +29,9 @@ def afloat(row: int = 7, **facts: Any) -> Scene:
 
 def test_barriers_open_with_the_race_and_close_on_the_other_bank() -> None:
     scene = STAGE.put(*ROWS[:9], "lssl", "l^^l  01", "SSSS", "PPP^  2", under={2: "P"}, step=64).step("forward")
-    scene.has({"lights": "yellow", "agent.row": {0: 10}, "barrier.gate": ["open", "open", "shut", "shut"]}).step(times=4)
+    scene.has({"lights": "yellow", "agent.row": {0: 10}, "barrier.gate": ["open", "open", "shut", "shut"]}).step(times=5)
     scene.has({"lights": "yellow"}).step().has({"lights": "green", "barrier.gate": ["shut", "shut", "open", "open"]})
-    scene.step("forward").has({"agent.row": {0: 9}}).step(times=223).has({"lights": "green"}).step().has({"lights": "red"})
+    scene.step("forward").has({"agent.row": {0: 9}}).step(times=224).has({"lights": "green"}).step().has({"lights": "red"})
 
 
 def test_who_enters_a_seat_rows_and_cannot_walk() -> None:
@@ -75,13 +75,14 @@ def test_a_boat_that_arrives_lands_its_rowers_behind_the_barrier() -> None:
 def test_after_a_race_it_goes_back_and_who_has_not_landed_is_out() -> None:
     fields = {"agent.state": {0: "landed", 1: "rowing"}, "tree.fruit": "none", "bunch.fruit": "none"}
     scene = put({0: (1, 1), 1: (6, 2)}, step=LAST, fields=fields).step()
-    scene.has({"agent.away": [False, True, True], "agent.state": {0: "ashore"}, "bound": "south", "event out_of_race": [0, 1, 1]})
-    scene.has({"tree.fruit": ["none"] * 4 + ["ripe"] * 4, "bunch.fruit": "ripe", "lights": "red"})
+    scene.has({"agent.away": [False, True, True], "agent.state": {0: "ashore"}, "lights": "red", "event out_of_race": [0, 1, 1]})
+    scene.has({"bound": "north", "tree.fruit": "none"}).step()
+    scene.has({"bound": "south", "tree.fruit": ["none"] * 4 + ["ripe"] * 4, "bunch.fruit": "ripe", "lights": "red"})
 
 
 def test_when_all_are_out_the_episode_ends_at_the_next_hundred() -> None:
     scene = put({0: (11, 1), 1: (11, 2)}, step=LAST).step().has({"agent.away": True, "terminated": False})
-    scene.step(times=5).has({"terminated": False}).step().has({"terminated": True})
+    scene.step(times=3).has({"terminated": False}).step().has({"terminated": True})
 
 
 def test_apples_grow_on_the_far_bank_only() -> None:

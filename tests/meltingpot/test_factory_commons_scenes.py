@@ -104,10 +104,10 @@ def test_shoving_and_pulling(action: str, gap: int, after: int) -> None:
     scene.has({"agent.heading": ["east", "south"]})
 
 
-@pytest.mark.parametrize("length", [999, 1000, 1001, 1099, 1100])
+@pytest.mark.parametrize("length", [999, 1000, 1098, 1099, 1100, 1199])
 def test_an_episode_ends_by_chance_at_whole_intervals(length: int) -> None:
     scene = OPEN.put("#########", "#>......#", "#.......#", "#......<#", "#########", step=length - 1, params={"ending": 1.0}).step()
-    scene.has({"terminated": length >= 1000 and length % 100 == 0})
+    scene.has({"terminated": length in (1099, 1199)})
 
 
 def test_the_start() -> None:

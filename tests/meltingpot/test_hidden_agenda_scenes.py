@@ -54,14 +54,30 @@ def test_walls_do_not_stop_the_beam_but_the_first_agent_of_a_lane_does() -> None
 
 
 def test_a_witness_calls_a_vote() -> None:
-    """Agent 3 looks at the impostor from three cells away; agent 0 sees it too, and is frozen: it stays where it is."""
+    """Agent 3 looks at the impostor from three cells away; agent 0 sees it too, and is carried to the room, where it is frozen."""
     picture = ("P.G....O..v  1", "P....v.....  0", "P...^..<VVV  43", "P.......VVV", "v...DDDDD..  2")
     scene = put(*picture).step("stay, stay, stay, stay, tag")
     scene.has({"round": "voting", "agent.state": {0: "frozen", 3: "active"}, "event votes_held": 1})
-    assert {scene.under(agent) for agent in (1, 2, 3, 4)} == {"V"}
-    assert scene.places()[0] == (1, 5)
+    assert {scene.under(agent) for agent in range(5)} == {"V"}
     unseen = put(*picture, fields={"agent.state": {3: "frozen"}}).step("stay, stay, stay, stay, tag")
     unseen.has({"round": "playing", "agent.state": {0: "frozen"}})
+
+
+@pytest.mark.parametrize("between", ["#", "."])
+def test_walls_stop_the_rays_that_count_who_can_be_hit(between: str) -> None:
+    """The beam freezes agent 0 two cells ahead, which also sees the impostor: one witness, of whom a wall between them hides that it is in reach."""
+    rows = ("PPPPPVVVVV", ".....DDDDD", f"..{between}.......", "..........")
+    stage = Stage("hidden_agenda", rows, 5, params={"goal": 3}, interpreted=True)
+    fields = {"agent.role": [*CREW, "impostor"], "agent.charging": 0, "clock": 99}
+    scene = stage.put("PPPPPV^^^V  123", "..v..DDDDD  0", rows[2], "..^.......  4", fields=fields).step("stay, stay, stay, stay, tag")
+    scene.has({"round": "voting" if between == "#" else "playing", "agent.state": {0: "frozen"}})
+
+
+def test_everybody_knows_at_once_who_is_frozen() -> None:
+    scene = put("P.G....O..v  1", "P....v.....  0", "P...^...VVV  4", "P.......VV<  3", "v...DDDDD..  2").step(
+        "stay, stay, stay, stay, tag"
+    )
+    assert [scene.seen(agent, "everyone[0].state") for agent in (1, 2)] == ["frozen", "frozen"]
 
 
 def votes(*ballots: int, state: dict[int, str] | None = None, clock: int = 1) -> Scene:
@@ -76,7 +92,7 @@ def test_who_has_half_of_the_votes_is_out() -> None:
     assert scene.under(1) == "D"
     assert {scene.under(agent) for agent in (0, 2, 3, 4)} == {"P"}
     scene.has({"agent.charging": {4: 51}, "clock": 200})
-    votes(1, 5, 1, 5, 0).has({"agent.state": "active"})
+    votes(1, 5, 1, 5, 0).has({"agent.state": "active", "agent.ballot": 5})
     votes(1, 1, 5, 5, 5, state={3: "frozen"}).has({"agent.state": {1: "out"}})
     votes(1, 1, 0, 5, 0, state={3: "frozen"}).has({"agent.state": {0: "out", 1: "active"}})
 
@@ -98,7 +114,9 @@ def test_ballots_can_be_changed_and_taken_back_while_the_vote_lasts() -> None:
 def test_votes_begin_after_two_hundred_steps_and_take_twenty_five(variant: str | None) -> None:
     stage = Stage("hidden_agenda", ROWS, 5, variant=variant, params={"regrow": 0, "goal": 3}, interpreted=True)
     scene = stage.start(3).has({"allowed vote(0)": False}).step(times=198).has({"round": "playing"}).step().has({"round": "voting"})
-    scene.step(times=24).has({"round": "voting"}).step().has({"round": "playing"}).step(times=199).has({"round": "playing"})
+    scene.step(times=24).has({"round": "voting"}).step("vote(0), vote(0), vote(0), vote(0)").has(
+        {"round": "playing", "agent.ballot": 5}
+    ).step(times=199).has({"round": "playing"})
     scene.step().has({"round": "voting"})
     roles = {tuple(stage.start(seed).value("agent.role")).index("impostor") for seed in range(12)}
     assert roles == {4} if variant is None else len(roles) > 2

@@ -116,8 +116,9 @@ def test_all_resources_are_back_when_both_are_away() -> None:
 def test_one_shot_ends_with_the_first_meeting() -> None:
     fields = {"agent.bag": {0: {"rock": 3, "paper": 1, "scissors": 1}, 1: {"rock": 1, "paper": 1, "scissors": 3}}}
     scene = put("PPP.12", ".>.<..", "......", "..PPP.", game="running_with_scissors", variant="one_shot", fields=fields)
-    scene.step("interact").step().has({"terminated": False}).step().has({"terminated": True})
+    scene.step("interact").step().has({"reward": 0}).step().has({"terminated": False, "agent.bag[rock]": 1})
     assert scene.reward == pytest.approx([10 * 4 / 25, -10 * 4 / 25])  # (3, 1, 1) / 5 against (1, 1, 3) / 5
+    scene.step().has({"terminated": True, "reward": 0})
 
 
 def test_fans_meet_the_other_side_alone_and_each_gains_more_by_its_own() -> None:
@@ -133,6 +134,6 @@ def test_fans_meet_the_other_side_alone_and_each_gains_more_by_its_own() -> None
 
 
 def test_episodes_end_by_chance_per_interval() -> None:
-    for last, ends in ((998, False), (999, True), (1000, False), (1099, True)):
+    for last, ends in ((998, False), (999, False), (1097, False), (1098, True), (1099, False), (1198, True)):
         scene = put("PPP.12", ".>.<..", "......", "..PPP.", step=last, params={"ending": 1}).step()
         scene.has({"terminated": ends})

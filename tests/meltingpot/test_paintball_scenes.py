@@ -54,9 +54,9 @@ def test_a_shot_ends_at_who_it_shoots_down_and_passes_all_others() -> None:
     assert paint(scene, "red") == {(1, 1), (1, 2), (1, 3)}
 
 
-def test_who_is_shot_is_away_for_eighty_steps_and_comes_back_at_its_teams_gates() -> None:
+def test_who_is_shot_is_away_for_81_steps_and_comes_back_at_its_teams_gates() -> None:
     scene = put("PP..R...", ">^<v....  0123", "..D.#...", "QQ..B..I", fields={"agent.health": {3: 1}}).step("snipe")
-    scene.step(times=79).has({"agent.away": {3: True}}).step().has({"agent.away": False, "agent.row": {3: 3}, "agent.health": {3: 2}})
+    scene.step(times=80).has({"agent.away": {3: True}}).step().has({"agent.away": False, "agent.row": {3: 3}, "agent.health": {3: 2}})
     assert scene.under(3) == "Q"
 
 

@@ -74,21 +74,38 @@ def test_predators_eat_predators_for_nothing() -> None:
 
 
 def test_an_acorn_is_eaten_in_thirds_by_who_is_rested() -> None:
-    facts = {"fields": {"agent.mouth": {1: "holding"}}}
+    facts = {"fields": {"agent.hand": {1: "acorn"}}}
     tired = put("XXhhPP", "....>.  1", "aan.gg", "<....^  02", fields={**facts["fields"], "agent.stamina": {1: 12}}).step("stay, bite")
-    tired.has({"agent.mouth": {1: "holding"}})
+    tired.has({"agent.hand": {1: "acorn"}, "agent.mouth": "empty"})
     scene = put("XXhhPP", "....>.  1", "aan.gg", "<....^  02", **facts).step("stay, bite").has({"agent.mouth": {1: "eating"}})
-    rewards = [scene.step("stay, forward").reward[1] for _ in range(26)]
+    rewards = [scene.step("stay, stay").reward[1] for _ in range(26)]
     assert [step for step, reward in enumerate(rewards, 1) if reward] == [11, 16, 21]
     assert sum(rewards) == 18
     scene.has({"agent.mouth": {1: "empty"}, "event acorns": [0, 1, 0]})
+
+
+@pytest.mark.parametrize("variant", [None, "described"])
+def test_prey_walks_while_it_eats_and_takes_another_acorn_but_not_as_described(variant: str | None) -> None:
+    stage = Stage("predator_prey_open", ROWS, 3, params={"hunters": 1, "quick": {"prey": 0}}, variant=variant, interpreted=True)
+    fields = {**PREDATOR, "agent.mouth": {1: "eating"}, "agent.chews": {1: 9}}
+    scene = stage.put("XXhhPP", "......", "a>n.gg  1", "<....^  02", fields=fields, params=FIXED).step("stay, forward")
+    scene.has({"agent.moved": {1: variant is None}, "agent.hand": {1: "empty" if variant else "acorn"}, "agent.mouth": {1: "eating"}})
+
+
+def test_all_predators_that_bite_one_prey_are_paid() -> None:
+    """And stay where they are for four steps, in which trying to walk tires them."""
+    stage = Stage("predator_prey_open", ROWS, 3, params={"hunters": 2}, interpreted=True)
+    roles = {"agent.role": ["predator", "predator", "prey"]}
+    scene = stage.put("XXhhPP", "......", "aan.gg", "><<...  021", fields=roles, params=FIXED).step("bite, bite")
+    scene.has({"reward": [1, 1, 0], "event caught": [1, 1, 0], "event eaten": [0, 0, 1], "agent.away": {2: True}})
+    scene.step("backward, stay").has({"agent.moved": False, "agent.stamina": {0: 16, 1: 18}})
 
 
 def test_apples_are_eaten_and_acorns_taken_by_who_is_there() -> None:
     """Who enters or stands there, also when it has just grown. Source: a change of state on a player's cell calls `onEnter`."""
     scene = put("XXhhPP", "......", "a>n.gg  1", "<....^  02", params={"quick": {"prey": 0, "predator": 0}})
     scene.step().has({"reward": [0, 1, 0], "tree.fruit": ["ripe", "none", "ripe"]})
-    scene.step("stay, forward").has({"agent.mouth": {1: "holding"}, "tree.fruit": ["ripe", "none", "none"]})
+    scene.step("stay, forward").has({"agent.hand": {1: "acorn"}, "tree.fruit": ["ripe", "none", "none"]})
     grown = {"growth": {"apple": 1, "acorn": 0}}
     scene = put("XXhhPP", "......", "a>n.gg  1", "<....^  02", fields={"tree.fruit": {(2, 1): "none"}}, params=grown).step()
     scene.has({"reward": [0, 1, 0], "event apples": [0, 1, 0], "tree.fruit": ["ripe", "none", "ripe"]})
