@@ -97,10 +97,10 @@ FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
         lambda: numbers("monotone value rising in argument", SLOPE.format("ramp(pot, low, high)")),
     ),
     "rounding to float32": (exact, lambda: numbers("always pot * 0.05 <= 0.45")),
-    "several roundings": (exact, lambda: numbers("always pot * 1.1 + 1.1 <= 11")),
+    "several roundings": (exact, lambda: numbers("always pot * rate * 10 <= 99")),
     "whole numbers that wrap": (endless, lambda: numbers("always hoard * 10000 >= 0")),
     "other numbers of agents": (one_size, lambda: numbers("always count(agent) <= 3")),
-    "other sizes": (one_size, lambda: numbers("always delta % 3 == 0")),
+    "other sizes": (one_size, lambda: numbers("always free <= 4")),
 }
 
 

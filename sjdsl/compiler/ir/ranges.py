@@ -86,7 +86,6 @@ def range_of(e: ir.Expr) -> Range:
             | ir.Lowest()
             | ir.Local()
             | ir.ArgumentOf()
-            | ir.EventTotal()
         ):
             return _given(e.type)
         case _:
