@@ -36,7 +36,7 @@ from tests.properties.random_checks import many_checks, without
 from tests.properties.random_worlds import ALIKE, encoded, random_params, random_worlds
 from tests.properties.unchanged_rules import asymmetry
 
-CHECKS = 100  # in a game
+CHECKS, EVEN = 100, 4  # in a game; games with no checks but symmetries, as few games are symmetric
 SIZES, TRIES = 2, 4  # other sizes of a game that are looked at, and are tried
 STATES = ("always", "once", "monotone")
 PLAYS, STEPS = 2, 6  # in which `conserved` is looked at
@@ -193,9 +193,9 @@ def hunt_seeds(seeds: Iterator[int], verdicts: int, worlds: int) -> Hunted:
     for seed in seeds:
         if sum(hunted.proofs.values()) >= verdicts:
             break
-        family = random_family(seed)
-        if family is not None:
-            hunt(family, seed, worlds, hunted)
+        for family in (random_family(seed), *(random_family(seed + i * 2**32, 0) for i in range(1, 1 + EVEN))):
+            if family is not None:
+                hunt(family, seed, worlds, hunted)
         jax.clear_caches()
         load_module.cache_clear()
         gc.collect()

@@ -74,7 +74,8 @@ def range_of(e: ir.Expr) -> Range:
             return _one_of([range_of(arm.value) for arm in e.arms], e.type)
         case ir.Ramp():
             value, zero, one = (real(range_of(part)) for part in (e.value, e.zero_at, e.one_at))
-            sound = value.sound and zero.sound and one.sound and zero.largest + one.largest <= FLOAT32
+            differ = apart(e.zero_at, e.one_at) or (zero.steady and one.steady)  # as a guard or a `require` says, to a part in a million
+            sound = value.sound and zero.sound and one.sound and differ and zero.largest + one.largest <= FLOAT32
             return Range(0.0, 1.0, terms=1.0, given=False, sound=sound)
         case (
             ir.ParamRef()
