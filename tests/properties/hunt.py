@@ -82,11 +82,11 @@ def hunt(family: GameFamily, seed: int, worlds: int, hunted: Hunted) -> None:
         for game in (family.own, *_other_sizes(family, random)):
             _hunt_states(game, of_states, random, worlds, hunted, family)
         _hunt_conserved(family.own, by_sort["conserved"], random, hunted, family)
+        compared = {number: asymmetry(family.own, family.own.checks[number], random) for number in by_sort["symmetric"]}
     except NotSupported:
         return
     counted = [*of_states, *by_sort["conserved"]]
-    for number in by_sort["symmetric"]:
-        steps, where = asymmetry(family.own, family.own.checks[number], random)
+    for number, (steps, where) in compared.items():
         counted += [number] if steps else []
         hunted.worlds += steps
         _note(where, number, family, hunted)
