@@ -1,6 +1,6 @@
 """Instances of a game under test: the same rules on other maps and for other numbers of agents."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,7 @@ class GameFamily:
         made = build_composition(self.composition, overrides)
         self.own, self.warnings = made.game, made.warnings
         self._sizes = (overrides or Overrides()).sizes
+        self._sized: dict[tuple[tuple[str, int], ...], ir.Game | None] = {}
         self._laid: dict[tuple[tuple[str, ...], int], ir.Game | None] = {}
 
     def on(self, rows: tuple[str, ...], agents: int) -> ir.Game | None:
@@ -51,6 +52,15 @@ class GameFamily:
             overrides = Overrides(self._sizes, number, rows, row_spans(rows, "map"))
             self._laid[rows, agents] = self._built(overrides)
         return self._laid[rows, agents]
+
+    def in_sizes(self, sizes: Mapping[str, int]) -> ir.Game | None:
+        """Returns the game on its own map in other sizes; None where the compiler refuses that."""
+        key = tuple(sizes.items())
+        if key not in self._sized:
+            if len(self._sized) >= KEPT:
+                self._sized.clear()
+            self._sized[key] = self._built(Overrides({**(self._sizes or {}), **sizes}))
+        return self._sized[key]
 
     def _built(self, overrides: Overrides) -> ir.Game | None:
         try:

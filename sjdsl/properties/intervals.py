@@ -1,7 +1,7 @@
 """Interval analysis: decides conditions from the ranges of the numbers in them, whatever the state."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.ranges import Range, range_of, real
+from sjdsl.compiler.ir.ranges import Range, compared
 
 
 def decide(e: ir.Expr) -> bool | None:
@@ -17,21 +17,15 @@ def decide(e: ir.Expr) -> bool | None:
         case ir.Logic():
             return _logic(e.fn == "and", [decide(a) for a in e.args])
         case ir.Compare():
-            left, right = _compared(e.left, e.right)
+            left, right = compared(e.left, e.right)
             return _compare(e.fn, left, right)
         case ir.InRange():
-            low, value, high = _compared(e.low, e.value, e.high)
+            low, value, high = compared(e.low, e.value, e.high)
             return _logic(True, [_compare("<=", low, value), _compare("<=", value, high)])
         case ir.InWords():
             return True if set(e.value.type.words) <= set(e.words) else None
         case _:
             return None
-
-
-def _compared(*numbers: ir.Expr) -> list[Range]:
-    """Returns the ranges of numbers that are compared: as reals if one of them is one."""
-    whole = all(e.type.kind == "int" for e in numbers)
-    return [range_of(e) if whole else real(range_of(e)) for e in numbers]
 
 
 def _logic(is_and: bool, parts: list[bool | None]) -> bool | None:

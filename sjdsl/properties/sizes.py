@@ -1,37 +1,30 @@
 """The sizes of a game that a check may depend on, and the game in each of these sizes that its file allows."""
 
-from collections.abc import Iterator, Mapping
 from itertools import product
 from math import prod
 
-from sjdsl.compiler import ast, build_composition, ir
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.ir.types import INTEGER_UNITS
+from sjdsl.properties.instances import GameFamily
 
 MOST = 64  # games that are built for one check
 
 
-def in_all_sizes(composition: Composition, check: ir.Check) -> list[ir.Game] | None:
-    """Returns the game in every combination of the sizes that a check may depend on; None if there are too many, or no end to them."""
-    names = _read(composition, check)
-    values = [_values(declared) for name, declared in composition.constants.items() if declared.is_size and name in names]
-    known = [found for found in values if found is not None]
-    if len(known) < len(values) or prod(map(len, known)) > MOST:
+def in_all_sizes(family: GameFamily, check: ir.Check) -> list[ir.Game] | None:
+    """Returns the game in every combination of the sizes that a check may depend on; None if there are too many, or no end to them.
+
+    What the compiler refuses, as a `require` does, is left out.
+    """
+    names = _read(family.composition, check)
+    sizes = {name: _values(declared) for name, declared in family.composition.constants.items() if declared.is_size and name in names}
+    known = [found for found in sizes.values() if found is not None]
+    if len(known) < len(sizes) or prod(map(len, known)) > MOST:
         return None
-    sizes = [name for name, declared in composition.constants.items() if declared.is_size and name in names]
-    return [game for chosen in product(*known) for game in _built(composition, dict(zip(sizes, chosen, strict=True)))]
-
-
-def _built(composition: Composition, sizes: Mapping[str, int]) -> Iterator[ir.Game]:
-    """Yields the game in these sizes, if the compiler takes it: a `require` may leave some out."""
-    try:
-        yield build_composition(composition, Overrides(sizes)).game
-    except CompileError:
-        return
+    built = (family.in_sizes(dict(zip(sizes, chosen, strict=True))) for chosen in product(*known))
+    return [game for game in built if game is not None]
 
 
 def _values(size: ast.Constant) -> range | None:

@@ -167,7 +167,7 @@ def _drawn_numbers(game: ir.Game, sort: str, many: int) -> set[str]:
 def _ends(draw: ir.Draw) -> tuple[float, float]:
     """Returns between which whole numbers is drawn, if these are written; else between none."""
     match draw:
-        case ir.Draw(type=ir.Type(kind="int"), low=ir.Number(value=low), high=ir.Number(value=high)):
+        case ir.Draw(type=ir.Type(kind="int"), low=ir.Number(value=low), high=ir.Number(value=high), weights=()):
             return low, high
         case _:
             return inf, -inf

@@ -170,7 +170,7 @@ def _in_all_sizes(family: GameFamily, number: int, proves: Callable[[ir.Game], b
     """Returns whether a proof of a check succeeds for the game as it is, on its map twice, and in all sizes that it may depend on."""
     if not (proves(family.own) and proves(family.doubled)):
         return False
-    others = in_all_sizes(family.composition, family.own.checks[number])
+    others = in_all_sizes(family, family.own.checks[number])
     return others is not None and all(map(proves, others))
 
 

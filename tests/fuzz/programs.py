@@ -37,8 +37,8 @@ class Program:
     variants: tuple[str, ...] = ()
 
 
-def program(random: Random) -> Program:
-    """Returns a random game."""
+def program(random: Random, checks: Callable[[World], list[Lines]] = checks) -> Program:
+    """Returns a random game. `checks`: makes its checks, and what they need."""
     w = declare(random)
     requires(w)
     for _ in range(random.choice((0, 1, 1, 2, 3))):

@@ -63,7 +63,7 @@ def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: boo
         start = other_world(game, changed, before, s)
         fault = _interpreted(game, changed, start, given, words, wanted, world, s)
         if env is not None and not fault:
-            fault = _compiled(env, start, given, words, wanted)
+            fault = compiled_difference(env, start, given, words, wanted)
         if fault and (drawn.near or tied(game, drawn)):  # on the edge of a computed chance rounding decides, of equal ranks numbers
             tried.left_out += 1
             continue
@@ -105,7 +105,8 @@ def _interpreted(
     return found[0] if found else ""
 
 
-def _compiled(env: OnNumPy, start: World, actions: list[int], words: Table, wanted: tuple[World, Any]) -> str:
+def compiled_difference(env: OnNumPy, start: World, actions: list[int], words: Table, wanted: tuple[World, Any]) -> str:
+    """Returns where the compiled step from a state differs from the state and outcome wanted."""
     state = numpy_state(env, start)
     env.module.random_bits = lambda _, stream, *shape: _of(words, stream, np.arange(int(np.prod(shape, dtype=int))).reshape(shape))
     env.module.random_bits_at = lambda _, stream, numbers: _of(words, stream, np.asarray(numbers))

@@ -82,6 +82,7 @@ game numbers "Numbers" {{
   param most : count = 5 in 0 .. 9
   param pay : reward = 1
   param tip : reward = 0.1 in 0 .. 0.1
+  param rate : reward = 1.1 in 1 .. 1.1
   param huge : count = 1 in 0 .. 100000
   param taste by {{ sour, sweet }} : reward = {{ sour: 0.1, sweet: 0.3 }} in 0.1 .. 0.3
   param loss : reward = -0.1 in -0.1 .. 0.3
@@ -124,6 +125,7 @@ def is_proved(game: GameFamily) -> bool:
         "always tip + tip + tip <= 0.3",
         "always (tip + 0.2) - 0.2 >= 0",
         "always pot * 0.1 * 10 <= 9",
+        "always pot * rate * 10 <= 99",
         "always taste[sour] * 3 <= 0.9",
         "always sum(taste) <= 0.6",
         "always sum(tip over agent) <= 0.6",

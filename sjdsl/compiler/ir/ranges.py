@@ -26,7 +26,8 @@ class Range:
 
     terms: the largest absolute value of what it is a sum of, to which rounding errors are relative. steady: it is no difference of
     such terms, so that they are relative to itself. given: a number that is given, or a whole one: no more than one rounding in it.
-    sound: it is a number; False if it could be infinity minus infinity and the like.
+    sound: it is a number; False if it could be infinity minus infinity and the like. literal: it is computed from written numbers alone,
+    perhaps before they are rounded to float32.
     """
 
     low: float
@@ -36,6 +37,7 @@ class Range:
     steady: bool = True
     given: bool = True
     sound: bool = True
+    literal: bool = False
 
     @property
     def largest(self) -> float:
@@ -46,7 +48,7 @@ def range_of(e: ir.Expr) -> Range:
     """Returns what a number, or an entry of a row of numbers, can be. What is not known here can be anything."""
     match e:
         case ir.Number():
-            return _given(ir.Type(kind=e.type.kind, low=e.value, high=e.value))
+            return replace(_given(ir.Type(kind=e.type.kind, low=e.value, high=e.value)), literal=True)
         case ir.Count(domain=ir.Domain(var=ir.Member(who="cell"), restriction=None, where=None)):
             return _given(e.type.model_copy(update={"low": e.type.high}))
         case ir.Named() | ir.Narrowed():
@@ -72,7 +74,8 @@ def range_of(e: ir.Expr) -> Range:
             return _one_of([range_of(arm.value) for arm in e.arms], e.type)
         case ir.Ramp():
             value, zero, one = (real(range_of(part)) for part in (e.value, e.zero_at, e.one_at))
-            sound = value.sound and zero.sound and one.sound and zero.largest + one.largest <= FLOAT32
+            differ = apart(e.zero_at, e.one_at) or (zero.steady and one.steady)  # as a guard or a `require` says, to a part in a million
+            sound = value.sound and zero.sound and one.sound and differ and zero.largest + one.largest <= FLOAT32
             return Range(0.0, 1.0, terms=1.0, given=False, sound=sound)
         case (
             ir.ParamRef()
@@ -84,7 +87,6 @@ def range_of(e: ir.Expr) -> Range:
             | ir.Lowest()
             | ir.Local()
             | ir.ArgumentOf()
-            | ir.EventTotal()
         ):
             return _given(e.type)
         case _:
@@ -96,12 +98,21 @@ def real(r: Range) -> Range:
     if not r.whole:
         return r
     low, high = _ends(r.low, r.high)
-    return Range(low, high, terms=max(abs(low), abs(high)), sound=r.sound)
+    return Range(low, high, terms=max(abs(low), abs(high)), sound=r.sound, literal=r.literal)
+
+
+def compared(*numbers: ir.Expr) -> list[Range]:
+    """Returns the ranges of numbers that are compared: as reals if one of them is one."""
+    ranges = [range_of(e) for e in numbers]
+    if all(r.whole for r in ranges):
+        return ranges
+    ranges = [real(r) for r in ranges]
+    return [_rounded(r) for r in ranges] if all(r.literal for r in ranges) else ranges
 
 
 def apart(a: ir.Expr, b: ir.Expr) -> bool:
     """Returns whether two numbers are never equal, by their ranges."""
-    left, right = (real(range_of(e)) for e in (a, b))
+    left, right = (real(r) for r in compared(a, b))
     return left.sound and right.sound and (left.high < right.low or right.high < left.low)
 
 
@@ -137,7 +148,8 @@ def _given(type_: ir.Type) -> Range:
 def _whole(low: float, high: float, *parts: Range) -> Range:
     """Returns the range of a whole number; one that can leave int32 can be anything there, as it wraps."""
     inside = INT32[0] <= low and high <= INT32[1]
-    return replace(Range(low, high, whole=True), sound=all(p.sound for p in parts)) if inside else _anything(True)
+    literal, sound = all(p.literal for p in parts), all(p.sound for p in parts)
+    return Range(low, high, whole=True, terms=max(abs(low), abs(high)), literal=literal, sound=sound) if inside else _anything(True)
 
 
 def _rounded(r: Range, often: float = 1) -> Range:
@@ -154,7 +166,7 @@ def _one_of(parts: Iterable[Range], type_: ir.Type) -> Range:
 
 
 def _hull(a: Range, b: Range, low: Callable[..., float] = min, high: Callable[..., float] = max) -> Range:
-    both = (a.steady and b.steady, a.given and b.given, a.sound and b.sound)
+    both = (a.steady and b.steady, a.given and b.given, a.sound and b.sound, a.literal and b.literal)
     return Range(low(a.low, b.low), high(a.high, b.high), a.whole, max(a.terms, b.terms), *both)
 
 
@@ -202,8 +214,9 @@ def _of_reals(fn: str, a: Range, b: Range) -> Range:
         "/": (a.terms / least * max(1.0, b.terms / least) if fn == "/" else 0.0, True),
     }[fn]
     finite = max(a.largest, b.largest) <= FLOAT32
-    r = Range(low, high, terms=terms, steady=steady and a.steady and b.steady, sound=a.sound and b.sound and finite)
-    once = a.given and b.given and fn != "/"  # XLA may multiply by 1 / b
+    literal = a.literal and b.literal
+    r = Range(low, high, terms=terms, steady=steady and a.steady and b.steady, sound=a.sound and b.sound and finite, literal=literal)
+    once = a.given and b.given and fn != "/" and not literal  # XLA may multiply by 1 / b
     if not once or max(abs(low), abs(high)) > FLOAT32:
         return _rounded(r)
     low, high = _ends(low, high)

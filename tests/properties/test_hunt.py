@@ -1,0 +1,117 @@
+"""The hunter of counterexamples: it finds none of what is proved, and one for each wrong rule of proving that is put back."""
+
+from collections.abc import Callable
+from importlib import import_module
+from math import inf
+
+import pytest
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.elaborate import arithmetic
+from sjdsl.compiler.ir import ranges
+from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.properties import GameFamily, effects, intervals, monotonicity, symmetry
+from tests.properties.hunt import Hunted, hunt, hunt_seeds
+from tests.properties.test_false_proofs import PAIR, SEEN, meet, numbers, yard
+
+Put = Callable[[pytest.MonkeyPatch], None]
+FEW = 512
+
+
+def test_nothing_that_is_proved_of_random_games_is_false() -> None:
+    hunted = hunt_seeds(iter(range(90, 200)), 120, FEW)
+    assert not hunted.found
+    assert sum(hunted.proofs.values()) >= 120
+    assert all(hunted.proofs[sort] for sort in ("always", "conserved", "monotone"))
+
+
+@pytest.mark.thorough
+def test_nothing_that_is_proved_of_many_random_games_is_false() -> None:
+    hunted = hunt_seeds(iter(range(10_000, 20_000)), 1000, FEW)
+    assert not hunted.found
+
+
+def by_types(*numbers: ir.Expr) -> list[ranges.Range]:
+    """Returns the intervals of exact numbers."""
+    return [ranges.Range(e.type.low, e.type.high) for e in numbers]
+
+
+def exact(put: pytest.MonkeyPatch) -> None:
+    put.setattr(intervals, "compared", by_types)
+
+
+def share_to_one(put: pytest.MonkeyPatch) -> None:
+    """Of a fraction over a number it is taken for granted that it is a fraction."""
+    exact(put)
+    typed = arithmetic._typed
+
+    def clamped(e: ir.Expr, left: ir.Expr, right: ir.Expr, unit: str, scope: object) -> ir.Expr:
+        made = typed(e, left, right, unit, scope)  # type: ignore[arg-type]
+        is_share = made.type.kind == "real" and unit == "fraction" and isinstance(made, ir.Arithmetic) and made.fn == "/"
+        return made.model_copy(update={"type": made.type.model_copy(update={"low": 0.0, "high": 1.0})}) if is_share else made
+
+    put.setattr(arithmetic, "_typed", clamped)
+
+
+def without_blocks(put: pytest.MonkeyPatch) -> None:
+    put.setattr(effects, "reads_and_blocks", lambda node, _: set(effects.reads(node)))
+
+
+def without_order(put: pytest.MonkeyPatch) -> None:
+    is_even = symmetry._is_even
+    put.setattr(symmetry, "_is_even", lambda shape, _: is_even(shape, False))
+
+
+def without_tables(put: pytest.MonkeyPatch) -> None:
+    put.setattr(symmetry, "_reads_table_by_agent", lambda _: False)
+
+
+def ramp_of_the_file(put: pytest.MonkeyPatch) -> None:
+    """The order of the ends of a ramp is that of the file's own numbers."""
+    values = {"low": 2, "high": 5}
+    put.setattr(monotonicity, "compares", lambda a, fn, b, _: holds(ir.Compare(fn=fn, left=a, right=b), values))
+
+
+def endless(put: pytest.MonkeyPatch) -> None:
+    """Whole numbers are never too large."""
+    put.setattr(ranges, "INT32", (-inf, inf))
+
+
+def one_size(put: pytest.MonkeyPatch) -> None:
+    put.setattr(import_module("sjdsl.properties.verify_properties"), "in_all_sizes", lambda *_: [])
+
+
+SLOPE = "define value = {}  define argument = pot"
+FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
+    "a fraction over a number": (share_to_one, lambda: numbers("always share / 0.1 <= 1")),
+    "what blocks a shape": (without_blocks, lambda: yard(SEEN, "each door { set door.open = yes }")),
+    "an agent who blocks a shape": (
+        without_blocks,
+        lambda: yard(SEEN, "each door { set door.open = yes }  each agent { set agent.tall = yes }"),
+    ),
+    "the order of a shape": (without_order, lambda: meet("mirror", PAIR)),
+    "a whole table by agent": (without_tables, lambda: meet("agents", "set purse = gift")),
+    "a sum of a table by agent and an entry of it": (without_tables, lambda: meet("agents", "each agent { give gift[agent] to agent }")),
+    "a ramp whose ends differ": (
+        ramp_of_the_file,
+        lambda: numbers("monotone value rising in argument", SLOPE.format("ramp(pot, low, high)")),
+    ),
+    "rounding to float32": (exact, lambda: numbers("always pot * 0.05 <= 0.45")),
+    "several roundings": (exact, lambda: numbers("always pot * rate * 10 <= 99")),
+    "whole numbers that wrap": (endless, lambda: numbers("always hoard * 10000 >= 0")),
+    "other numbers of agents": (one_size, lambda: numbers("always count(agent) <= 3")),
+    "other sizes": (one_size, lambda: numbers("always free <= 4")),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_wrong_rule_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    put, game = FAULTS[name]
+    found = Hunted()
+    with monkeypatch.context() as patched:
+        put(patched)
+        hunt(game(), 0, FEW, found)
+    assert found.found
+    found = Hunted()
+    hunt(game(), 0, FEW, found)
+    assert not found.found
