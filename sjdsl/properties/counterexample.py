@@ -133,7 +133,8 @@ def _open(e: ir.Node) -> Iterator[ir.Node]:
 
 
 def _own(game: ir.Game, name: str) -> Value:
-    return next(number.value for number in (*game.params, *game.sizes) if number.name == name)
+    values = {param.name: param.value for param in game.params} | {size.name: size.value for size in game.sizes}
+    return values[name]
 
 
 def shown(value: Value) -> str:
