@@ -25,7 +25,7 @@ from sjdsl.trace.rules import Rules
 STEPS = 60  # of random play in which a phase is looked for
 SCENES = 3  # shown
 SECONDS = 10.0  # at most, for the episodes of one check
-QUICK = Effort(examples=60, episodes=0)  # small maps only: the interpreter plays them in seconds
+QUICK = Effort(examples=60, episodes=0)  # no whole episodes: the interpreter plays these in seconds
 CHUNK = 25  # steps between looks at the clock
 
 

@@ -40,7 +40,9 @@ def describe_counterexample(family: GameFamily, counterexample: Counterexample) 
 
 def opening(family: GameFamily, scenario: Scenario) -> str:
     """Returns in words where a counterexample is played: how many agents on which map, and the parameters that differ."""
-    numbers = "".join(f", {name} = {shown(value)} (the file: {shown(_own(family.own, name))})" for name, value in scenario.params)
+    numbers = "".join(
+        f", {name} = {shown(value)} (the file: {shown(_own(family.own, name))})" for name, value in (*scenario.params, *scenario.sizes)
+    )
     where = "the game's own map" if family.is_own(scenario.rows) else "a small map"
     return f"{scenario.agents} agent{'s' * (scenario.agents != 1)} on {where}{numbers}"
 
@@ -131,7 +133,8 @@ def _open(e: ir.Node) -> Iterator[ir.Node]:
 
 
 def _own(game: ir.Game, name: str) -> Value:
-    return next(p.value for p in game.params if p.name == name)
+    values = {param.name: param.value for param in game.params} | {size.name: size.value for size in game.sizes}
+    return values[name]
 
 
 def shown(value: Value) -> str:

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from sjdsl.agent_range import agent_range
+from sjdsl.agent_range import agent_range, number_of_agents
 from sjdsl.compiler import Build, ast, build_composition, ir
 from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 FEW = range(1, 5)  # numbers of agents on small maps
+MORE = 4  # agents more than the file has, where it allows them
 KEPT = 512  # layouts remembered
+Sizes = tuple[tuple[str, Any], ...]  # those that differ from the file's, by name
 
 
 class GameFamily:
@@ -38,29 +40,23 @@ class GameFamily:
         made = build_composition(self.composition, overrides)
         self.own, self.warnings = made.game, made.warnings
         self._sizes = (overrides or Overrides()).sizes
-        self._sized: dict[tuple[tuple[str, int], ...], ir.Game | None] = {}
-        self._laid: dict[tuple[tuple[str, ...], int], ir.Game | None] = {}
+        self._laid: dict[tuple[tuple[str, ...], int, Sizes], ir.Game | None] = {}
 
-    def on(self, rows: tuple[str, ...], agents: int) -> ir.Game | None:
-        """Returns the game on another map with so many agents; None where the compiler refuses that."""
-        if (rows, agents) == (self.own.rows, self.own.agents.number):
+    def on(self, rows: tuple[str, ...], agents: int, sizes: Sizes = ()) -> ir.Game | None:
+        """Returns the game on another map with so many agents and some other sizes; None where the compiler refuses that."""
+        if (rows, agents, sizes) == (self.own.rows, self.own.agents.number, ()):
             return self.own
-        if (rows, agents) not in self._laid:
+        if (rows, agents, sizes) not in self._laid:
             if len(self._laid) >= KEPT:
                 self._laid.clear()
             number = None if agents == self.own.agents.number else agents
-            overrides = Overrides(self._sizes, number, rows, row_spans(rows, "map"))
-            self._laid[rows, agents] = self._built(overrides)
-        return self._laid[rows, agents]
+            overrides = Overrides({**(self._sizes or {}), **dict(sizes)}, number, rows, row_spans(rows, "map"))
+            self._laid[rows, agents, sizes] = self._built(overrides)
+        return self._laid[rows, agents, sizes]
 
     def in_sizes(self, sizes: Mapping[str, int]) -> ir.Game | None:
         """Returns the game on its own map in other sizes; None where the compiler refuses that."""
-        key = tuple(sizes.items())
-        if key not in self._sized:
-            if len(self._sized) >= KEPT:
-                self._sized.clear()
-            self._sized[key] = self._built(Overrides({**(self._sizes or {}), **sizes}))
-        return self._sized[key]
+        return self.on(self.own.rows, self.own.agents.number, tuple(sizes.items()))
 
     def _built(self, overrides: Overrides) -> ir.Game | None:
         try:
@@ -78,9 +74,20 @@ class GameFamily:
 
     @cached_property
     def most_agents(self) -> int:
-        """The greatest number of agents that the game takes on its own map, as far as the limits of its file go."""
-        limits = agent_range(self.composition, self.own.agents.number)
-        return self.own.agents.number if limits is None else limits[2]
+        """The greatest number of agents, a few more than the file's, that the game takes on its own map."""
+        own = self.own.agents.number
+        return max((n for n in range(own + 1, own + 1 + MORE) if self.on(self.own.rows, n) is not None), default=own)
+
+    @cached_property
+    def free_sizes(self) -> tuple[ir.Size, ...]:
+        """The sizes for which the file gives limits in numbers, typed with these, but the one that is the number of agents."""
+        of_agents, found = number_of_agents(self.composition), []
+        for size in self.own.sizes:
+            declared = self.composition.constants[size.name]
+            if declared is not of_agents and isinstance(declared.low, ast.Int) and isinstance(declared.high, ast.Int):
+                limits = size.type.model_copy(update={"low": declared.low.value, "high": declared.high.value})
+                found.append(size.model_copy(update={"type": limits}))
+        return tuple(size for size in found if size.name not in (self._sizes or {}))
 
     @cached_property
     def sends_later(self) -> bool:
@@ -91,7 +98,8 @@ class GameFamily:
     @cached_property
     def crowded(self) -> ir.Game:
         """The game on its own map with as many agents as the file allows there."""
-        return self.on(self.own.rows, self.most_agents) or self.own
+        allowed = agent_range(self.composition, self.own.agents.number)
+        return (None if allowed is None else self.on(self.own.rows, allowed[2])) or self.own
 
     @cached_property
     def few_agents(self) -> tuple[int, ...]:

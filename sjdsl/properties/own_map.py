@@ -48,7 +48,7 @@ class OwnMapSearch(Search):
             return
         self.record.number += 1
         scenario = self._like(lead.scenario)
-        game = self.family.on(scenario.rows, scenario.agents)
+        game = self.family.on(scenario.rows, scenario.agents, scenario.sizes)
         assert game is not None
         trajectory = play(game, scenario, 0, self._checks(game))
         for goal in script:
@@ -63,10 +63,10 @@ class OwnMapSearch(Search):
         return [(lead, script) for lead, script in self._leads if lead.number not in found]
 
     def _like(self, other: Scenario) -> Scenario:
-        """Returns a start on the own map; half of them with the parameters of another scenario and, where the game takes it, its agents."""
+        """Returns a start on the own map; half of them with the numbers of another scenario, where the game takes them."""
         start = self._start(self.family, self._random, False) or own_start(self.family, self._random)
-        if self._random.random() < ALIKE and self.family.on(start.rows, other.agents) is not None:
-            return replace(start, agents=other.agents, params=other.params, policies=(None,) * other.agents)
+        if self._random.random() < ALIKE and self.family.on(start.rows, other.agents, other.sizes) is not None:
+            return replace(start, agents=other.agents, params=other.params, sizes=other.sizes, policies=(None,) * other.agents)
         return start
 
     def _choose_goal(self, missing: Collection[StatementId]) -> Goal:

@@ -34,11 +34,13 @@ def random_start(family: GameFamily, random: Random, crowded: bool = False) -> S
     rows = family.own.rows if _is_small(family) and random.random() < OWN_MAP else random_map(family, agents, random)
     if family.on(rows, agents) is None:
         rows += _of_each(family.glyphs, len(rows[0]))
-    game = family.on(rows, agents)
+    sizes = random_sizes(family, random)
+    sizes = sizes if family.on(rows, agents, sizes) is not None else ()
+    game = family.on(rows, agents, sizes)
     if game is None:
         return None
     params = _required(game, random_numbers(game, random))
-    return Scenario(rows, agents, params, random.randrange(2**16), (), (), (None,) * agents)
+    return Scenario(rows, agents, params, random.randrange(2**16), (), (), (None,) * agents, sizes=sizes)
 
 
 def own_start(family: GameFamily, random: Random) -> Scenario:
@@ -48,16 +50,17 @@ def own_start(family: GameFamily, random: Random) -> Scenario:
 
 
 def start_on_own_map(family: GameFamily, random: Random, crowded: bool = False) -> Scenario | None:
-    """Returns a scenario without a step on the game's own map; half of them with other parameters, or another number of agents."""
+    """Returns a scenario without a step on the game's own map; half of them with other parameters and sizes, or other numbers of agents."""
     del crowded
     own = own_start(family, random)
     if random.random() < AS_WRITTEN:
         return own
     agents = random.choice([own.agents, *family.few_agents, random.randint(own.agents, family.most_agents)])
-    game = family.on(own.rows, agents)
-    if game is None:  # a `require` excludes the number
+    sizes = random_sizes(family, random)
+    game = family.on(own.rows, agents, sizes)
+    if game is None:  # a `require` excludes the numbers
         return own
-    return replace(own, agents=agents, params=_required(game, random_numbers(game, random)), policies=(None,) * agents)
+    return replace(own, agents=agents, params=_required(game, random_numbers(game, random)), policies=(None,) * agents, sizes=sizes)
 
 
 def random_map(family: GameFamily, agents: int, random: Random) -> tuple[str, ...]:
@@ -101,6 +104,12 @@ def random_numbers(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ..
     fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
     changed = [p for p in game.params if p.name not in fixed and random.random() < OTHERS]
     return tuple((p.name, _value(p.value, p.type, random)) for p in changed)
+
+
+def random_sizes(family: GameFamily, random: Random) -> tuple[tuple[str, Value], ...]:
+    """Returns some sizes that differ from the file's, inside their limits."""
+    changed = [(size, _value(size.value, size.type, random)) for size in family.free_sizes if random.random() < OTHERS]
+    return tuple((size.name, value) for size, value in changed if value != size.value)
 
 
 def _value(own: Any, type_: ir.Type, random: Random) -> Value:

@@ -231,7 +231,7 @@ class Search:
         for _ in range(STARTS):
             start = own_start(self.family, random) if on_own and random.random() < OWN else None
             scenario = start or self._start(self.family, random, on_own)
-            game = None if scenario is None else self.family.on(scenario.rows, scenario.agents)
+            game = None if scenario is None else self.family.on(scenario.rows, scenario.agents, scenario.sizes)
             if scenario is None or game is None:
                 return found
             found = scenario, play(game, scenario, 0, self._checks(game))
@@ -290,7 +290,7 @@ def simplest_counterexample(family: GameFamily, counterexample: Counterexample, 
     on_own = family.is_own(counterexample.scenario.rows) and not effort.any_map
 
     def attempt(scenario: Scenario) -> Counterexample | None:
-        game = family.on(scenario.rows, scenario.agents)
+        game = family.on(scenario.rows, scenario.agents, scenario.sizes)
         if game is None or scenario.agents not in (*family.few_agents, counterexample.scenario.agents):
             return None
         checks = (

@@ -29,7 +29,7 @@ def size(scenario: Scenario, stay: int) -> tuple[int, ...]:
         len(scenario.actions),
         scenario.agents,
         scripted,
-        len(scenario.params),
+        len(scenario.params) + len(scenario.sizes),
         cells,
         acting,
         kinds,
@@ -74,6 +74,8 @@ def _simpler(scenario: Scenario, game: ir.Game, stay: int, plain: str | None) ->
     yield from _shortcuts(scenario, len(game.agents.actions))
     for i in range(len(scenario.params)):
         yield replace(scenario, params=scenario.params[:i] + scenario.params[i + 1 :])
+    for i in range(len(scenario.sizes)):
+        yield replace(scenario, sizes=scenario.sizes[:i] + scenario.sizes[i + 1 :])
     yield from _plainer_actions(scenario, stay)
     yield from () if plain is None else _plainer_maps(scenario, plain)
     for seed in range(min(scenario.seed, SEEDS)):

@@ -22,7 +22,7 @@ from sjdsl.properties.scripted_policies import choose
 class Scenario:
     """Everything that determines a trajectory.
 
-    rows: the map. params: parameters that differ from the file's. seed, episode: of the random draws; bias: of the draws of each step.
+    rows: the map. params, sizes: parameters and sizes that differ from the file's. seed, episode: of the random draws; bias: of the draws of each step.
     actions: of each agent in each step; policies: for each agent a scripted policy, or None: it takes `actions`.
     """
 
@@ -34,6 +34,7 @@ class Scenario:
     actions: tuple[tuple[int, ...], ...]
     policies: tuple[ir.Policy | None, ...]
     episode: int = 0
+    sizes: tuple[tuple[str, Value], ...] = ()
 
 
 @dataclass

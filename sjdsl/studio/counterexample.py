@@ -25,6 +25,7 @@ def as_json(scenario: Scenario) -> dict[str, Any]:
         "rows": list(scenario.rows),
         "agents": scenario.agents,
         "params": [[name, _plain(value)] for name, value in scenario.params],
+        "sizes": [[name, _plain(value)] for name, value in scenario.sizes],
         "seed": scenario.seed,
         "episode": scenario.episode,
         "bias": list(scenario.bias),
@@ -40,7 +41,9 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     if len(request.actions) >= LONGEST:
         raise TooLong(f"the studio keeps {LONGEST} moments of an episode, and this counterexample has more")
     family = GameFamily(opened.source, opened.composition.chosen)
-    game = family.on(request.rows, request.agents)
+    sizes = tuple((name, _held(value)) for name, value in request.sizes)
+    known = {name for name, _ in request.sizes} <= {size.name for size in family.free_sizes}
+    game = family.on(request.rows, request.agents, sizes) if known else None
     names = {} if game is None else {param.name for param in game.params}
     if game is None or any(name not in names for name, _ in request.params):
         raise NoReplay(
@@ -60,6 +63,7 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
         actions=request.actions,
         policies=(None,) * request.agents,
         episode=request.episode,
+        sizes=sizes,
     )
     trajectory = play(game, scenario)
     if not trajectory.worlds:

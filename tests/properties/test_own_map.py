@@ -196,3 +196,15 @@ def test_episodes_of_other_policies_say_what_they_did_not_reach() -> None:
     (verdict,) = verify_properties(small_game(expects, RARE, text=SHORT), EFFORT).verdicts
     assert verdict.status == "passed"
     assert "orchard.sj:29  tally zaps for agent" in verdict.unreached
+
+
+def test_sizes_that_the_file_allows_are_played() -> None:
+    more = "size most : count = 2 in 1 .. 5  size fixed : count = 2  field busy : 0 .. 9 = 0"
+    rule = "set busy = min(busy + count(agent where agent chose zap), most)"
+    for check, passes in (("always busy <= 2", False), ("always busy <= most", True)):
+        family = small_game(check, rule, more)
+        assert [size.name for size in family.free_sizes] == ["most"]
+        (verdict,) = verify_properties(family, Effort(examples=300, episodes=0, tries=60)).verdicts
+        assert verdict.passed is passes
+        assert passes or (verdict.scenario is not None and dict(verdict.scenario.sizes)["most"] in (3, 5))
+        assert passes or "(the file: 2)" in verdict.trace[0]
