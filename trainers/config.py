@@ -57,7 +57,7 @@ def _odd(value: int) -> int:
     return value
 
 
-def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any], Any]:
+def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, ValidationInfo], Any]:
     """Returns a check of `names` and of what users bring along: a function that is passed gets a name, and what is named is found at once.
 
     In a stored configuration names stay names: to find them would run their code.
