@@ -56,7 +56,10 @@ def _inside(game: str, folder: Path) -> str:
         raise click.ClickException(f"there is no file `{game}`; `sjdsl new NAME` makes a game")
     if not path.is_relative_to(folder):
         raise click.ClickException(f"`{game}` is outside this folder: start the studio in the game's own folder, {path.parent}")
-    return path.relative_to(folder).as_posix()
+    inside = path.relative_to(folder).as_posix()
+    if any("\ud800" <= character <= "\udfff" for character in inside):
+        raise click.ClickException(f"the name `{ascii(inside)[1:-1]}` is not UTF-8, and no page can show it: give the file another")
+    return inside
 
 
 def _listen(port: int | None) -> socket.socket:

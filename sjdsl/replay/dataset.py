@@ -177,7 +177,7 @@ def _is_whole(episode: Episode) -> bool:
     return (
         (len(shape), episode.actions.dtype.kind) == (2, "i")
         and (episode.rewards.shape, episode.rewards.dtype.kind) == (shape, "f")
-        and (seen is None or (seen.ndim, seen.shape[:2], seen.dtype) == (5, (shape[0] + 1, shape[1]), np.dtype(np.uint8)))
+        and (seen is None or (seen.ndim, seen.shape[:2], seen.dtype.name) == (5, (shape[0] + 1, shape[1]), "uint8"))
         and all(count.shape in (shape, shape[:1]) and count.dtype.kind in "iu" for count in episode.events.values())
     )
 

@@ -64,7 +64,9 @@ def _checked(root: Path, name: str, game: str, deep: int) -> Path:
         raise PolicyRefused(f"`{name}` was trained on the game `{trained_on}`, and this is `{game}`: choose a run of this game")
     own = next((thing for thing in (str(config.get("network", "")), *partners) if ":" in thing), None)
     if own is not None:
-        raise PolicyRefused(f"`{name}` needs Python code of your own ({own}), which the studio does not run; `sjdsl play --others` does")
+        raise PolicyRefused(
+            f"`{name}` needs Python code of your own ({own}), which the studio does not run; `sjdsl play --others --allow-code` does"
+        )
     for partner in partners:
         if partner not in UNTRAINED and (not partner.isidentifier() or _is_there(root, partner)):  # else the file declares it
             if not deep:
