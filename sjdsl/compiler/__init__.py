@@ -31,6 +31,8 @@ from sjdsl.compiler.lower import NotSupported, lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.program import Program
 
+TRIED = 5  # conflicts for which changes are tried, which are compiled
+
 
 class Build(Record):
     """A checked game: its typed rules, the warnings, and the texts they came from by name."""
@@ -148,8 +150,15 @@ def _with_ways_out(found: list[Diagnostic], game: Composition, overrides: Overri
         return accepted_ways(d, found, tried)
 
     changed: list[Diagnostic] = []
+    tried_for, told = 0, set[tuple[str, ...]]()
     for d in found:
-        if isinstance(d, CONFLICTS):
+        if isinstance(d, errors.WriteConflict | errors.AddAndSet):
+            field = (d.code, d.phase, d.name.rpartition(".")[2])
+            if field in told:  # who mends the first conflict of a field often mends the others
+                continue
+            told.add(field)
+        if isinstance(d, CONFLICTS) and tried_for < TRIED:
+            tried_for += 1
             changed.append(replace(d, accepted=Tried(partial(accepted, d, ways_out))))
         elif isinstance(d, REPAIRED) and d.span.file == game.file:
             changed.append(replace(d, repairs=Tried(partial(accepted, d, repairs))))

@@ -39,6 +39,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
         what = f"a schedule of more than {limits.MAX_TURNS} turns"
         scope.problems.add(errors.Unsupported(game.schedule.span, what=what))
         return ()
+    _check_written(game, game.schedule, scope)
     for turn in game.schedule.turns:
         with scope.problems.survive():
             made = _turn(turn, game, scope, labels, functions)
@@ -52,6 +53,19 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     return tuple(turns)
 
 
+def _check_written(game: Composition, schedule: ast.Schedule, scope: Scope) -> None:
+    """Reports the phases that a schedule names and nobody has written: each that is like another one alone, the rest together."""
+    known = [*game.phases, "tick"]
+    missing = {turn.name.text: turn.name.span for turn in reversed(schedule.turns) if turn.name.text not in known}
+    alike = {name: nearest(name, known) for name in reversed(missing)}
+    others = tuple(name for name, like in alike.items() if not like)
+    for name, like in alike.items():
+        if like or len(others) == 1:
+            scope.problems.add(errors.PhaseNotWritten(missing[name], name=name, nearest=like))
+    if len(others) > 1:
+        scope.problems.add(errors.PhasesNotWritten(missing[others[0]], name=others[0], names=others))
+
+
 def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], functions: Names) -> ir.Turn | None:
     name = turn.name.text
     if name == "tick":
@@ -60,7 +74,7 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], fu
         return ir.Tick(origin=turn.span)
     phase = game.phases.get(name)
     if phase is None:
-        raise scope.problems.fail(errors.PhaseNotWritten(turn.name.span, name=name, nearest=nearest(name, [*game.phases, "tick"])))
+        return None
     if name == "start":
         raise scope.problems.fail(errors.StartScheduled(turn.name.span, name=name))
     if len(turn.arguments) != len(phase.parameters):

@@ -58,6 +58,16 @@ class PhaseNotWritten(StartScheduled):
     nearest: str
 
 
+class PhasesNotWritten(StartScheduled):
+    says = "phases {listed} are scheduled but not written"
+    hints = ("write each, `phase {name} {{ … }}`, or take it out of the schedule",)
+    names: tuple[str, ...]
+
+    @property
+    def listed(self) -> str:
+        return ", ".join(f"`{name}`" for name in self.names)
+
+
 class NoEvent(NotKnown, code="SJ107", title="Event not declared"):
     says = "event `{name}` is not declared in `metrics`"
     hints = ("write `event {name}` in `metrics`, or did you mean `{near.nearest}`?", "write `event {name}` in `metrics`")
