@@ -15,6 +15,7 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.sweeps.axes import as_number, read_axis
 from sjdsl.sweeps.plan import Asked, Plan, plan_sweep
 from sjdsl.sweeps.protocols import ANGLES
+from sjdsl.trainers.run_errors import DiskError
 
 if TYPE_CHECKING:
     from sjdsl.sweeps.cells import Describe
@@ -118,7 +119,6 @@ def command(
     with stages(LOADING):
         from sjdsl.sweeps.engines import Crew
         from sjdsl.sweeps.running import check_sweep, sweep
-        from sjdsl.trainers.run_errors import DiskError
 
     crew = Crew(engine, workers, options, "auto", lambda line: click.echo(line, err=True))
     if dry_run:

@@ -53,5 +53,6 @@ def released_game(name: str) -> ir.Game:
 def unread(entry: Entry, game: ir.Game) -> list[str]:
     """Returns our channels that say more than the released ones."""
     read = {name for source in [*entry.tiles, *entry.rest] for name in channels_of(source, game.agents.number)}
+    read |= {name for layer in entry.layers for name in layer}
     known = {*read, *HEADINGS, "agent: none", *(f"content: {look}" for look in entry.plain)}
     return [name for name in channel_names(token_planes(game)) if name not in known]

@@ -75,8 +75,11 @@ class SocialJaxGame:
         self._info, self._flat = entry.info, not cnn
         self._frame = (self.env.module.FRAME[1], self.env.module.PAD, entry.compass == "turned round")
         depth, self._channels = make_channels(self.env, entry)
-        self._rewards = make_rewards(mode, self.num_agents)
-        self._scale = 1 if mode.shared_rewards else self.num_agents  # of one's own reward, before it is shaped
+        self._rewards = make_rewards(mode, self.num_agents, entry.scaled)
+        shaped = mode.inequity_aversion or mode.svo or mode.interest
+        self._scale = (
+            1 if mode.shared_rewards or not (entry.scaled or shaped) else self.num_agents
+        )  # of one's own reward, before it is shaped
         moves = ACTIONS[entry.compass]
         self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
         rows, cols = self.env.observation_shape[2:]
@@ -189,8 +192,8 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
 
     Args:
       env_id: `registered_envs` has them.
-      kwargs: `num_agents`, `num_inner_steps` (1000), `num_outer_steps` (1), `cnn`, `jit`, `obs_size` (11), `map_ASCII`, those that
-        choose the reward (`socialjax_rewards.Mode`), and the game's own.
+      kwargs: `num_agents`, `num_inner_steps` (1000; lb_foraging 100), `num_outer_steps` (1), `cnn`, `jit`, `obs_size` (11; lb_foraging's
+        is `sight`, 8), `map_ASCII`, those that choose the reward (`socialjax_rewards.Mode`), and the game's own.
     Raises:
       ValueError: an id or a value that there is not. TypeError: a keyword that there is not; both say which there are.
     """
@@ -198,24 +201,25 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
         raise ValueError(f"there is no `{env_id}`; the ids are {', '.join(entries())}")
     entry, given = entries()[env_id], dict(kwargs)
     modes = {field.name for field in fields(Mode)}
-    known = {*modes, *entry.kwargs, *COMMON} | ({"map_ASCII"} if entry.letters else set())
+    window, side = entry.window
+    known = {*modes, *entry.kwargs, *COMMON, window} | ({"map_ASCII"} if entry.letters else set())
     unknown = sorted(set(given) - known)
     if unknown:
         raise TypeError(f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}")
-    if given.get("obs_size", 11) != 11:
-        raise ValueError("obs_size is 11; another window is another game: change its `observe` line")
-    steps = int(given.get("num_inner_steps", 1000))
+    if given.get(window, side) != side:
+        raise ValueError(f"{window} is {side}; another window is another game: change its `observe` line")
+    steps = int(given.get("num_inner_steps", entry.steps))
     params = {ours: given[theirs] for theirs, ours in entry.kwargs.items() if theirs in given}
     arguments: dict[str, Any] = {"params": {"length": steps, **params}}
     if given.get("num_agents") is not None:
         arguments["num_agents"] = given["num_agents"]
     if given.get("map_ASCII") is not None:
         arguments["map"] = _rows(given["map_ASCII"], entry)
-    mode = Mode(**{name: given[name] for name in modes & set(given)})
+    mode = Mode(**{"shared_rewards": entry.shared_rewards, **{name: given[name] for name in modes & set(given)}})
     return SocialJaxGame(entry, mode, steps, int(given.get("num_outer_steps", 1)), bool(given.get("cnn", True)), **arguments)
 
 
-COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit", "obs_size")
+COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")
 registered_envs = tuple(entries())
 
 

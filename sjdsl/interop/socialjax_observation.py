@@ -1,6 +1,7 @@
 """Converts observations to the one-hot channels of SocialJax, in its order."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import jax.numpy as jnp
 from jax import Array
@@ -17,6 +18,8 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     Args:
       env: with one-hot observations.
     """
+    if entry.layers:
+        return len(entry.layers), partial(_layers, entry.layers, env.channel_names)
     index = {name: number for number, name in enumerate(env.channel_names)}
     turned = TURNED if entry.headings == "left first" else (TURNED[0], TURNED[3], TURNED[2], TURNED[1])
     headings = [f"agent: other {name}" for name in turned]
@@ -40,3 +43,11 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
 def _one_by_one(source: str, num_agents: int) -> list[str]:
     """Returns a source for each channel of theirs: for what is shown of everyone one an agent."""
     return channels_of(source, num_agents) if source.startswith(EVERYONE) else [source]
+
+
+def _layers(layers: Sequence[Mapping[str, int]], names: Sequence[str], observation: Array) -> Array:
+    """Returns `[N, rows, cols, layers]` float32: weighted sums of channels. What is the observer's own is at its own cell only."""
+    planes = {name: observation[:, number].astype(jnp.float32) for number, name in enumerate(names)}
+    own = planes["agent: self"]
+    sums = [sum(weight * planes[name] * (own if name.startswith("agent.") else 1.0) for name, weight in layer.items()) for layer in layers]
+    return jnp.stack(sums, axis=-1)

@@ -29,9 +29,10 @@ class Mode:
     s_interest_change_every: int = 30_000_000
 
 
-def make_rewards(mode: Mode, num_agents: int) -> Callable[[Array, Array], tuple[Array, dict[str, Array]]]:
+def make_rewards(mode: Mode, num_agents: int, scaled_alone: bool = True) -> Callable[[Array, Array], tuple[Array, dict[str, Array]]]:
     """Returns the function `(raw [N], timestep) -> rewards [N], further infos`.
 
+    `scaled_alone`: whether rewards that are not shaped are multiplied by the number of agents, too.
     Where nobody is rewarded SVO deducts as the suite does, which takes the angle to be 0; inequity aversion deducts nothing, by its
     formula.
     """
@@ -50,7 +51,7 @@ def make_rewards(mode: Mode, num_agents: int) -> Callable[[Array, Array], tuple[
         if mode.interest:
             kept = _kept(mode, timestep)
             return exchanged(scaled, kept), {"s_interest": jnp.broadcast_to(kept, raw.shape)}
-        return scaled, {}
+        return (scaled if scaled_alone else raw), {}
 
     return rewards
 

@@ -31,12 +31,17 @@ class Entry(_Row):
     """One id."""
 
     game: str
-    tiles: list[Source]
-    plain: list[str]
-    headings: Literal["left first", "right first"]
+    tiles: list[Source] = []
+    plain: list[str] = []
+    headings: Literal["left first", "right first"] = "left first"
     compass: Literal["turned round", "as ours"] = "turned round"
-    rest: list[str]
-    info: dict[str, Figure]
+    rest: list[str] = []
+    layers: list[dict[str, int]] = []  # instead of tiles, agents and rest: numbers, each a sum of channels of ours
+    window: tuple[str, int] = ("obs_size", 11)  # the keyword for its side, and the only value that there is here
+    steps: int = 1000  # of an episode
+    shared_rewards: bool = True  # unless asked otherwise
+    scaled: bool = True  # whether individual rewards are multiplied by the number of agents
+    info: dict[str, Figure] = {}
     kwargs: dict[str, str] = {}
     letters: dict[str, str] = {}
 

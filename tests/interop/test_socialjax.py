@@ -274,3 +274,89 @@ def test_flat_observations_and_pictures() -> None:
     assert observation.shape == (2, 11 * 11 * 14)
     picture = env.render(state)
     assert picture.dtype == np.uint8 and picture.ndim == 3
+
+
+# Level-Based Foraging: figures of the released code, in loops over its cells
+
+FORAGER_STAY, NORTH, SOUTH, WEST, EAST, LOAD = range(6)
+
+
+def foragers(cells: list[tuple[int, int]], levels: list[int], foods: dict[tuple[int, int], int], **kwargs: Any) -> tuple[Any, Any]:
+    """Returns a game and a state of it with agents and foods of these levels on these cells, and nothing else."""
+    env = socialjax.make("lb_foraging", num_agents=len(cells), **kwargs)
+    _, state = resets(env, 0)
+    ground = [(r, c) for r, line in enumerate(env.env.game.rows) for c, glyph in enumerate(line) if glyph == "."]
+    food = jnp.asarray([foods.get(cell, 0) for cell in ground], state.game.floor_food.dtype)
+    state = with_agent(env, state, cells, [0] * len(cells))
+    return env, state.replace(game=state.game.replace(floor_food=food, agent_level=jnp.asarray(levels, state.game.agent_level.dtype)))
+
+
+def released_view(env: Any, cells: list[tuple[int, int]], levels: list[int], foods: dict[tuple[int, int], int], agent: int) -> np.ndarray:
+    """Released code: 8 x 8 cells from four rows above and four columns to the left; levels of agents, of food, and what is no wall."""
+    rows = env.env.game.rows
+    seen = np.zeros((8, 8, 3))
+    for r in range(8):
+        for c in range(8):
+            cell = (cells[agent][0] - 4 + r, cells[agent][1] - 4 + c)
+            if not (0 <= cell[0] < len(rows) and 0 <= cell[1] < len(rows[0])):
+                continue
+            seen[r, c, 0] = levels[cells.index(cell)] if cell in cells else 0
+            seen[r, c, 1] = foods.get(cell, 0)
+            seen[r, c, 2] = rows[cell[0]][cell[1]] != "#"
+    return seen
+
+
+def released_rewards(cells: list[tuple[int, int]], levels: list[int], foods: dict[tuple[int, int], int], actions: list[int]) -> np.ndarray:
+    """Released code: the level of the food in proportion to one's own; 0.1 less for each food where levels do not suffice."""
+    earned = np.zeros(len(cells))
+    for (row, col), food in foods.items():
+        who = [n for n, (r, c) in enumerate(cells) if abs(r - row) + abs(c - col) == 1 and actions[n] == LOAD]
+        together = sum(levels[n] for n in who)
+        for n in who:
+            earned[n] += levels[n] * food / together if together >= food else -0.1
+    return earned
+
+
+CELLS = [(2, 3), (3, 2), (4, 4), (5, 6)]
+FOODS = {(3, 3): 3, (1, 3): 2, (5, 5): 1, (4, 6): 3}
+
+
+@pytest.mark.parametrize("levels", [[1, 2, 1, 2], [2, 2, 2, 2], [1, 1, 1, 1], [2, 1, 2, 1]])
+@pytest.mark.parametrize("loading", [(0,), (0, 1), (0, 1, 2, 3), (3,), ()])
+def test_foragers_see_and_earn_what_they_do_in_the_released_code(levels: list[int], loading: tuple[int, ...]) -> None:
+    env, state = foragers(CELLS, levels, FOODS)
+    seen = env.get_obs(state)
+    assert seen.shape == (4, 8, 8, 3)
+    for agent in range(4):
+        np.testing.assert_array_equal(seen[agent], released_view(env, CELLS, levels, FOODS, agent))
+    actions = [LOAD if agent in loading else FORAGER_STAY for agent in range(4)]
+    _, _, reward, _, info = env.step_env(jax.random.key(1), state, actions)
+    wanted = released_rewards(CELLS, levels, FOODS, actions)
+    np.testing.assert_allclose(reward, wanted, atol=1e-6)
+    np.testing.assert_allclose(info["original_rewards"], wanted, atol=1e-6)
+    shared, same = foragers(CELLS, levels, FOODS, shared_rewards=True)
+    np.testing.assert_allclose(shared.step_env(jax.random.key(1), same, actions)[2], [wanted.sum()] * 4, atol=1e-5)
+    scaled, same = foragers(CELLS, levels, FOODS, svo=True)
+    np.testing.assert_allclose(scaled.step_env(jax.random.key(1), same, actions)[4]["original_rewards"], 4 * wanted, atol=1e-5)
+
+
+@pytest.mark.parametrize(("action", "cell"), [(NORTH, (2, 2)), (SOUTH, (4, 2)), (WEST, (3, 1)), (EAST, (3, 3)), (LOAD, (3, 2))])
+def test_foragers_go_where_they_do_in_the_released_code(action: int, cell: tuple[int, int]) -> None:
+    env, state = foragers([(3, 2), (1, 5)], [1, 1], {(5, 1): 3})
+    _, after, *_ = env.step_env(jax.random.key(1), state, [action, FORAGER_STAY])
+    assert after.agent_locs[0, :2].tolist() == [*cell]
+    env, state = foragers([(3, 2), (1, 5)], [1, 1], {cell: 3} if action != LOAD else {(5, 1): 3})
+    _, after, *_ = env.step_env(jax.random.key(1), state, [action, FORAGER_STAY])
+    assert after.agent_locs[0, :2].tolist() == [3, 2], "food is in the way"
+
+
+def test_the_last_food_ends_an_episode_of_foraging() -> None:
+    env, state = foragers([(2, 3), (4, 4)], [1, 2], {(1, 3): 1})
+    _, _, reward, done, _ = env.step_env(jax.random.key(1), state, [LOAD, FORAGER_STAY])
+    assert (reward.tolist(), bool(done["__all__"])) == ([1.0, 0.0], True)
+    assert env.num_inner_steps == 100
+    with pytest.raises(ValueError, match="sight is 8; another window is another game"):
+        socialjax.make("lb_foraging", sight=5)
+    fewer = socialjax.make("lb_foraging", num_food=2, max_food_level=5, max_player_level=3, load_penalty=0.5)
+    _, state = resets(fewer, 1)
+    assert int((state.game.floor_food > 0).sum()) == 2

@@ -109,3 +109,21 @@ def test_files_that_may_not_grow(arguments: list[str], whole: Path, tmp_path: Pa
     assert "could not be written: File too large" in last
     _resume(run_dir)
     assert_same_end(run_dir, whole)
+
+
+@pytest.mark.parametrize("wait", [0.0, 0.7, 1.5])
+def test_ctrl_c_while_the_program_is_compiled(games: Path, tmp_path: Path, wait: float) -> None:
+    """The manifest is written before; nothing is kept, and the process ends as it is told, whatever XLA is at."""
+    run_dir = tmp_path / "run"
+    process = start_sjdsl("train", str(games / "orchard.sj"), *ARGUMENTS["ippo"], "--set", f"gamma={0.9 + wait / 100}", "--run", run_dir)
+    until = time.monotonic() + 120
+    while not (run_dir / "manifest.json").exists():
+        assert process.poll() is None
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    time.sleep(wait)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 130, out + err
+    assert err.splitlines()[-1] == "interrupted"
+    assert read_manifest(run_dir)["status"] == "interrupted"
