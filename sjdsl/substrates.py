@@ -1,7 +1,8 @@
 """Reads `games/meltingpot.toml`, the table of Melting Pot's substrates: which bundled game and variant each of them is here."""
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -9,7 +10,7 @@ from sjdsl.games_folder import games_folder
 from sjdsl.near_names import meant
 
 FILE = "meltingpot.toml"
-KEYS = {"game", "variant", "roles", "differs", "wanting"}
+KEYS = {"game", "variant", "roles", "observations", "differs", "wanting"}
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,8 @@ class Substrate:
       game: the bundled game it is; empty if it has not been written.
       variant: of that game; empty for the game as it is.
       roles: the players' roles there, in the order of our agents; empty where all are `default`.
+      observations: what a player observes there beside its picture, by its name there, and what it is made of here: a rule of
+        `sjdsl.interop.melting_pot_observations`.
       differs: what is not as there, and why; one sentence each.
       wanting: what cannot be said, and the construct that it would want; one sentence each.
     """
@@ -29,6 +32,7 @@ class Substrate:
     game: str = ""
     variant: str = ""
     roles: tuple[str, ...] = ()
+    observations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     differs: tuple[str, ...] = ()
     wanting: tuple[str, ...] = ()
 
@@ -45,7 +49,7 @@ def _substrate(name: str, entry: dict[str, Any]) -> Substrate:
         raise ValueError(f"{FILE}: `{name}` has no key `{key}`{meant(key, sorted(KEYS))}")
     lists = {key: tuple(entry.get(key, ())) for key in ("differs", "wanting")}
     roles = tuple(role for role, number in entry.get("roles", {}).items() for _ in range(number))
-    return Substrate(name, entry.get("game", ""), entry.get("variant", ""), roles, **lists)
+    return Substrate(name, entry.get("game", ""), entry.get("variant", ""), roles, entry.get("observations", {}), **lists)
 
 
 def written_substrates() -> list[Substrate]:

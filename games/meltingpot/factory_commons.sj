@@ -6,7 +6,7 @@ game factory_commons "Factory of the Commons: Either Or" extends "shared/endings
   size  strength   : count = 18              # Melting Pot: stamina of the rested
   size  work       : steps = 17              # Melting Pot: from taking a cube in to being open again
   param first_out  : steps = 11 in 1 .. 16   # Melting Pot: a cube, or two apples, come so long after the cube went in
-  param second_out : steps = 14 in 1 .. 16   # Melting Pot: the apple that follows a cube
+  param second_out : steps = 13 in 1 .. 16   # Melting Pot: the apple that follows a cube
   param pays : reward = 1  param odds : probability = 0.5  # Melting Pot: an apple; that a cube is there at first, where one may be
   param tired : count = 7 in 1 .. 18         # Melting Pot: below it, each step of walking costs a rest
   param rest : steps = 2  param long_rest : steps = 6                             # Melting Pot; the long one: at no stamina
@@ -122,8 +122,10 @@ game factory_commons "Factory of the Commons: Either Or" extends "shared/endings
     define earlier(a, b) = a.row < b.row or a.row == b.row and a.col < b.col
     # Melting Pot
     define at_work(m)    = count(mouth as o where o is not m and o.clock >= work - 16 and (o.clock < work or earlier(o, m))) > 0
-    schedule feed -> jam -> run -> walk -> land -> eat -> handle -> take_hold -> push -> tire -> tick -> finish
-    phase jam { each mouth where mouth.clock == work and at_work(mouth) { add 1 to jammed[mouth.makes] } }
+    schedule feed -> run -> jam -> walk -> land -> eat -> handle -> take_hold -> push -> tire -> tick -> finish
+    phase jam {  # its own mouth stays open
+      each mouth where mouth.clock == work and at_work(mouth) { add 1 to jammed[mouth.makes]  set mouth.clock = 0 }
+    }
     phase run {
       each mouth where mouth.clock == work { tally fed[mouth.makes] }
       each floor as f where f.place is upper {

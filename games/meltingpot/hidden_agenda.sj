@@ -56,7 +56,7 @@ game hidden_agenda "Hidden Agenda" {
       send agent to start_point  set agent.badge = agent.index  set agent.charging = charge
       when agent.index == players - 1 { set agent.role = impostor }  # Melting Pot
     }
-    set clock = play - 1
+    set clock = play
   }
   schedule grow -> tick -> walk -> gather -> fire -> adjourn -> ballot -> freeze -> verdict
   phase grow { each vein where vein.gem is none { chance regrow { set vein.gem = gem } } }
@@ -119,7 +119,7 @@ game hidden_agenda "Hidden Agenda" {
   variant by_lot "the impostor is drawn by lot" {
     phase start {
       each agent { send agent to start_point  set agent.badge = agent.index  set agent.charging = charge }
-      pick 1 agent { set agent.role = impostor }  set clock = play - 1
+      pick 1 agent { set agent.role = impostor }  set clock = play
     }
   }
 }

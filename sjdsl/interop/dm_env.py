@@ -10,6 +10,7 @@ import numpy as np
 from sjdsl.factory import make
 from sjdsl.games_folder import bundled
 from sjdsl.interop.calls import numbers_of_actions, seeded_key
+from sjdsl.interop.melting_pot_observations import observe
 from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot
 from sjdsl.render.board import Tiles, draw_board
@@ -18,6 +19,7 @@ from sjdsl.render.snapshot import Snapshot
 from sjdsl.render.windows import NONE, OUTSIDE, draw_windows, where_seen
 from sjdsl.runtime.actions import BUILT_IN
 from sjdsl.runtime.env import Environment
+from sjdsl.substrates import Substrate as Entry
 from sjdsl.substrates import substrates
 
 with needs("dm_env"):
@@ -32,9 +34,10 @@ TILE = 8  # pixels of a cell's side, as in Melting Pot
 class Substrate(dm_env.Environment):
     """One environment of a game: actions, rewards and observations are lists, one entry a player.
 
-    Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; `READY_TO_SHOOT`, 1 where all of the game's own actions
-    are allowed, in games that have some; `COLLECTIVE_REWARD`, the sum of the step's rewards; `WORLD.RGB`, the whole board. Rewards are
-    raw. An episode's last step has discount 1 where it is cut off, 0 where the rules end it. A step after it, or before
+    Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; of a substrate of Melting Pot, what else a player observes
+    there, such as `READY_TO_SHOOT`, `INVENTORY` or `STAMINA` (docs/meltingpot.md says which are left out); of another game that has actions
+    of its own, `READY_TO_SHOOT`, 1 where all of them are allowed; `COLLECTIVE_REWARD`, the sum of the step's rewards; `WORLD.RGB`, the whole
+    board. Rewards are raw. An episode's last step has discount 1 where it is cut off, 0 where the rules end it. A step after it, or before
     `reset`, begins an episode, as dm_env has it.
     """
 
@@ -51,6 +54,8 @@ class Substrate(dm_env.Environment):
         """
         self.env = _make(game, arguments)
         self._key = seeded_key(seed)
+        entry = _entry(game, arguments)
+        self._told: Mapping[str, Any] | None = None if entry is None else entry.observations
         self._look = replace(make_look(self.env.game), tile=tile)
         self._sees = jax.jit(self.env.module.observe)
         self._tiles: Tiles = {}
@@ -98,8 +103,10 @@ class Substrate(dm_env.Environment):
         rows, cols = self.env.observation_shape[2:]
         tile = self._look.tile
         spec: dict[str, specs.Array] = {"RGB": specs.Array((rows * tile, cols * tile, 3), np.uint8, "RGB")}
-        if self._own_actions:
-            spec["READY_TO_SHOOT"] = specs.Array((), np.float64, "READY_TO_SHOOT")
+        shapes = jax.eval_shape(self.env.reset, self._key)[1]
+        nothing = jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), shapes)
+        for name, values in self._beside_the_picture(nothing).items():
+            spec[name] = specs.Array(values.shape[1:], values.dtype, name)
         spec["COLLECTIVE_REWARD"] = specs.Array((), np.float64, "COLLECTIVE_REWARD")
         board = (self._look.height * tile, self._look.width * tile, 3)
         spec["WORLD.RGB"] = specs.Array(board, np.uint8, "WORLD.RGB")
@@ -124,15 +131,22 @@ class Substrate(dm_env.Environment):
         snapshot = take_snapshot(self.env, self._state, rewards)
         board = draw_board(self._look, snapshot, self._tiles)
         windows = self._windows(board, snapshot)
-        ready = np.all(np.asarray(self.env.allowed_actions(self._state))[:, self._own_actions], axis=1)
+        told = self._beside_the_picture(self._state)
         collective = np.array(rewards.sum())
         observations = []
         for player, window in enumerate(windows):
-            seen = {"RGB": window, "COLLECTIVE_REWARD": collective, "WORLD.RGB": board}
-            if self._own_actions:
-                seen["READY_TO_SHOOT"] = np.array(float(ready[player]))
-            observations.append(seen)
+            own = {name: np.asarray(values[player]) for name, values in told.items()}
+            observations.append({"RGB": window, **own, "COLLECTIVE_REWARD": collective, "WORLD.RGB": board})
         return observations
+
+    def _beside_the_picture(self, state: Any) -> dict[str, np.ndarray]:
+        """Returns the players' other observations by name, `[N, …]` each."""
+        if self._told is not None:
+            return {name: observe(self.env, state, rule) for name, rule in self._told.items()}
+        if not self._own_actions:
+            return {}
+        ready = np.all(np.asarray(self.env.allowed_actions(state))[:, self._own_actions], axis=1)
+        return {"READY_TO_SHOOT": ready.astype(np.float64)}
 
     def _windows(self, board: np.ndarray, snapshot: Snapshot) -> np.ndarray:
         """Returns what each player sees of the board: nothing beyond its own window, and no agent that is hidden from it."""
@@ -193,13 +207,19 @@ def _make(game: str, arguments: Mapping[str, Any]) -> Environment:
     `clean_up` names both: it is the substrate, and with the argument `variant` (None: the game as it is) the game.
     Raises ValueError for a substrate that is not there yet.
     """
-    entry = substrates().get(game)
-    if entry is None or (game in bundled() and ("variant" in arguments or not entry.game)):
+    entry = _entry(game, arguments)
+    if entry is None:
         return make(game, **arguments)
     if not entry.game:
         raise ValueError(f"the substrate `{game}` has not been written yet; docs/meltingpot.md has those that are there")
     variant = "+".join(name for name in (entry.variant, arguments.get("variant")) if name)
     return make(entry.game, **{**arguments, "variant": variant or None})
+
+
+def _entry(game: str, arguments: Mapping[str, Any]) -> Entry | None:
+    """Returns the substrate that is meant; None if it is a game."""
+    entry = substrates().get(game)
+    return None if entry is None or (game in bundled() and ("variant" in arguments or not entry.game)) else entry
 
 
 def _roles(game: str, number: int) -> tuple[str, ...]:

@@ -21,16 +21,16 @@ def at_machine(sort: str, hand: str = "cube") -> Scene:
 
 @pytest.mark.parametrize("sort", ["S", "G"])
 def test_a_cube_over_a_mouth_is_taken_in_and_turned_into_apples(sort: str) -> None:
-    """Eleven steps later a cube, or two apples; with a cube, an apple after fourteen. The mouth takes the next cube in the eighteenth."""
+    """Eleven steps later a cube, or two apples; with a cube, an apple after thirteen. The mouth takes the next cube in the eighteenth."""
     made = {"S": "cube_and_apple", "G": "two_apples"}[sort]
     scene = at_machine(sort).step().has({"agent.hand": "none", f"event fed[{made}]": 1})
     scene.step("", 10)
     assert "here" not in scene.value("floor.cube") + scene.value("floor.apple")
     scene.step()
     assert (scene.value("floor.cube").count("here"), scene.value("floor.apple").count("here")) == ((1, 0) if sort == "S" else (0, 2))
-    scene.step("", 3)
+    scene.step("", 2)
     assert (scene.value("floor.cube").count("here"), scene.value("floor.apple").count("here")) == ((1, 1) if sort == "S" else (0, 2))
-    for step in range(15, 18):
+    for step in range(14, 18):
         assert max(scene.value("mouth.clock")) == 18 - step
         scene.step()
     scene.has({"mouth.clock": 0})

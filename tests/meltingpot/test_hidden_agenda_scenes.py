@@ -113,7 +113,7 @@ def test_ballots_can_be_changed_and_taken_back_while_the_vote_lasts() -> None:
 @pytest.mark.parametrize("variant", [None, pytest.param("by_lot", marks=pytest.mark.thorough)])
 def test_votes_begin_after_two_hundred_steps_and_take_twenty_five(variant: str | None) -> None:
     stage = Stage("hidden_agenda", ROWS, 5, variant=variant, params={"regrow": 0, "goal": 3}, interpreted=True)
-    scene = stage.start(3).has({"allowed vote(0)": False}).step(times=198).has({"round": "playing"}).step().has({"round": "voting"})
+    scene = stage.start(3).has({"allowed vote(0)": False}).step(times=199).has({"round": "playing"}).step().has({"round": "voting"})
     scene.step(times=24).has({"round": "voting"}).step("vote(0), vote(0), vote(0), vote(0)").has(
         {"round": "playing", "agent.ballot": 5}
     ).step(times=199).has({"round": "playing"})
