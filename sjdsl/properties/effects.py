@@ -17,15 +17,14 @@ def is_untouched(e: ir.Expr, game: ir.Game, sent_away: bool = False) -> bool:
 
 def reads_and_blocks(node: ir.Node, game: ir.Game) -> set[Part]:
     """Returns what an expression reads, and what the conditions read under which something ends the lanes of its shapes."""
-    waiting: list[ir.Node] = [node]
-    found, shapes = set[Part](), set[str]()
+    blocks = [block for kind in game.kinds for block in kind.blocks] + list(game.agents.blocks)
+    found, shapes, waiting = set[Part](), set[str](), [node]
     while waiting:
         following = waiting.pop()
         found |= set(reads(following))
         more = {n.shape for n in ir.walk(following) if isinstance(n, ir.Near)} - shapes
         shapes |= more
-        blockers: tuple[ir.Kind | ir.Agents, ...] = (*game.kinds, game.agents)
-        waiting += [block for blocker in blockers for block in blocker.blocks if block.what in more]
+        waiting += [block for block in blocks if block.what in more]
     return found
 
 

@@ -88,7 +88,7 @@ def why_symmetric(check: ir.Check, game: ir.Game) -> str:
     told: list[ir.Node]
     if what == "mirror":
         said, (mirrored, same) = "tells left from right", ([rewrite(game.start, rule) for rule in (_mirroring(game), lambda node: node)])
-        told = [game.start] if mirrored != same else []
+        told: list[ir.Node] = [game.start] if mirrored != same else []
     else:
         sort = "" if what == "agents" else what
         said = f"reads the number of a `{sort}`" if sort else "reads an agent's number"

@@ -172,7 +172,8 @@ def _hull(a: Range, b: Range, low: Callable[..., float] = min, high: Callable[..
 
 def _arithmetic(e: ir.Arithmetic) -> Range:
     parts = [range_of(a) if e.type.kind == "int" else real(range_of(a)) for a in e.args]
-    match e.fn:
+    fn: str = e.fn  # of a later operation nothing is known here
+    match fn:
         case "min":
             return reduce(lambda a, b: _hull(a, b, min, min), parts)
         case "max":
@@ -184,11 +185,11 @@ def _arithmetic(e: ir.Arithmetic) -> Range:
         case "/" if e.type.unit == "fraction" and all(isinstance(a, ir.Count) for a in e.args):  # of all, some
             return Range(0.0, 1.0, terms=1.0, given=False)
         case "+" | "-" | "*" | "/" | "%":
-            divisor = without_zero(e.args[1].type) if e.fn in ("/", "%") else None
+            divisor = without_zero(e.args[1].type) if fn in ("/", "%") else None
             if divisor is not None and e.args[1].type.kind == "int":
                 low, high = max(parts[1].low, divisor.low), min(parts[1].high, divisor.high)
                 parts[1] = replace(parts[1], low=low, high=high) if low <= high else _anything(parts[1].whole)
-            return _of_whole(e.fn, parts[0], parts[1]) if e.type.kind == "int" else _of_reals(e.fn, parts[0], parts[1])
+            return _of_whole(fn, parts[0], parts[1]) if e.type.kind == "int" else _of_reals(fn, parts[0], parts[1])
         case _:
             return _anything(e.type.kind == "int")
 
