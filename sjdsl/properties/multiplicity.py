@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter import shapes
-from sjdsl.interpreter.board import Board, cells_of
+from sjdsl.compiler.ir.members import most_members
+from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.members import everybody
 
 Quantifier = ir.Each | ir.Pick | ir.First | ir.Match
@@ -21,14 +21,14 @@ def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, i
     for quantifier in quantifiers:
         match quantifier:
             case ir.Each(domain=domain):
-                found[domain.var.name] = _members(domain, board)
+                found[domain.var.name] = most_members(domain, board.game)
             case ir.Pick(domain=domain):
-                found[domain.var.name] = min(quantifier.most, _members(domain, board))
+                found[domain.var.name] = min(quantifier.most, most_members(domain, board.game))
             case ir.First(domain=domain):
                 lanes = len(board.shapes[domain.restriction.shape].lanes) if isinstance(domain.restriction, ir.Near) else 1
-                found[domain.var.name] = min(lanes, _members(domain, board))
+                found[domain.var.name] = min(lanes, most_members(domain, board.game))
             case ir.Match(left=left, right=right):
-                pairs = min(_members(left, board), _members(right, board))
+                pairs = min(most_members(left, board.game), most_members(right, board.game))
                 alike = left.var.who == right.var.who != "cell" and left.var.kinds == right.var.kinds
                 found[left.var.name] = min(pairs, everybody(left, board) // 2) if alike else pairs
                 found[right.var.name] = 1
@@ -40,26 +40,6 @@ def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, i
 def is_always_once(quantifiers: Sequence[Quantifier]) -> bool:
     """Returns whether a statement runs at most once in a step, on any map, with any agents: nothing around it but `pick 1`."""
     return all(isinstance(quantifier, ir.Pick) and quantifier.most == 1 for quantifier in quantifiers)
-
-
-def _members(domain: ir.Domain, board: Board) -> int:
-    """Returns how many members a domain can have at once, its condition aside."""
-    among = everybody(domain, board)
-    if domain.on is not None:
-        among = min(among, len(cells_of(board, domain.on.kinds)))
-    match domain.restriction:
-        case None:
-            return among
-        case ir.Near():
-            return min(among, shapes.size(board.shapes[domain.restriction.shape]))
-        case ir.InAgents():
-            return 1 if domain.restriction.value.type.kind == "agent" else among
-        case ir.InCell():
-            return 1
-        case ir.Among():
-            return min(among, len(domain.restriction.members))
-        case _:
-            assert_never(domain.restriction)
 
 
 def most(quantifiers: Sequence[Quantifier], board: Board, without: str | None = None) -> int:
