@@ -1,6 +1,7 @@
 """`make`: creates an environment from the name of a game or a `.sj` file."""
 
 import linecache
+import os
 from collections.abc import Mapping
 from functools import lru_cache, partial
 from os import PathLike
@@ -45,8 +46,13 @@ def make(
       observation: `tokens` or `onehot`, uint8 both.
     Raises:
       CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError, TypeError: the arguments, a
-        name that several games have among them.
+        name that several games have among them. RuntimeError: the process was forked from one that had made an environment.
     """
+    if _jax_is_used_in not in (None, os.getpid()):
+        raise RuntimeError(
+            "this process was forked from one that uses JAX, where JAX would wait for ever: start processes by `spawn` or `forkserver`, "
+            'such as gymnasium.make_vec(…, vectorization_mode="async", vector_kwargs={"context": "spawn"})'
+        )
     _check_types(game, variant, params)
     source = read_source(find_game(game))
     variants = () if not variant else tuple(variant.split("+"))
@@ -100,9 +106,14 @@ def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[
     return rows, spans
 
 
+_jax_is_used_in: int | None = None  # the process that loaded a module first
+
+
 @lru_cache(maxsize=256)
 def load_module(text: str, file: str, name: str) -> ModuleType:
     """Returns a generated module; its lines show in tracebacks. The same text is the same module: its states are of one type."""
+    global _jax_is_used_in
+    _jax_is_used_in = _jax_is_used_in or os.getpid()
     module = ModuleType(f"sjdsl.generated.{name}")
     module.__file__ = file
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)

@@ -1,6 +1,7 @@
 """`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs a training script of SocialJax, JaxMARL or Mava, as it is, with our games."""
 
 import importlib.util
+import re
 import runpy
 import sys
 from collections.abc import Sequence
@@ -41,8 +42,21 @@ def run_script(script: Path, arguments: Sequence[str]) -> None:
         importlib.import_module("sjdsl.interop.jaxmarl")  # registers the games
     if any((place / "mava/utils/make_env.py").is_file() for place in checkouts[:1]):
         importlib.import_module("sjdsl.interop.mava").register()
-    sys.argv = [str(script), *arguments]
+    sys.argv = [str(script), *map(_without_slash, arguments)]
     runpy.run_path(str(script), run_name="__main__")
+
+
+def _without_slash(argument: str) -> str:
+    """Returns an argument in which an environment of JaxMARL that is called `sjdsl/NAME` is called `sjdsl_NAME`.
+
+    Scripts put that name into the names of the files that they write when training is over, where a slash would be a folder that is not there.
+    """
+    given = re.fullmatch(r"(\+{0,2}(?:[\w.]+\.)?ENV_NAME=['\"]?)sjdsl/(.+)", argument)
+    if given is None:
+        return argument
+    if "/" in given[2]:
+        print(f"note: a script may name files by {argument}: start it in the folder of the game, with sjdsl_FILE.sj", file=sys.stderr)
+    return f"{given[1]}sjdsl_{given[2]}"
 
 
 def main() -> int:

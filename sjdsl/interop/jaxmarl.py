@@ -23,7 +23,7 @@ with needs("jaxmarl"):
     from jaxmarl.environments.multi_agent_env import MultiAgentEnv, State
 
 ByAgent = dict[str, Array]
-PREFIX = "sjdsl/"  # of the names of our games in JaxMARL's registry
+PREFIXES = ("sjdsl_", "sjdsl/")  # of the names of our games in JaxMARL's registry: scripts name files by the first
 
 
 @struct.dataclass
@@ -183,21 +183,23 @@ def _game(state: GameState) -> Any:
 
 
 def register() -> None:
-    """Lets `jaxmarl.make` make `sjdsl/NAME` with the arguments of `JaxMARLGame`; calling it again changes nothing.
+    """Lets `jaxmarl.make` make `sjdsl_NAME` with the arguments of `JaxMARLGame`; calling it again changes nothing.
 
-    NAME is a bundled or installed game, as `jaxmarl.registered_envs` lists them, or the path of a `.sj` file.
+    NAME is a bundled or installed game, as `jaxmarl.registered_envs` lists them, or the path of a `.sj` file. `sjdsl/NAME` is the same
+    game; but JaxMARL's scripts write files with the name of the environment in theirs.
     """
     known = registration.registered_envs
-    known.extend(name for name in (f"{PREFIX}{game}" for game in game_names()) if name not in known)
+    known.extend(name for name in (f"{prefix}{game}" for prefix in PREFIXES for game in game_names()) if name not in known)
     theirs = registration.make
     if getattr(theirs, "makes_compiled_games", False):
         return
 
     @wraps(theirs)
     def make(env_id: str, **env_kwargs: Any) -> Any:
-        if not env_id.startswith(PREFIX):
-            return theirs(env_id, **env_kwargs)
-        return JaxMARLGame(env_id.removeprefix(PREFIX), **env_kwargs)
+        for prefix in PREFIXES:
+            if env_id.startswith(prefix):
+                return JaxMARLGame(env_id.removeprefix(prefix), **env_kwargs)
+        return theirs(env_id, **env_kwargs)
 
     make.makes_compiled_games = True  # type: ignore[attr-defined]
     registration.make = make

@@ -1,5 +1,7 @@
 """One agent's environment: Gymnasium's own checks, and the game's own step as the oracle."""
 
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 from typing import Any
@@ -135,3 +137,30 @@ def test_wrong_calls_are_refused() -> None:
         AgentGame("coins", render_mode="film")
     with pytest.raises(PolicyError, match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay"):
         AgentGame("coins", others="randm")
+
+
+PROCESSES = """
+import gymnasium, sys
+import sjdsl.interop.gymnasium
+
+if __name__ == "__main__":
+    context = {"context": sys.argv[1]}
+    env = gymnasium.make_vec("sjdsl/Coins-v0", num_envs=2, vectorization_mode="async", vector_kwargs=context, params={"length": 3})
+    env.reset(seed=1)
+    print([env.step([0, 1])[3].tolist() for _ in range(3)])
+    env.close()
+"""
+
+
+@pytest.mark.parametrize("context", ["fork", "spawn"])
+def test_processes_are_spawned(tmp_path: Path, context: str) -> None:
+    """Forked ones, in which JAX would wait for ever, end with what to write instead."""
+    script = tmp_path / "processes.py"
+    script.write_text(PROCESSES)
+    done = subprocess.run([sys.executable, str(script), context], capture_output=True, text=True, check=False, timeout=500)
+    if context == "fork":
+        assert done.returncode != 0
+        assert """vectorization_mode="async", vector_kwargs={"context": "spawn"})""" in done.stderr
+    else:
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.splitlines()[-1] == "[[False, False], [False, False], [True, True]]"

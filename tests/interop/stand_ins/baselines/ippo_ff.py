@@ -1,5 +1,7 @@
 """A script laid out like JaxMARL's baselines: its configuration by Hydra, its imports, its calls; it plays at random."""
 
+from pathlib import Path
+
 import hydra
 import jax
 import jaxmarl
@@ -26,7 +28,9 @@ def main(config):
     _, info = jax.lax.scan(step, state, jax.random.split(jax.random.PRNGKey(1), config["NUM_STEPS"]))
     ended = info["returned_episode"]
     lengths = info["returned_episode_lengths"][ended]
-    print(f"{env.name}: {int(ended.sum()) // len(env.agents)} episodes of {int(lengths[0])} steps")
+    said = f"{env.name}: {int(ended.sum()) // len(env.agents)} episodes of {int(lengths[0])} steps"
+    print(said)
+    Path(f"ippo_ff_{config['ENV_NAME']}.txt").write_text(said)
 
 
 main()
