@@ -85,7 +85,6 @@ def names_agents(game: ir.Game) -> bool:
 def why_symmetric(check: ir.Check, game: ir.Game) -> str:
     """Returns why a game is symmetric in which no rule of a step tells anything apart, and what that leaves out."""
     (what,) = check.words
-    told: list[ir.Node]
     if what == "mirror":
         said, (mirrored, same) = "tells left from right", ([rewrite(game.start, rule) for rule in (_mirroring(game), lambda node: node)])
         told: list[ir.Node] = [game.start] if mirrored != same else []
