@@ -4,7 +4,10 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
+from sjdsl.compiler import ir
+from sjdsl.properties.biased_draws import BIASES
 from sjdsl.properties.coverage import MANY, statements_run
+from sjdsl.properties.effects import reads
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.preconditions import Goal
 from sjdsl.properties.random_starts import own_start
@@ -14,6 +17,8 @@ from sjdsl.properties.trajectory import Scenario, Trajectory, play
 from sjdsl.properties.verdict import Effort
 
 REPEATED = 0.5  # how often the statements of a counterexample are repeated; else they are goals, among others
+LONG_ONES = 6  # long trajectories for a `once`: on a large map its first condition may need many steps
+LONGEST = 800  # steps of these
 ALIKE = 0.5  # how often goals are statements of a counterexample, and how often its parameters and number of agents are taken
 
 
@@ -35,6 +40,10 @@ class OwnMapSearch(Search):
 
     def run(self) -> None:
         """Plays as many trajectories as asked for, until each check has a counterexample."""
+        for lead, _ in self._leads:
+            for _ in range(LONG_ONES):
+                if lead.number in self.left and self.family.own.checks[lead.number].sort == "once":
+                    self._until_it_holds(self.family.own.checks[lead.number])
         while self._open() and self.record.number < self.effort.examples:
             self.one()
         if self._open():
@@ -56,6 +65,28 @@ class OwnMapSearch(Search):
                 break
             scenario, trajectory = self._go_on(scenario, trajectory, goal)
         self._look(scenario, trajectory, 0)
+
+    def _until_it_holds(self, check: ir.Check) -> None:
+        """Plays a long trajectory in which agents do what makes the first condition of a `once` hold, and no chance happens before it does."""
+        about = set(reads(check.values[0]))
+        goals = [Goal(i, MANY) for i in self._aims if self.preconditions[i].writes & about and self.preconditions[i].agents]
+        self.record.number += 1
+        scenario = own_start(self.family, self._random)
+        trajectory = play(self.family.own, scenario, 0, self._checks(self.family.own))
+        while (
+            goals
+            and trajectory.worlds
+            and not trajectory.is_over
+            and len(trajectory.outcomes) < LONGEST
+            and check in self._checks(self.family.own)
+        ):
+            first = len(trajectory.outcomes)
+            self._biases = BIASES if any(trigger for trigger, _ in trajectory.values(check)[1:]) else ("bad",)
+            scenario, trajectory = self._go_on(scenario, trajectory, self._random.choice(goals))
+            if len(trajectory.outcomes) == first:
+                break
+            self._count(scenario, trajectory, first)
+        self._biases = BIASES
 
     def _open(self) -> list[tuple[Counterexample, list[Goal]]]:
         """Returns the leads to checks that have no counterexample on the own map yet."""
