@@ -136,7 +136,9 @@ def base_of(name: ast.String, source: Source) -> Source:
         return Source(name_here, over, path.parent, source.over)
     if not path.is_file():
         beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
-        raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside))])
+        how = f"`extends` takes a file beside this one: copy a bundled game with its maps, `sjdsl new --from {name.text}`"
+        how = f'{how}, and write `extends "{name.text}.sj"`' if name.text.isidentifier() else ""
+        raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside), help=how)])
     return Source(name_here, read_source(path).text, path.parent, source.over)
 
 
