@@ -91,7 +91,6 @@ game lb_foraging "Level-Based Foraging" {
   define ready(place)   = sum(one.level over agent as one where distance(one, place) == 1)
   define journey(place) = sum(distance(one, place) over agent as one)
   define possible       = sum(one.level over agent as one)
-  # ours: farther than any
   define far            = 1000  # ours: more steps than lie between any agents and a food
   define nearest        = min(journey(place) over floor as place where place.food > 0 and place.food <= possible otherwise far)
   policy cooperator "goes to the food that is nearest to all, and loads when those beside it are strong enough" {

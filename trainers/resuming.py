@@ -9,9 +9,11 @@ from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled
 from .config import ConfigError, make_config
 from .environment import Environment
-from .run_errors import RunError
+from .run_errors import DiskError, RunError, TakenError, TooLargeError
 from .run_folder import MANIFEST, describe_game, own_files, versions
 from .training_functions import TrainState
+
+__all__ = ["DiskError", "RunError", "TakenError", "TooLargeError", "check_same_run", "extended", "read_manifest", "restore_last"]
 
 PARTS = ("game", "config", "versions")  # of a manifest, without which nothing can be gone on with
 
