@@ -11,9 +11,11 @@ from .compiled import Compiled
 from .config import ConfigError, require_code, stored_config
 from .environment import Environment
 from .extensions import NotAllowed
-from .run_errors import RunError
+from .run_errors import DiskError, RunError, TakenError, TooLargeError
 from .run_folder import MANIFEST, describe_game, own_files, versions
 from .training_functions import TrainState
+
+__all__ = ["DiskError", "RunError", "TakenError", "TooLargeError", "check_same_run", "extended", "read_manifest", "restore_last"]
 
 PARTS = ("game", "config", "versions")  # of a manifest, without which nothing can be gone on with
 

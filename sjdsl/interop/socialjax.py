@@ -75,11 +75,9 @@ class SocialJaxGame:
         self._info, self._flat = entry.info, not cnn
         self._frame = (self.env.module.FRAME[1], self.env.module.PAD, entry.compass == "turned round")
         depth, self._channels = make_channels(self.env, entry)
-        self._rewards = make_rewards(mode, self.num_agents, entry.scaled)
-        shaped = mode.inequity_aversion or mode.svo or mode.interest
-        self._scale = (
-            1 if mode.shared_rewards or not (entry.scaled or shaped) else self.num_agents
-        )  # of one's own reward, before it is shaped
+        self._rewards = make_rewards(mode, self.num_agents, entry.scaled, entry.shared)
+        kind = "shaped" if mode.inequity_aversion or mode.svo or mode.interest else "alone"
+        self._scale = self.num_agents if kind in entry.scaled and not mode.shared_rewards else 1  # of one's own reward, before it is shaped
         moves = ACTIONS[entry.compass]
         self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
         rows, cols = self.env.observation_shape[2:]
