@@ -23,7 +23,7 @@ def in_all_sizes(family: GameFamily, check: ir.Check) -> list[ir.Game] | None:
     known = [found for found in sizes.values() if found is not None]
     if len(known) < len(sizes) or prod(map(len, known)) > MOST:
         return None
-    built = (family.in_sizes(dict(zip(sizes, chosen, strict=True))) for chosen in product(*known))
+    built = (family.in_sizes(dict(zip(sizes, chosen, strict=True))) for chosen in (product(*known) if sizes else ()))
     return [game for game in built if game is not None]
 
 
