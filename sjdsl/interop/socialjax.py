@@ -11,6 +11,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.factory import make as make_game
+from sjdsl.interop.copies import Copied
 from sjdsl.interop.socialjax_log import LogWrapper, SVOLogWrapper
 from sjdsl.interop.socialjax_managers import CTRolloutManager, MAPPOWorldStateWrapper, load_params, save_params
 from sjdsl.interop.socialjax_observation import make_channels
@@ -56,7 +57,7 @@ class State:
         return jnp.stack([row - border, col - border, (2 - heading) % 4 if turned else heading], axis=-1)
 
 
-class SocialJaxGame:
+class SocialJaxGame(Copied):
     """One environment: integer agents, `[N, rows, cols, channels]` float32 observations, rewards `[N]`, dones by "0", "1", … and "__all__".
 
     Attributes:
