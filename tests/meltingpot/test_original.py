@@ -142,7 +142,7 @@ def test_resources_come_back_after_the_same_time(name: str) -> None:
 
 def test_votes_of_hidden_agenda() -> None:
     figures = ORIGINAL["hidden_agenda"]
-    rows = ("P.........VVV", "P........VVVV", "PP...........", "P...DDDDD....")
+    rows = ("P.........VVV", "P........VVVV", "P............", "PP..DDDDD....")
     quiet = stage("hidden_agenda", rows, 5, regrow=0)
     tag, vote = (quiet.env.action_names.index(name) for name in ("tag", "vote(0)"))
     assert 1 + steps_until(quiet.start(0), lambda s: bool(s.allowed[4, tag])) == figures["first_shot"]
@@ -151,7 +151,7 @@ def test_votes_of_hidden_agenda() -> None:
     assert ballots(scene) == figures["ballots"]
     assert steps_until(scene, lambda s: s.value("round") == "voting") == figures["next_vote"]
     fields = {"agent.role": ["crewmate"] * 4 + ["impostor"], "agent.charging": 0, "clock": 99}
-    picture = ("P.........VV<  3", "P......^.VVVV  2", "P..>.<.......  40", "P.^.DDDDD....  1")
+    picture = ("P.........VV<  3", "P......^.VVVV  2", "P..>.<.......  40", "PP^.DDDDD....  1")
     shot = quiet.put(*picture, fields=fields).step("stay, stay, stay, stay, tag")
     assert shot.value("agent.state").count("frozen") == 1 and bool(shot.allowed[2, vote])
     assert sum(shot.under(agent) == "V" for agent in range(5)) == figures["carried"]
