@@ -94,7 +94,7 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
             raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
-        game.warnings += undone(game, name, _changes(game, variant.changes))
+        game.warnings += undone(game.sources, game.said_last, name, _changes(game, variant.changes))
         _apply(game, variant.changes)
     if game.problems:
         raise CompileError(game.problems)
