@@ -45,7 +45,7 @@ OFTEN = {  # what is rare in the file and must happen in a short episode
 def folder_of(game: str, changes: tuple[tuple[str, str], ...], base: Path) -> Path:
     """Returns a folder with the games, one of them changed, in the rules that stand before its variants."""
     folder = base / f"{game}_{abs(hash(changes))}"
-    shutil.copytree(games_folder(), folder, ignore=shutil.ignore_patterns("meltingpot", "__pycache__"))
+    shutil.copytree(games_folder(), folder, ignore=shutil.ignore_patterns("__pycache__"))
     path = folder / f"{game}.sj"
     text = path.read_text(encoding="utf-8")
     rules = text.partition("\n  variant ")[0]
