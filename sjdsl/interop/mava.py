@@ -172,7 +172,7 @@ def register() -> None:
     """
     from hydra.core.config_store import ConfigStore
 
-    make_env = importlib.import_module("mava.utils.make_env")
+    make_env: Any = importlib.import_module("mava.utils.make_env")
     theirs = make_env.make
     if getattr(theirs, "makes_compiled_games", False):
         return
