@@ -33,7 +33,7 @@ def _alone(env: Any) -> Any:
 
 
 STANDING: dict[str, tuple[Callable[[], Any], Callable[[Any], Any], Callable[[Any], Any]]] = {
-    "gymnasium": (lambda: VectorGame("coins", 2, **SHORT), lambda env: env.reset(seed=3), lambda env: env.step(np.array([0, 4, 2, 3]))),
+    "gymnasium": (lambda: VectorGame("coins", 2, **SHORT), lambda env: env.reset(seed=3), lambda env: env.step(np.array([0, 4, 2, 3]))[:4]),
     "gymnasium, one agent": (lambda: AgentGame("coins", **SHORT), lambda env: env.reset(seed=3), _alone),
     "stable_baselines3": (lambda: VecGame("coins", 2, **SHORT), lambda env: env.reset(), lambda env: env.step(np.array([0, 4, 2, 3]))),
     "pettingzoo": (lambda: parallel_env("coins", **SHORT), lambda env: env.reset(seed=3), _paired),
