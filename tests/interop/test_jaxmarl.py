@@ -224,7 +224,7 @@ def test_jaxmarls_own_scripts(tmp_path: Path, script: str, more: dict[str, Any],
     call = [sys.executable, "-m", "sjdsl.interop", str(Path(str(CHECKOUT)) / "baselines" / script), "ENV_NAME=sjdsl_coins"]
     call += [f"{name}={value}" for name, value in {**TINY, **more}.items()]
     path = os.pathsep.join([str(here.parent / "stand_ins"), str(here.parents[2]), os.environ.get("PYTHONPATH", "")])
-    settings = os.environ | {"PYTHONPATH": path, "MPLBACKEND": "agg"}
+    settings = os.environ | {"PYTHONPATH": path, "MPLBACKEND": "agg", "JAX_CPU_ENABLE_ASYNC_DISPATCH": "0"}
     done = subprocess.run(call, cwd=tmp_path, env=settings, capture_output=True, text=True, check=False, timeout=900)
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-6000:]
     assert all((tmp_path / name).stat().st_size > 0 for name in files)
