@@ -110,8 +110,8 @@ def test_a_wrong_rule_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> No
     found = Hunted()
     with monkeypatch.context() as patched:
         put(patched)
-        hunt(game(), 0, FEW, found)
+        hunt(game(), 1, FEW, found)
     assert found.found
     found = Hunted()
-    hunt(game(), 0, FEW, found)
+    hunt(game(), 1, FEW, found)
     assert not found.found
