@@ -16,15 +16,16 @@ MOST = 64  # games that are built for one check
 def in_all_sizes(family: GameFamily, check: ir.Check) -> list[ir.Game] | None:
     """Returns the game in every combination of the sizes that a check may depend on; None if there are too many, or no end to them.
 
-    What the compiler refuses, as a `require` does, is left out.
+    What the compiler refuses, as a `require` does, is left out; but not if it might take that in yet other sizes.
     """
     names = _read(family.composition, check)
     sizes = {name: _values(declared) for name, declared in family.composition.constants.items() if declared.is_size and name in names}
     known = [found for found in sizes.values() if found is not None]
     if len(known) < len(sizes) or prod(map(len, known)) > MOST:
         return None
-    built = (family.in_sizes(dict(zip(sizes, chosen, strict=True))) for chosen in (product(*known) if sizes else ()))
-    return [game for game in built if game is not None]
+    built = [family.in_sizes(dict(zip(sizes, chosen, strict=True))) for chosen in (product(*known) if sizes else ())]
+    others = any(declared.is_size and name not in names for name, declared in family.composition.constants.items())
+    return None if None in built and others else [game for game in built if game is not None]
 
 
 def _values(size: ast.Constant) -> range | None:

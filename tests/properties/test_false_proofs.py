@@ -73,6 +73,8 @@ game numbers "Numbers" {{
   size  players : count = 3 in 2 .. 6
   size  room : count = 4 in 1 .. 4
   size  free : count = 4
+  size  near : count = 1 in 0 .. 4
+  size  far : count = near * 2 in 0 .. 4
   size  delta : count = 3 in 3 .. 9
   param share : fraction = 0.5
   param back : fraction = 0.25 in 0.1 .. 1
@@ -139,6 +141,7 @@ def is_proved(game: GameFamily) -> bool:
         "always count(agent) * 2 <= 6",
         "always agent_most <= 3",
         "always captain is nobody or captain.index <= 2",
+        "always near <= 2",  # with 3 the file's own `far` is refused, and another is not
         "always delta % 3 == 0",
         "always room == 4",
         "always free <= 4",
