@@ -1,4 +1,7 @@
-"""Reads and writes files: a file is written whole or not at all, through no link, and one from elsewhere is read up to a limit."""
+"""Reads and writes files: a file is written whole or not at all, through no link, and one from elsewhere is read up to a limit.
+
+Logs and locks are the exception to *whole*: they are changed where they are.
+"""
 
 import errno
 import json
@@ -8,7 +11,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 
 UNFINISHED = ".unfinished"  # ends the name of a file that is being written
 MEGABYTE = 2**20
@@ -48,6 +51,17 @@ def write_whole(path: Path, content: bytes | str) -> None:
     """Writes a file whole or not at all, as `written_whole` does; text as UTF-8, its line ends as they are."""
     with written_whole(path) as file:
         file.write(content.encode() if isinstance(content, str) else content)
+
+
+def open_in_place(path: Path, mode: str, newline: str | None = None) -> IO[Any]:
+    """Opens a file that is changed where it is, text as UTF-8. Raises OSError, with a reason in words, where it is a link."""
+    encoding = None if "b" in mode else "utf-8"
+    try:
+        return open(path, mode, encoding=encoding, newline=newline, opener=lambda name, flags: _create(name, flags, None))
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            raise OSError(errno.ELOOP, "it is a link, through which nothing is written; remove it", str(path)) from None
+        raise
 
 
 def read_bytes(path: Path, limit: int) -> bytes:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from sjdsl.files import read_json
 
+from .manifest import MANIFEST
 from .policy_file import PolicyError
-from .run_folder import MANIFEST
 
 FINISHED = "finished"
 

@@ -12,7 +12,7 @@ from run_outcomes import SHORT, compiled_once, counting, read_lines
 
 from sjdsl.trainers import ConfigError, resume, run, train
 from sjdsl.trainers.loggers import check_loggers
-from sjdsl.trainers.resuming import TakenError
+from sjdsl.trainers.run_errors import TakenError
 from sjdsl.trainers.updates import Update
 
 
