@@ -5,7 +5,7 @@ game lb_foraging "Level-Based Foraging" {
                 "they share what it is worth by level. Who loads too little pays for it: most food needs company."
   about our_paradigm "stag hunt"   # ours: food of a high level pays those who come together, food of a low one can be had alone
   about our_long_term_impact "no"  # ours: what is taken is gone, and nothing else changes
-  about our_multi_task "no"        # ours
+  about our_multi_task "no"        # ours: taking food is the only task
 
   size  players   : count  = 4 in 2 .. 4   # released code
   size  foods     : count  = 4 in 1 .. 26  # released code: pieces of food
@@ -29,7 +29,7 @@ game lb_foraging "Level-Based Foraging" {
     moves compass
     field level : 1 .. strongest = 1
   }
-  shape beside = diamond(1)
+  shape beside = diamond(1)  # released code: the four cells around
 
   phase start {
     each agent {
@@ -37,7 +37,7 @@ game lb_foraging "Level-Based Foraging" {
       draw level from 1 .. strongest
       set agent.level = level
     }
-    pick foods floor {  # ours: as many as there are to be; see the variant
+    pick foods floor {  # ours: all are placed; the released code loses one that it draws where it cannot lie
       draw level from 1 .. richest
       set floor.food = level
     }
@@ -68,7 +68,7 @@ game lb_foraging "Level-Based Foraging" {
   look floor where floor.food > 2  as green tree with red apple
 
   observe {
-    window ahead 4, behind 4, left 4, right 4  # ours
+    window ahead 4, behind 4, left 4, right 4  # ours: as far to each side
     show floor.food as {
       one where floor.food == 1,
       two where floor.food == 2,
@@ -91,7 +91,8 @@ game lb_foraging "Level-Based Foraging" {
   define ready(place)   = sum(one.level over agent as one where distance(one, place) == 1)
   define journey(place) = sum(distance(one, place) over agent as one)
   define possible       = sum(one.level over agent as one)
-  define nearest        = min(journey(place) over floor as place where place.food > 0 and place.food <= possible otherwise 1000)  # ours
+  define far            = 1000  # ours: more steps than lie between any agents and a food
+  define nearest        = min(journey(place) over floor as place where place.food > 0 and place.food <= possible otherwise far)
   policy cooperator "goes to the food that is nearest to all, and loads when those beside it are strong enough" {
     when count(floor as place in beside of agent where place.food > 0 and ready(place) >= place.food) > 0 choose load
     aim beside at floor where floor.food > 0 and journey(floor) == nearest choose stay
@@ -103,6 +104,6 @@ game lb_foraging "Level-Based Foraging" {
   scenario newcomer "a newcomer among foragers who meet" { slots 1 focal  slots players - 1 policy cooperator }
   scenario residents "residents meet one who goes alone" { slots players - 1 focal  slots 1 policy defector }
   variant socialjax "as released: the window of 8 x 8, one's own cell the fifth of both" {
-    observe { window ahead 4, behind 3, left 4, right 3 }
+    observe { window ahead 4, behind 3, left 4, right 3 }  # released code
   }
 }

@@ -98,4 +98,68 @@ game territory "Territory: Rooms" {
     expect paid > 0 with random over 10 episodes
     expect blows == 0 and gone == 0 with never(zap) over 10 episodes
   }
+  variant socialjax
+      "as released: compass moves, another map, pay after 100 quiet steps; who is zapped begins anew, owners lose struck bricks" {
+    cite "Agapiou et al. 2022; SocialJax, released code"
+    map "maps/territory_socialjax.txt"  # released code
+    set yield = 0.01                    # released code: of each brick, in every step
+    size peace : count = 100            # released code: steps without a change by paint or zap, until a brick pays its owner
+    drop drying  drop mending  drop mend  drop cooling  drop frozen  drop recovery  drop rate  drop age  drop recovering
+    kind brick "R" {
+      field paint  : { none, wet, dry } = none  # only a dry one pays
+      field damage : 0 .. strikes capped = 0
+      field quiet  : 0 .. peace capped = 0      # steps in peace, owned or not
+      field owner : agent  field rivals : set of agent
+      blocks agents when brick.damage < strikes
+    }
+    kind post  "#" { blocks agents }
+    agents { moves compass }
+    shape zap { ".x."  "xxx"  ".^." }  # released code: walls do not stop it
+    schedule tick -> walk -> claim -> settle -> brush -> spread -> fire -> fall -> pay
+    phase claim { each agent as a { each brick in touch of a where nobody on brick { add a to brick.rivals } } }
+    phase settle {                     # released code: a touch mends a brick, and leaves it its peace
+      each brick where brick.rivals is not nobody {
+        pick 1 agent as winner in brick.rivals {
+          when winner is not brick.owner { tally claimed for winner }
+          set brick.owner = winner
+        }
+        when brick.paint is none { set brick.paint = wet }
+        set brick.damage = 0  set brick.rivals = nobody
+      }
+    }
+    phase brush {
+      each agent as a where a chose paint { each brick in paint of a where brick.damage == 0 { add a to brick.rivals } }
+    }
+    phase spread {
+      each brick where brick.rivals is nobody { add 1 to brick.quiet }
+      each brick where brick.rivals is not nobody {
+        pick 1 agent as winner in brick.rivals {
+          when winner is brick.owner { set brick.quiet = min(brick.quiet + 1, peace) }
+          otherwise { set brick.owner = winner  set brick.paint = wet  set brick.quiet = 0  tally claimed for winner }
+        }
+        set brick.rivals = nobody
+      }
+    }
+    phase fire {  # released code: a zap breaks what is owned, and then what is cracked
+      each agent as zapper where zapper chose zap {
+        mark zap of zapper
+        each agent as victim in zap of zapper { add 1 to victim.hits }
+        each brick in paint of zapper where brick.damage < strikes and (brick.damage > 0 or brick.owner is not nobody) {
+          set brick.damage = min(brick.damage + 1, strikes)  set brick.owner = nobody  set brick.paint = none  set brick.quiet = 0
+          tally blows for zapper
+        }
+      }
+    }
+    phase fall {
+      each agent as a where a.hits > 0 { send a to gate  set a.hits = 0  tally gone for a }
+      each brick where brick.quiet == peace and brick.owner is not nobody { set brick.paint = dry }
+    }
+    phase pay { each brick as b where b.paint is dry and b.owner is not nobody { give yield to b.owner  tally paid for b.owner } }
+    observe {
+      hide other.hits  hide agent.stunned  hide agent.hot  hide content on agents
+      show post as { outside }  show gate as { floor }
+      hide brick.paint  hide brick.damage
+      show brick.owner as { free where brick.owner is nobody and brick.damage == 0, held }  # released code: owned or struck ones look bare
+    }
+  }
 }

@@ -3,6 +3,7 @@
 import linecache
 import os
 from collections.abc import Mapping
+from dataclasses import fields
 from functools import lru_cache, partial
 from os import PathLike
 from pathlib import Path
@@ -106,6 +107,23 @@ def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[
     return rows, spans
 
 
+class GeneratedModule(ModuleType):
+    """A module of a game, which with its states and parameters can be copied and pickled: by its text."""
+
+    def __init__(self, text: str, file: str, name: str) -> None:
+        super().__init__(f"sjdsl.generated.{name}")
+        self.__file__ = file
+        self._made_of = text, file, name
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return load_module, self._made_of
+
+
+def _value_of(module: ModuleType, kind: str, values: tuple[Any, ...]) -> Any:
+    """Returns a state, parameters or an outcome of a game, as `pickle` reads them."""
+    return getattr(module, kind)(*values)
+
+
 _jax_is_used_in: int | None = None  # the process that loaded a module first
 
 
@@ -114,9 +132,14 @@ def load_module(text: str, file: str, name: str) -> ModuleType:
     """Returns a generated module; its lines show in tracebacks. The same text is the same module: its states are of one type."""
     global _jax_is_used_in
     _jax_is_used_in = _jax_is_used_in or os.getpid()
-    module = ModuleType(f"sjdsl.generated.{name}")
-    module.__file__ = file
+    module = GeneratedModule(text, file, name)
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     with jax.ensure_compile_time_eval():  # its tables are constants, also when a game is made while another function is traced
         exec(compile(text, file, "exec"), module.__dict__)
+
+    def reduced(value: Any) -> tuple[Any, ...]:
+        return _value_of, (module, type(value).__name__, tuple(getattr(value, field.name) for field in fields(value)))
+
+    for kind in ("Params", "State", "Outcome"):
+        getattr(module, kind).__reduce__ = reduced
     return module

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
-    """Returns the `__getattr__` of a package (PEP 562), which raises AttributeError for all other names.
+    """Returns the `__getattr__` of a package (PEP 562), which raises AttributeError for all other names; `dir` of it lists them from now on.
 
     Args:
       package: its `__name__`.
@@ -21,4 +21,6 @@ def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
         setattr(sys.modules[package], name, value)
         return value
 
+    here = vars(sys.modules[package])
+    here["__dir__"] = lambda: sorted({*here, *homes})
     return load

@@ -32,7 +32,7 @@ class Substrate:
     game: str = ""
     variant: str = ""
     roles: tuple[str, ...] = ()
-    observations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    observations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict, hash=False)
     differs: tuple[str, ...] = ()
     wanting: tuple[str, ...] = ()
 

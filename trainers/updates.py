@@ -112,9 +112,9 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                 parameters = compiled.parameters(state)
                 learning = _record(rows, parameters, progress, config, keeping)
                 progress.updates = number
-                keeping.show(*_shown(rows, learning, keeping))
                 _keep_policies(parameters, number, learning, config, keeping)
-                whole = number
+                whole = number  # with its evaluation, which is not made again
+                keeping.show(*_shown(rows, learning, keeping))
                 if any_says(pace.is_due(number, time.perf_counter())):
                     pace.written(*_save(state, parameters, number, learning, config, keeping))
                     saved = number

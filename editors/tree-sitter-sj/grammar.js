@@ -227,7 +227,7 @@ module.exports = grammar({
     on_expression: ($) => prec(LEVEL.compare, seq(field('left', $.arithmetic), 'on', field('kind', $.identifier))),
 
     arithmetic: ($) => choice(
-      $.binary_expression, $.unary_expression, $.parenthesized_expression, $.integer, $.decimal, $.count, $.sum, $.extreme, $.case, $.call, $.path,
+      $.binary_expression, $.unary_expression, $.parenthesized_expression, $.integer, $.decimal, $.count, $.some, $.every, $.sum, $.extreme, $.case, $.call, $.path,
       $.nobody,
     ),
     binary_expression: ($) => choice(
@@ -238,6 +238,8 @@ module.exports = grammar({
     parenthesized_expression: ($) => seq('(', $.expression, ')'),
     nobody: () => 'nobody',
     count: ($) => seq('count', '(', $.domain, ')'),
+    some: ($) => seq('any', '(', $.domain, ')'),
+    every: ($) => seq('all', '(', $.domain, ')'),
     sum: ($) => seq('sum', '(', field('value', $.expression), optional(seq('over', $.domain)), ')'),
     extreme: ($) => seq(
       field('function', $.identifier), '(', field('value', $.expression), 'over', $.domain,

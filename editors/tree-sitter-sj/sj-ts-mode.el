@@ -32,6 +32,8 @@
    `([,@sj-ts-keywords (end) (ahead) (all)] @font-lock-keyword-face
      (all_but "all" @font-lock-keyword-face)
      (count "count" @font-lock-builtin-face)
+     (some "any" @font-lock-builtin-face)
+     (every "all" @font-lock-builtin-face)
      (sum "sum" @font-lock-builtin-face)
      (unit "count" @font-lock-type-face))
    :language 'sj :feature 'definition

@@ -118,24 +118,27 @@ game factory_commons "Factory of the Commons: Either Or" extends "shared/endings
     aim reach at floor where agent.hand is none and floor.cube is here avoiding floor as other where other.cube is here choose grasp
   }
   variant released "as released: all machines share a variable of the code, and a machine that is fed while another works jams its sort" {
-    field jammed by { cube_and_apple, two_apples } : 0 .. 1 capped = 0  # for good
+    field jammed by { cube_and_apple, two_apples } : 0 .. 2 capped = 0  # for good; 1: what flies already still lands
     define earlier(a, b) = a.row < b.row or a.row == b.row and a.col < b.col
     # Melting Pot
     define at_work(m)    = count(mouth as o where o is not m and o.clock >= work - 16 and (o.clock < work or earlier(o, m))) > 0
     schedule feed -> run -> jam -> walk -> land -> eat -> handle -> take_hold -> push -> tire -> tick -> finish
-    phase jam {  # its own mouth stays open
+    phase jam {  # the mouth stays open
+      when jammed[cube_and_apple] == 1 { add 1 to jammed[cube_and_apple] }
+      when jammed[two_apples] == 1 { add 1 to jammed[two_apples] }
       each mouth where mouth.clock == work and at_work(mouth) { add 1 to jammed[mouth.makes]  set mouth.clock = 0 }
     }
     phase run {
       each mouth where mouth.clock == work { tally fed[mouth.makes] }
       each floor as f where f.place is upper {
-        each mouth as m in square(1) of f where m.clock == work - first_out and jammed[m.makes] == 0 {
+        each mouth as m in square(1) of f where m.clock == work - first_out and jammed[m.makes] < 2 {
           when m.makes is cube_and_apple { add 1 to f.cubes_due } otherwise { add 1 to f.apples_due }
         }
       }
       each floor as f where f.place is lower {
-        each mouth as m in diamond(3) of f where jammed[m.makes] == 0 and m.clock == work - case m.makes {
-          cube_and_apple: second_out, two_apples: first_out } {
+        each mouth as m in diamond(3) of f where case m.makes {
+          cube_and_apple: m.clock == work - second_out and jammed[cube_and_apple] == 0,
+          two_apples: m.clock == work - first_out and jammed[two_apples] < 2 } {
           add 1 to f.apples_due
         }
       }

@@ -1,6 +1,8 @@
 """`sjdsl lsp`: serves editors over the Language Server Protocol, on standard input and output or on a port."""
 
 import gc
+import os
+import sys
 from importlib.util import find_spec
 
 import click
@@ -11,8 +13,11 @@ MANY = 50_000  # objects between two looks for garbage: a server lives long, and
 
 @click.command("lsp")
 @click.option("--tcp", "port", type=click.IntRange(min=0, max=65535), metavar="PORT", help=f"Listen on this port of {HOST} instead.")
-def command(port: int | None) -> None:
-    """Starts the language server, which an editor does for itself: docs/editors.md says how. It needs the extra `sjdsl[lsp]`."""
+def command(port: int | None) -> int:
+    """Starts the language server, which an editor does for itself: docs/editors.md says how. It needs the extra `sjdsl[lsp]`.
+
+    The exit status is the protocol's: 0, or 1 if the editor ends the session without having asked for it.
+    """
     if find_spec("pygls") is None:
         raise click.ClickException("`sjdsl lsp` needs pygls; install it with: pip install 'sjdsl[lsp]'")
     from sjdsl.editor.server import make_server
@@ -20,7 +25,9 @@ def command(port: int | None) -> None:
     gc.set_threshold(MANY, 20, 20)
     server = make_server()
     if port is None:
-        server.start_io()
+        with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers:  # pygls closes what it writes to, and our own is still needed
+            server.start_io(stdout=answers)
     else:
         click.echo(f"listening on {HOST}:{port}", err=True)
         server.start_tcp(HOST, port)
+    return int(server.ended_early)

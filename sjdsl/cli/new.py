@@ -7,27 +7,58 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.folders import require_folder
+from sjdsl.cli.game_file import game_path
 from sjdsl.cli.list import align
 from sjdsl.cli.page_text import write_text
 from sjdsl.games_folder import bundled, game_names
-from sjdsl.starter import game_of, package_files, starting_files
+from sjdsl.starter import copied_files, game_of, package_files, starting_files
 
 
 @click.command("new")
-@click.argument("name")
+@click.argument("name", required=False)
+@click.option(
+    "--from", "copied", metavar="GAME", help="Copy a game with its maps, and the games that it extends; NAME: what to call the copy."
+)
 @click.option("--package", "as_package", is_flag=True, help="Make a folder NAME with a Python package that others can install.")
 @click.option("-o", "folder", metavar="FOLDER", default=".", help="Where to write; by default here.")
-def command(name: str, as_package: bool, folder: str) -> int:
+def command(name: str | None, copied: str | None, as_package: bool, folder: str) -> int:
     """Writes NAME.sj, a small commented game, with its map and tests that pass.
+
+    With --from, NAME.sj is a copy of another game, such as `--from clean_up`. A game of one's own can then extend it.
 
     With --package, NAME is a package of games, such as river_games, in a folder of its own: the game (river), tests, what `pip` needs to
     install it, and tests on GitHub after every push. Where it is installed, all commands and `sjdsl.make` find the game by name.
     """
+    if copied is not None:
+        return _copy(copied, name, as_package, Path(folder))
+    if name is None:
+        raise click.UsageError("Missing argument 'NAME'.")
     try:
         texts = package_files(name) if as_package else starting_files(name)
     except ValueError as error:
         raise click.ClickException(str(error)) from None
     return _new_package(name, Path(folder) / name, texts) if as_package else _new_game(name, Path(folder), texts)
+
+
+def _copy(copied: str, name: str | None, as_package: bool, folder: Path) -> int:
+    if as_package:
+        raise click.UsageError("--from copies a game, and --package writes a new one: choose one of them")
+    path = game_path(copied)
+    name = name or path.stem
+    try:
+        texts = copied_files(path, name)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    game, *_ = _write(folder, texts)
+    steps = [
+        (f"  sjdsl check {game}", "after each change: what is wrong with it"),
+        (f"  sjdsl play {game}", "steer an agent; needs a terminal"),
+    ]
+    for line in align(
+        [("next:", ""), *steps, (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change")]
+    ):
+        click.echo(line)
+    return 0
 
 
 def _new_game(name: str, folder: Path, texts: Mapping[str, str]) -> int:

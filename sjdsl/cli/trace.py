@@ -10,7 +10,7 @@ from sjdsl.cli.environment_options import SEED, build_game, environment_options,
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.near_names import meant
-from sjdsl.trace.actions import read_actions
+from sjdsl.trace.actions import RANDOM, policy_actions, read_actions
 from sjdsl.trace.episode import play
 from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.report import moment_report
@@ -36,11 +36,10 @@ STEPS = 10
 @click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`; may be given several times.")
 @click.option(
     "--actions",
-    default="random",
-    show_default=True,
     metavar="A",
-    help="What agents do: random, a file, or the actions: 'forward, stay; zap, stay'.",
+    help="What agents do: random, a file, or the actions: 'forward, stay; zap, stay'; by default random.",
 )
+@click.option("--policy", metavar="P", help="All agents follow this policy of the game's file.")
 @click.option("--all", "everything", is_flag=True, help="Also print failed draws and rules that did not happen.")
 @click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")
 @environment_options
@@ -49,7 +48,8 @@ def command(
     steps: int | None,
     seed: int,
     phases: tuple[str, ...],
-    actions: str,
+    actions: str | None,
+    policy: str | None,
     everything: bool,
     as_json: bool,
     params: tuple[str, ...],
@@ -62,9 +62,11 @@ def command(
     action for each agent or one for all; a single one counts for every step.
     """
 
+    if actions is not None and policy is not None:
+        raise click.UsageError("--actions and --policy both say what the agents do: choose one of them")
     try:
         made, values = build_game(game, read_assignments(params), **described)
-        moments = played(made.game, values, seed, steps, actions)
+        moments = played(made.game, values, seed, steps, actions or RANDOM, policy)
     except ValueError as error:
         raise click.ClickException(str(error)) from None
     teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game), everything)
@@ -82,9 +84,10 @@ def command(
         raise click.ClickException(f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}") from None
 
 
-def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None, actions: str) -> Iterator[Any]:
-    """Returns the start and the steps of a trace. Raises ValueError for actions that do not fit the game."""
-
+def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None, actions: str, policy: str | None = None) -> Iterator[Any]:
+    """Returns the start and the steps of a trace. Raises ValueError for actions, and a policy, that do not fit the game."""
+    if policy is not None:
+        return play(game, values, seed, STEPS if steps is None else steps, policy_actions(policy, game, seed))
     choose, written = read_actions(actions, game, steps)
     return play(game, values, seed, STEPS if steps is None and written is None else steps or written or 0, choose)
 

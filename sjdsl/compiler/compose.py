@@ -94,7 +94,7 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
             raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
-        game.warnings += undone(game, name, _changes(game, variant.changes))
+        game.warnings += undone(game.sources, game.said_last, name, _changes(game, variant.changes))
         _apply(game, variant.changes)
     if game.problems:
         raise CompileError(game.problems)
@@ -136,7 +136,9 @@ def base_of(name: ast.String, source: Source) -> Source:
         return Source(name_here, over, path.parent, source.over)
     if not path.is_file():
         beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
-        raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside))])
+        how = f"`extends` takes a file beside this one: copy a bundled game with its maps, `sjdsl new --from {name.text}`"
+        how = f'{how}, and write `extends "{name.text}.sj"`' if name.text.isidentifier() else ""
+        raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside), help=how)])
     return Source(name_here, read_source(path).text, path.parent, source.over)
 
 

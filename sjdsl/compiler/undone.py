@@ -3,16 +3,12 @@
 Numbers and maps are left out: a variant is chosen for those it brings.
 """
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
-
-if TYPE_CHECKING:
-    from sjdsl.compiler.compose import Composition
 
 
 class Change(Record):
@@ -23,11 +19,14 @@ class Change(Record):
     is_drop: bool
 
 
-def undone(game: "Composition", variant: str, changes: dict[str, Change]) -> Iterator[Diagnostic]:
-    """Yields a warning for each change of an extending game that a change of a variant of its base replaces."""
-    order = {file: place for place, file in enumerate(game.sources)}  # the outermost base first
+def undone(files: Iterable[str], said_last: Mapping[str, Change], variant: str, changes: Mapping[str, Change]) -> Iterator[Diagnostic]:
+    """Yields a warning for each change of an extending game that a change of a variant of its base replaces.
+
+    `files`: those of the game, the outermost base first. `said_last`: what they say of each name.
+    """
+    order = {file: place for place, file in enumerate(files)}
     for key, change in changes.items():
-        for other, before in game.said_last.items():
+        for other, before in said_last.items():
             if order[before.span.file] > order[change.span.file] and before.text != change.text and _meet(key, change, other, before):
                 label = Label(change.span, f"`{variant}` changes it here")
                 yield errors.UndoneByVariant(before.span, labels=(label,), name=other, variant=variant)

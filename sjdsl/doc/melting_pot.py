@@ -30,7 +30,12 @@ EVERYWHERE = (
     "Here, such a window has 121 bytes a plane of tokens; a game has 2 to 16 planes. One-hot observations have 121 floats a channel, 11 to 106 channels.",
     "Random numbers are others.",
     "All agents act at once on the state before the step; there, they act in a random order within it.",
-    "Waits are counted from the step in which they begin; there mostly from the next, so that they last a step longer.",
+    "Waits, pauses and periods last as long as there. [Figures of the original](../tests/meltingpot/original.toml), which "
+    "[a script](../bench/meltingpot_figures.py) measures, are tested against ours.",
+    "Starting places can be told from other cells, but in games that hide them; there they look like the floor.",
+    "Who comes back can fire in the next step; there, in some games, only after a whole pause.",
+    "`sjdsl.interop.dm_env` gives the observations that a substrate lists beside its picture, but for `MY_OFFER`, `OFFERS`, `HUNGER`, "
+    "`NUM_OTHERS_WHO_CLEANED_THIS_STEP` and `MISMATCHED_COIN_COLLECTED_BY_PARTNER`.",
 )
 
 

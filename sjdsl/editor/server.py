@@ -28,6 +28,8 @@ class Server(LanguageServer):
     def __init__(self) -> None:
         super().__init__("sjdsl", __version__)
         self.session = Session()
+        self.ended_early = False  # the client says `exit` without `shutdown`
+        self._shut_down = False
         self._waiting: dict[str, float] = {}  # URI -> when it changed first since it was last looked at
         self._changed: dict[str, float] = {}  # and when it changed last
         self._tasks: dict[str, asyncio.Task[None]] = {}
@@ -39,6 +41,14 @@ class Server(LanguageServer):
         item = document.completion.completion_item if document and document.completion else None
         encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
         self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None], bool(item and item.snippet_support))
+
+    def leave(self) -> None:
+        """Notes how the client ends the session."""
+        self.ended_early = not self._shut_down
+
+    def shut_down(self) -> None:
+        """Notes that the client has asked for the end of the session."""
+        self._shut_down = True
 
     def look_at(self, uris: list[str]) -> None:
         """Has texts looked at soon, each by one task at a time."""
@@ -120,6 +130,14 @@ def _texts(server: Server) -> None:
     @server.feature(types.INITIALIZE)
     def initialize(ls: Server, params: types.InitializeParams) -> None:
         ls.begin(params)
+
+    @server.feature(types.SHUTDOWN)
+    def shut_down(ls: Server, _params: None) -> None:
+        ls.shut_down()
+
+    @server.feature(types.EXIT)
+    def leave(ls: Server, _params: None) -> None:
+        ls.leave()
 
     @server.feature(types.INITIALIZED)
     def initialized(ls: Server, _params: types.InitializedParams) -> None:

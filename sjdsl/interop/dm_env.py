@@ -10,6 +10,7 @@ import numpy as np
 from sjdsl.factory import make
 from sjdsl.games_folder import bundled
 from sjdsl.interop.calls import numbers_of_actions, seeded_key
+from sjdsl.interop.copies import Copied
 from sjdsl.interop.melting_pot_observations import observe
 from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot
@@ -31,7 +32,7 @@ ROLE = "default"
 TILE = 8  # pixels of a cell's side, as in Melting Pot
 
 
-class Substrate(dm_env.Environment):
+class Substrate(Copied, dm_env.Environment):
     """One environment of a game: actions, rewards and observations are lists, one entry a player.
 
     Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; of a substrate of Melting Pot, what else a player observes
@@ -40,6 +41,8 @@ class Substrate(dm_env.Environment):
     board. Rewards are raw. An episode's last step has discount 1 where it is cut off, 0 where the rules end it. A step after it, or before
     `reset`, begins an episode, as dm_env has it.
     """
+
+    KEPT = ("_key", "_state", "_events")
 
     def __init__(self, game: str, seed: int | None = None, tile: int = TILE, **arguments: Any) -> None:
         """Makes the environment.

@@ -9,6 +9,7 @@ import numpy as np
 
 from sjdsl.factory import make
 from sjdsl.interop.calls import by_name, checked_seed, numbers_of_actions
+from sjdsl.interop.copies import Copied
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
 from sjdsl.interop.spaces import window_high
@@ -22,7 +23,7 @@ with needs("gymnasium"):
 FRAMES = 8  # a second, when an episode is shown
 
 
-class AgentGame(gymnasium.Env):
+class AgentGame(Copied, gymnasium.Env):
     """One environment of a game, seen and steered by one of its agents.
 
     Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"` is asked for. The reward is the agent's own,
@@ -33,6 +34,7 @@ class AgentGame(gymnasium.Env):
       env: the `sjdsl.Environment`; agent: whom the actions steer.
     """
 
+    KEPT = ("_key", "_state", "_memory", "_over", "_returns", "_np_random", "_np_random_seed", "spec")
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": FRAMES}  # noqa: RUF012, as Gymnasium has it
 
     def __init__(
@@ -60,6 +62,7 @@ class AgentGame(gymnasium.Env):
         if not 0 <= agent < self.env.num_agents:
             raise ValueError(f"{self.env.name} has no agent {agent}: 0 to {self.env.num_agents - 1}")
         self.agent, self.render_mode = agent, render_mode
+        self._np_random, self._np_random_seed, self.spec = None, None, None
         self.observation_space = spaces.Box(0, window_high(self.env), dtype=np.uint8)
         self.action_space = spaces.Discrete(self.env.num_actions)
         self._seen_by_others = make(game, observation="tokens", **arguments)

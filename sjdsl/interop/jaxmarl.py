@@ -12,6 +12,7 @@ from jax import Array
 from sjdsl.factory import make as make_environment
 from sjdsl.games_folder import game_names
 from sjdsl.interop.calls import by_name
+from sjdsl.interop.copies import Copied
 from sjdsl.interop.missing import needs
 from sjdsl.interop.spaces import channel_bounds
 from sjdsl.runtime.env import Encoding
@@ -33,7 +34,7 @@ class GameState(State):
     game: Any
 
 
-class JaxMARLGame(MultiAgentEnv):
+class JaxMARLGame(Copied, MultiAgentEnv):
     """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all end together.
 
     Rewards are raw. Every leaf of the infos has shape `(num_agents,)`, as JaxMARL's scripts need it: events and metrics of the

@@ -11,6 +11,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.factory import make as make_game
+from sjdsl.interop.copies import Copied
 from sjdsl.interop.missing import needs
 from sjdsl.interop.spaces import channel_bounds
 from sjdsl.runtime.env import Encoding
@@ -51,7 +52,7 @@ class State:
     game: Any
 
 
-class MavaGame(Environment):
+class MavaGame(Copied, Environment):
     """One environment of a game. It does not begin anew after an episode's last step: Mava's and Jumanji's wrappers do that.
 
     Rewards and discounts are `[N]` float32, the rewards raw. An episode's last step has discount 1 where it is cut off, 0 where the rules

@@ -9,6 +9,7 @@ import numpy as np
 from sjdsl.factory import make
 from sjdsl.games_folder import game_names
 from sjdsl.interop.calls import action_masks, by_name, numbers_of_actions, seeded_key
+from sjdsl.interop.copies import Copied
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.missing import needs
 from sjdsl.interop.spaces import window_high
@@ -21,15 +22,16 @@ with needs("pettingzoo"):
 Figures = dict[str, dict[str, Any]]
 
 
-class ParallelGame(ParallelEnv):
+class ParallelGame(Copied, ParallelEnv):
     """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all leave together.
 
     Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"` is asked for; rewards are raw. An episode ends
     by truncation, or by termination where the rules say `end`. Infos have the events of the step, and `action_mask`, `[num_actions]` int8,
     the actions that are allowed next. An action out of range is refused.
-    It can be pickled: what comes back starts where this one stands.
+    It can be copied and pickled: what comes back starts where this one stands.
     """
 
+    KEPT = ("_key", "_state", "_returns", "agents")
     metadata = {"name": "sjdsl_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
 
     def __init__(self, game: str, render_mode: str | None = None, observation: Encoding = "onehot", **arguments: Any) -> None:
@@ -39,7 +41,6 @@ class ParallelGame(ParallelEnv):
           game, observation, arguments: of `sjdsl.make`.
           render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as a text; `rgb_array`, a picture.
         """
-        self._arguments = {"game": str(game), "render_mode": render_mode, "observation": observation, **arguments}
         self.env = make(game, observation=observation, **arguments)
         self.metadata = {**type(self).metadata, "name": f"{self.env.name}_v0"}
         self.render_mode = render_mode
@@ -119,20 +120,6 @@ class ParallelGame(ParallelEnv):
 
     def close(self) -> None:
         """Nothing is held open."""
-
-    def __getstate__(self) -> dict[str, Any]:
-        stands = None if self._key is None else np.asarray(jax.random.key_data(self._key))
-        leaves = None if self._state is None else [np.asarray(leaf) for leaf in jax.tree.leaves(self._state)]
-        return {"arguments": self._arguments, "key": stands, "leaves": leaves, "returns": self._returns, "agents": self.agents}
-
-    def __setstate__(self, kept: dict[str, Any]) -> None:
-        self.__init__(**kept["arguments"])  # type: ignore[misc]
-        if kept["key"] is not None:
-            self._key = jax.random.wrap_key_data(kept["key"])
-        if kept["leaves"] is not None:
-            structure = jax.tree.structure(jax.eval_shape(self.env.reset, jax.random.key(0))[1])
-            self._state = jax.tree.unflatten(structure, [jax.numpy.asarray(leaf) for leaf in kept["leaves"]])
-        self._returns, self.agents = kept["returns"], kept["agents"]
 
     def _masks(self) -> dict[str, np.ndarray]:
         """Returns the actions that are allowed next, by agent."""

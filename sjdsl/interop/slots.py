@@ -10,6 +10,7 @@ from jax import Array
 
 from sjdsl.factory import make
 from sjdsl.interop.calls import action_masks, numbers_of_actions, seeded_key
+from sjdsl.interop.copies import Copied
 from sjdsl.runtime.env import Encoding
 
 
@@ -34,7 +35,7 @@ class SlotStep:
 Autoreset = Literal["same step", "next step", "never"]
 
 
-class Slots:
+class Slots(Copied):
     """`num_envs` environments stepped together; slot `b * num_agents + i` is agent i of environment b.
 
     What follows an episode's last step is said by `autoreset`: the next episode begins in the `same step`; in the `next step`, which
@@ -43,6 +44,8 @@ class Slots:
     Attributes:
       env: the `sjdsl.Environment`; num_slots; window: `(rows, cols, channels)` of an observation.
     """
+
+    KEPT = ("_key", "_state", "_over")
 
     def __init__(
         self,

@@ -11,6 +11,7 @@ from flax import struct
 from jax import Array
 
 from sjdsl.factory import make as make_game
+from sjdsl.interop.copies import Copied
 from sjdsl.interop.socialjax_log import LogWrapper, SVOLogWrapper
 from sjdsl.interop.socialjax_managers import CTRolloutManager, MAPPOWorldStateWrapper, load_params, save_params
 from sjdsl.interop.socialjax_observation import make_channels
@@ -56,7 +57,7 @@ class State:
         return jnp.stack([row - border, col - border, (2 - heading) % 4 if turned else heading], axis=-1)
 
 
-class SocialJaxGame:
+class SocialJaxGame(Copied):
     """One environment: integer agents, `[N, rows, cols, channels]` float32 observations, rewards `[N]`, dones by "0", "1", … and "__all__".
 
     Attributes:
@@ -75,11 +76,9 @@ class SocialJaxGame:
         self._info, self._flat = entry.info, not cnn
         self._frame = (self.env.module.FRAME[1], self.env.module.PAD, entry.compass == "turned round")
         depth, self._channels = make_channels(self.env, entry)
-        self._rewards = make_rewards(mode, self.num_agents, entry.scaled)
-        shaped = mode.inequity_aversion or mode.svo or mode.interest
-        self._scale = (
-            1 if mode.shared_rewards or not (entry.scaled or shaped) else self.num_agents
-        )  # of one's own reward, before it is shaped
+        self._rewards = make_rewards(mode, self.num_agents, entry.scaled, entry.shared)
+        kind = "shaped" if mode.inequity_aversion or mode.svo or mode.interest else "alone"
+        self._scale = self.num_agents if kind in entry.scaled and not mode.shared_rewards else 1  # of one's own reward, before it is shaped
         moves = ACTIONS[entry.compass]
         self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
         rows, cols = self.env.observation_shape[2:]

@@ -1,13 +1,13 @@
 """SocialJax's reward modes at its scale: all but the common reward are multiplied by the number of agents."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.trainers.shaping import common_sum, exchanged, inequity_averse, svo_deviation
+from sjdsl.trainers.shaping import common_mean, common_sum, exchanged, inequity_averse, svo_deviation
 
 
 @dataclass(frozen=True)
@@ -29,29 +29,33 @@ class Mode:
     s_interest_change_every: int = 30_000_000
 
 
-def make_rewards(mode: Mode, num_agents: int, scaled_alone: bool = True) -> Callable[[Array, Array], tuple[Array, dict[str, Array]]]:
+def make_rewards(
+    mode: Mode, num_agents: int, scaled: Collection[str] = ("alone", "shaped"), shared: str = "sum"
+) -> Callable[[Array, Array], tuple[Array, dict[str, Array]]]:
     """Returns the function `(raw [N], timestep) -> rewards [N], further infos`.
 
-    `scaled_alone`: whether rewards that are not shaped are multiplied by the number of agents, too.
+    Args:
+      scaled: which rewards are multiplied by the number of agents: `alone`, that are not shaped; `shaped`, before they are.
+      shared: whether agents share the sum of their rewards, or its mean.
     Where nobody is rewarded SVO deducts as the suite does, which takes the angle to be 0; inequity aversion deducts nothing, by its
     formula.
     """
 
     def rewards(raw: Array, timestep: Array) -> tuple[Array, dict[str, Array]]:
-        scaled = num_agents * raw
+        whole = (num_agents if "shaped" in scaled else 1) * raw
         if mode.shared_rewards:
-            return common_sum(raw), {}
+            return (common_mean(raw) if shared == "mean" else common_sum(raw)), {}
         if mode.inequity_aversion:
-            averse = inequity_averse(scaled, scaled, mode.inequity_aversion_alpha, mode.inequity_aversion_beta)
-            return jnp.where(_among(mode.inequity_aversion_target_agents, num_agents), averse, scaled), {}
+            averse = inequity_averse(whole, whole, mode.inequity_aversion_alpha, mode.inequity_aversion_beta)
+            return jnp.where(_among(mode.inequity_aversion_target_agents, num_agents), averse, whole), {}
         if mode.svo:
-            away = svo_deviation(scaled, jnp.float32(math.radians(mode.svo_ideal_angle_degrees)), at_rest="selfish", quadrant=False)
-            sought = scaled - num_agents * mode.svo_w * away
-            return jnp.where(_among(mode.svo_target_agents, num_agents), sought, scaled), {"svo_theta": _angles(scaled)}
+            away = svo_deviation(whole, jnp.float32(math.radians(mode.svo_ideal_angle_degrees)), at_rest="selfish", quadrant=False)
+            sought = whole - num_agents * mode.svo_w * away
+            return jnp.where(_among(mode.svo_target_agents, num_agents), sought, whole), {"svo_theta": _angles(whole)}
         if mode.interest:
             kept = _kept(mode, timestep)
-            return exchanged(scaled, kept), {"s_interest": jnp.broadcast_to(kept, raw.shape)}
-        return (scaled if scaled_alone else raw), {}
+            return exchanged(whole, kept), {"s_interest": jnp.broadcast_to(kept, raw.shape)}
+        return (num_agents if "alone" in scaled else 1) * raw, {}
 
     return rewards
 

@@ -40,7 +40,9 @@ class Entry(_Row):
     window: tuple[str, int] = ("obs_size", 11)  # the keyword for its side, and the only value that there is here
     steps: int = 1000  # of an episode
     shared_rewards: bool = True  # unless asked otherwise
-    scaled: bool = True  # whether individual rewards are multiplied by the number of agents
+    # which rewards are multiplied by the number of agents: those that are not shaped and, before they are, those that are
+    scaled: tuple[Literal["alone", "shaped"], ...] = ("alone", "shaped")
+    shared: Literal["sum", "mean"] = "sum"
     info: dict[str, Figure] = {}
     kwargs: dict[str, str] = {}
     letters: dict[str, str] = {}

@@ -4,8 +4,12 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
+from sjdsl.compiler import ir
+from sjdsl.properties.biased_draws import BIASES, Bias
 from sjdsl.properties.coverage import MANY, statements_run
+from sjdsl.properties.effects import reads
 from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.monitors import STATES
 from sjdsl.properties.preconditions import Goal
 from sjdsl.properties.random_starts import own_start
 from sjdsl.properties.search import FLOATS, Counterexample, Progress, Search, ViolationFinder
@@ -14,6 +18,8 @@ from sjdsl.properties.trajectory import Scenario, Trajectory, play
 from sjdsl.properties.verdict import Effort
 
 REPEATED = 0.5  # how often the statements of a counterexample are repeated; else they are goals, among others
+LONG_ONES = 6  # long trajectories for a `once`, whose first condition may need many steps on a large map; for other checks one
+LONGEST = 400  # steps of these
 ALIKE = 0.5  # how often goals are statements of a counterexample, and how often its parameters and number of agents are taken
 
 
@@ -35,6 +41,12 @@ class OwnMapSearch(Search):
 
     def run(self) -> None:
         """Plays as many trajectories as asked for, until each check has a counterexample."""
+        for lead, _ in self._leads:
+            if lead.number != FLOATS and self.family.own.checks[lead.number].sort in STATES:
+                once = self.family.own.checks[lead.number].sort == "once"
+                for _ in range(LONG_ONES if once else 1):
+                    if lead.number in self.left:
+                        self._for_long(self.family.own.checks[lead.number], ("bad",) if once else ("good",))
         while self._open() and self.record.number < self.effort.examples:
             self.one()
         if self._open():
@@ -56,6 +68,24 @@ class OwnMapSearch(Search):
                 break
             scenario, trajectory = self._go_on(scenario, trajectory, goal)
         self._look(scenario, trajectory, 0)
+
+    def _for_long(self, check: ir.Check, biases: Sequence[Bias]) -> None:
+        """Plays a long trajectory in which agents change what a check reads; with some biases of the draws, for a `once` until it applies."""
+        about = set(reads(check.values[0]))
+        changing = [Goal(i, MANY) for i in self._aims if self.preconditions[i].writes & about and self.preconditions[i].agents]
+        goals = changing or [Goal(i, 1) for i in self._aims]
+        self.record.number += 1
+        game, scenario = self.family.own, own_start(self.family, self._random)
+        trajectory = play(game, scenario, 0, self._checks(game))
+        while goals and trajectory.worlds and not trajectory.is_over and check in self._checks(game):
+            first = len(trajectory.outcomes)
+            applies = check.sort == "once" and any(trigger for trigger, _ in trajectory.values(check)[1:])
+            self._biases = BIASES if applies else biases
+            scenario, trajectory = self._go_on(scenario, trajectory, self._random.choice(goals))
+            self._count(scenario, trajectory, first)
+            if len(trajectory.outcomes) == first or len(trajectory.outcomes) >= LONGEST:
+                break
+        self._biases = BIASES
 
     def _open(self) -> list[tuple[Counterexample, list[Goal]]]:
         """Returns the leads to checks that have no counterexample on the own map yet."""

@@ -8,7 +8,7 @@ from random import Random
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import World
-from sjdsl.properties.biased_draws import BIASES
+from sjdsl.properties.biased_draws import BIASES, Bias
 from sjdsl.properties.corpus import Corpus, CorpusEntry
 from sjdsl.properties.coverage import MANY, statements_run
 from sjdsl.properties.distance import Achievers, Distances
@@ -100,6 +100,7 @@ class Search:
         self._beside = _blocks(self.preconditions)
         self._aims = [i for i in self._beside if self.preconditions[i].statement_id[0] != STARTING] or list(self._beside)
         self._latest: tuple[World, Distances] | None = None
+        self._biases: Sequence[Bias] = BIASES
         self._nearest = dict[Goal, float]()
         self._vain = Counter[Goal | None]()
 
@@ -171,7 +172,7 @@ class Search:
         while steps > 0 and most > 0:
             first = len(trajectory.outcomes)
             driver = guided_driver(game, self.preconditions, goal, self.record.ran, steps, random)
-            scenario = replace(scenario, bias=scenario.bias + (random.choice(BIASES),) * steps)
+            scenario = replace(scenario, bias=scenario.bias + (random.choice(self._biases),) * steps)
             trajectory = play(game, scenario, first + steps, self._checks(game), trajectory, driver)
             scenario = replace(scenario, actions=tuple(trajectory.actions), bias=scenario.bias[: len(trajectory.actions)])
             taken = len(trajectory.outcomes) - first

@@ -23,7 +23,7 @@ def in_all_sizes(family: GameFamily, check: ir.Check) -> list[ir.Game] | None:
     known = [found for found in sizes.values() if found is not None]
     if len(known) < len(sizes) or prod(map(len, known)) > MOST:
         return None
-    built = (family.in_sizes(dict(zip(sizes, chosen, strict=True))) for chosen in product(*known))
+    built = (family.in_sizes(dict(zip(sizes, chosen, strict=True))) for chosen in (product(*known) if sizes else ()))
     return [game for game in built if game is not None]
 
 
@@ -43,11 +43,13 @@ def _read(composition: Composition, check: ir.Check) -> set[str]:
     for table in (*tables, composition.shapes, composition.movers, composition.metrics, composition.agent_fields):
         for name, node in table.items():
             declared.setdefault(name, []).append(node)
-    declared["agent"] = [node for node in (composition.number,) if node is not None]
+    declared["agent"] = declared["index"] = [node for node in (composition.number,) if node is not None]
     written = [c for checks in composition.checks.values() for c in checks if c.span == check.origin]
     found, waiting = set[str](), list[Node](written)
     while waiting:
-        new = {node.text for node in walk(waiting.pop()) if isinstance(node, ast.Name)} - found
+        nodes = list(walk(waiting.pop()))
+        types = {id(node.name) for node in nodes if isinstance(node, ast.NamedType)}  # that a field holds an agent says no number
+        new = {node.text for node in nodes if isinstance(node, ast.Name) and id(node) not in types} - found
         found |= new
         waiting += [node for name in new for node in declared.get(name, ())]
     return found

@@ -86,6 +86,16 @@ KINDS: dict[str, Colour] = {
     "tile": (234, 232, 228),
 }
 
+# Parts of kinds' names that are drawn as another one is.
+ALIKE: dict[str, str] = {
+    **dict.fromkeys(("lake", "pond", "pool", "stream", "brook", "canal", "moat", "bay", "ocean", "swamp", "puddle"), "water"),
+    **dict.fromkeys(("land", "meadow", "lawn", "plain", "garden", "park", "pasture"), "grass"),
+    **dict.fromkeys(("earth", "dirt", "mud", "path", "road", "farm"), "soil"),
+    **dict.fromkeys(("beach", "desert", "dune", "coast"), "sand"),
+    **dict.fromkeys(("hedge", "shrub", "thicket", "woods", "wood", "jungle"), "forest"),
+    **dict.fromkeys(("cliff", "mountain", "boulder", "hill", "crag"), "rock"),
+}
+
 # Words that are colours: a field with no others shows its first word like the rest.
 COLOURS = frozenset({*NAMED, "gray"})
 
@@ -134,7 +144,8 @@ def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> 
     colours: dict[str, Colour] = {}
     for kind in (k for k in game.kinds if k.name not in plain):
         palette = SOLID_TILES if blocks_always(kind) else TILES
-        wanted = [KINDS[part] for part in reversed(kind.name.split("_")) if part in KINDS]
+        parts = [ALIKE.get(part, part) for part in reversed(kind.name.split("_"))]
+        wanted = [KINDS[part] for part in parts if part in KINDS] + [KINDS["sea"]] * ("water" in parts)
         free = [colour for colour in (*wanted, *palette) if colour not in colours.values()]
         colours[kind.name] = (free or palette)[0]
     return colours | dict.fromkeys(plain, colours.get(main, TILES[0]))

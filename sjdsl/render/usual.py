@@ -7,10 +7,13 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, written_field
-from sjdsl.render.colours import INKS, SPRITES, WORDS, Colour, read_colour, word_colours
+from sjdsl.render.colours import ALIKE, INK, INKS, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
 from sjdsl.render.sprites import SHAPES
 
 EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
+
+STANDING = {"forest": "tree", "rock": "ore"}  # what stops agents and is no wall, by what it is drawn like
+DARKER = 0.35  # than its ground
 
 SPAWNS = (SPRITES["floor"], *map(read_colour, ("purple", "brown", "blue")))  # of several kinds on which agents appear
 
@@ -40,6 +43,9 @@ def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
 
 def usual_body(kind: ir.Kind, ground: Colour, spawns: tuple[str, ...]) -> Picture | None:
     """Returns the sprite of a whole cell: one with its name, a wall for what stops agents, a faint mark where agents appear."""
+    like = next((ALIKE[part] for part in reversed(kind.name.split("_")) if part in ALIKE), "")
+    if like == "water" or (like in STANDING and blocks_always(kind)):
+        return Picture(STANDING.get(like, like), ground if like == "water" else mixed(ground, INK, DARKER))
     named = named_sprite(kind.name)
     if named is not None and named != "floor":
         return Picture(named, ground if named in ("wall", "water") else SPRITES[named])

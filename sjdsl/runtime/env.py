@@ -127,6 +127,10 @@ class Environment:
         check_arrays(params, self.params)
         return params
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Lets it be copied and pickled: the compiled functions are made anew."""
+        return Environment, (self.module, self.params, self.observation, self.game, self._admit)
+
     def __repr__(self) -> str:
         return f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, {self.num_actions} actions, {self.observation}>"
 

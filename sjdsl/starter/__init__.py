@@ -4,7 +4,14 @@ import keyword
 import re
 import sys
 from importlib.resources import files
+from pathlib import Path, PurePosixPath
 
+from sjdsl.compiler import ast
+from sjdsl.compiler.ast.traverse import walk
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.syntax.parse import parse
+from sjdsl.compiler.syntax.read import inside_folder, read_source
 from sjdsl.version import HOMEPAGE, __version__
 
 FILES = {"game.sj": "{name}.sj", "map.txt": "{name}.txt", "test_game.py": "test_{name}.py"}
@@ -32,6 +39,35 @@ def starting_files(name: str) -> dict[str, str]:
         raise ValueError(f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game")
     words = {"IMPORTS": "from pathlib import Path\n\n", "FILE": f'Path(__file__).parent / "{name}.sj"'} | _names(name)
     return {path.format(name=name): _filled(file, words) for file, path in FILES.items()}
+
+
+def copied_files(game: Path, name: str) -> dict[str, str]:
+    """Returns the texts of a copy of a game called `name`, by the names of its files: the game, those that it extends, and their maps.
+
+    Raises:
+      ValueError: the name cannot be that of a game.
+      CompileError: a file of the game cannot be read.
+    """
+    if not NAME.fullmatch(name):
+        raise ValueError(f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game")
+    source = read_source(game)
+    span = parse(source).game.name.span
+    texts = {f"{name}.sj": source.text[: span.start] + name + source.text[span.end :]}
+    waiting, problems = [(source, PurePosixPath())], Problems()
+    while waiting:
+        source, folder = waiting.pop()
+        for node in walk(parse(source)):
+            named = node.file if isinstance(node, ast.Map) else node.extends if isinstance(node, ast.Game) else None
+            path = None if named is None else inside_folder(named.text, named.span, source, problems)
+            if named is None or path is None:
+                continue
+            found = read_source(path)
+            texts[str(folder / named.text)] = found.text
+            if isinstance(node, ast.Game):
+                waiting.append((found, (folder / named.text).parent))
+    if problems.found:
+        raise CompileError(problems.found)
+    return texts
 
 
 def package_files(package: str) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """Pictures of a map for tests: rows of characters, agents as arrows, their numbers beside a row, movers by the character of their sort."""
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -57,7 +58,7 @@ def _check(sign: str, glyph: str, where: str, signs: Signs) -> None:
 
 
 def _numbers(text: str, arrows: int, row: int) -> tuple[int, ...]:
-    parts = list(text) if len(text) == arrows else text.replace(" ", "").split(",")
+    parts = list(text) if len(text) == arrows else re.split(r"[,\s]+", text.strip())
     if len(parts) != arrows or not all(part.isdecimal() and part == str(int(part)) for part in parts):
         raise ValueError(f"row {row} has {arrows} agents; beside it `{text}` does not number them (numbers above 9 with commas: `3,12`)")
     return tuple(map(int, parts))

@@ -5,6 +5,7 @@ from pathlib import Path
 from sjdsl.action_names import split_actions
 from sjdsl.compiler import ir
 from sjdsl.near_names import meant
+from sjdsl.trace.choices import scripted_actions
 from sjdsl.trace.episode import Choose, random_actions
 
 RANDOM = "random"
@@ -28,10 +29,21 @@ def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Choose, i
         raise ValueError(f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}")
     taken = [_step(words, number, game, "" if is_file or len(words) > 1 else text) for number, words in enumerate(lines, 1)]
     if len(taken) == 1:
-        return lambda _number, _key: taken[0], None
+        return lambda _number, _key, _world: taken[0], None
     if steps is not None and steps > len(taken):
         raise ValueError(f"actions are written for {len(taken)} steps, not for {steps}; name fewer --steps or more actions")
-    return lambda number, _key: taken[number], len(taken)
+    return lambda number, _key, _world: taken[number], len(taken)
+
+
+def policy_actions(name: str, game: ir.Game, seed: int) -> Choose:
+    """Returns what agents do that all follow a policy of the game's file. Raises ValueError for one that it does not have."""
+    declared = [policy.name for policy in game.policies]
+    if name not in declared:
+        have = meant(name, declared, "it has") if declared else ""
+        trained = "of a trained one `sjdsl record` stores episodes, which `sjdsl replay` shows"
+        raise ValueError(f"the file of the game has no policy `{name}` ({trained}){have}")
+    scripted = scripted_actions(game, name, seed)
+    return lambda number, _key, world: scripted(number, world)
 
 
 def _step(words: list[str], number: int, game: ir.Game, maybe_file: str) -> list[int]:

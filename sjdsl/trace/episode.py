@@ -15,7 +15,7 @@ from sjdsl.interpreter.threefry import Threefry
 from sjdsl.trace.effects import Effect, effects_of, without_effect
 from sjdsl.trace.jax_random import Key, RecordedDraws, key_of, random_numbers, split
 
-Choose = Callable[[int, Key], list[int]]  # number of the step in the trace, a key for it -> an action for each agent
+Choose = Callable[[int, Key, World], list[int]]  # number of the step in the trace, a key for it, state -> an action for each agent
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Moment:
 
 def random_actions(game: ir.Game) -> Choose:
     """Returns the policy that draws every action with equal probability."""
-    return lambda _number, key: random_numbers(key, game.agents.number, len(game.agents.actions))
+    return lambda _number, key, _world: random_numbers(key, game.agents.number, len(game.agents.actions))
 
 
 def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choose: Choose) -> Iterator[Moment]:
@@ -61,7 +61,7 @@ def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choo
     yield moment
     for number in range(steps):
         key, action_key, step_key, reset_key = split(key, 4)
-        moment = follow(game, moment.world, params, step_key, choose(number, action_key))
+        moment = follow(game, moment.world, params, step_key, choose(number, action_key, moment.world))
         yield moment
         ended = moment.outcome is not None and (moment.outcome.terminated or moment.outcome.truncated)
         if ended and number + 1 < steps:

@@ -102,3 +102,17 @@ def test_mistakes(sjdsl: Sjdsl, arguments: str, said: str) -> None:
 def test_tracing_needs_no_jax(folder: Path) -> None:
     program = "import sys; from sjdsl.cli import run; s = run(['trace', 'orchard.sj', '--param', 'apple=2']); sys.exit(s or int('jax' in sys.modules))"
     assert subprocess.run([sys.executable, "-c", program], cwd=folder, check=False, capture_output=True).returncode == 0
+
+
+def test_agents_follow_a_policy_of_the_file(sjdsl: Sjdsl) -> None:
+    """Cooperators of Clean Up walk to the dirt, which no random play does as fast."""
+    followed = json.loads(sjdsl("trace", "clean_up", "--policy", "cooperator", "--steps", "40", "--json").out)
+    drawn = json.loads(sjdsl("trace", "clean_up", "--steps", "40", "--json").out)
+    cleaned = [sum("clean" in str(step) for step in trace["steps"]) for trace in (followed, drawn)]
+    assert followed != drawn
+    assert cleaned[0] > 0
+
+
+def test_a_policy_is_one_of_the_file_and_stands_alone(sjdsl: Sjdsl) -> None:
+    assert "no policy `cooperatr`" in sjdsl("trace", "clean_up", "--policy", "cooperatr").err
+    assert "choose one of them" in sjdsl("trace", "clean_up", "--policy", "cooperator", "--actions", "stay").err

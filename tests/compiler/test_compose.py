@@ -92,3 +92,14 @@ def test_checks_are_added_and_those_with_a_name_replaced(tmp_path: Path, monkeyp
     assert sorts("", "set apple = 3  checks cheap { always apple > 2 }", "rich") == ["require", "always"]
     assert codes(tmp_path, "drop chaep") == ["SJ108"]
     assert codes(tmp_path, "checks cheap { } checks cheap { }") == ["SJ115"]
+
+
+def test_a_define_that_a_base_has_for_other_games_is_not_missed(tmp_path: Path) -> None:
+    """Of a game's own defines, and of a base's numbers, those that nothing uses are still told."""
+    (tmp_path / "shared.sj").write_text(
+        'sj 1\ngame shared "Shared" { define late(n) = step >= n  param idle : reward = 1 }\n', encoding="utf-8"
+    )
+    body = (BASE % "").replace('"Base" {', '"Base" extends "shared.sj" { define mine = step')
+    (tmp_path / "base.sj").write_text(body, encoding="utf-8")
+    told = [w.name for w in build(read_source(tmp_path / "base.sj")).warnings if w.code == "SJ505"]  # type: ignore[attr-defined]
+    assert sorted(name for name in told if name not in ("bag", "agent.bag")) == ["idle", "mine"]

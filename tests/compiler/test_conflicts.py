@@ -19,9 +19,12 @@ game frame "Writes" {{
   param p : probability = 0.5
   param times : count = 1 in 0 .. 3
   agents 3 {{
-    acts turn_left, forward, stay, zap
+    acts turn_left, forward, stay, zap, call, shout, whistle
     moves relative
     field bag : 0 .. 9 = 0
+    forbid call when agent.index != 2 or agent.bag > 3
+    forbid shout when agent.index > 1
+    forbid whistle when agent.bag > 0
     field last : agent = nobody
     field seen by agent : 0 .. 9 = 0
     field times by {{ none, ripe }} : 0 .. 9 capped = 0
@@ -75,8 +78,17 @@ SAFE = [
     "each agent as a { first tree in line(2) of a { set a.bag = 1 } otherwise { set a.bag = 2 } }",
     "each agent as a { first tree in line(2) of a { give 1 to a } otherwise { when a.bag < 9 { add 1 to a.bag } } }",
     "each agent as a { first tree in fan(2, 1) of a { set a.bag = 1  set tree.fruit = none } }",
+    # one agent, by its number, or because the others may not
+    "each agent as a where a.index == 1 { set king = a }",
+    "each agent as a { when a.index == 1 and a.bag > 3 { set king = a  set rank[a] = a.bag } }",
+    "each agent where agent chose call { set king = agent }",
+    "each agent where agent chose call { each tree { set tree.taker = agent } }",
 ]
 REFUSED = [
+    # several agents may
+    "each agent where agent.index > 0 { set king = agent }",
+    "each agent where agent chose whistle { set king = agent }",
+    "each agent where agent chose shout { set king = agent }",
     # one entry for several instances: more than its two agents multiply
     "each agent as a { each tree { each agent as b in disc(1) of tree { set b.seen[a] = count(tree as u in disc(1) of tree) } } }",
     "each agent as a { each agent as b { set rank[b] = a.index } }",

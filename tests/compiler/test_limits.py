@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.limits import MAX_BYTES, MAX_DEPTH, MAX_LINE, MAX_PROBLEMS, MAX_STATEMENTS
 from sjdsl.compiler.diagnostics.report import render, to_json
@@ -164,6 +165,21 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert failure(tmp_path / ("x" * 5000)).code == "SJ008"
     assert failure(Path("a\0b")).code == "SJ008"
     assert failure(tmp_path / "no" / "folder.sj").code == "SJ008"
+
+
+@pytest.mark.parametrize("what", ["map {}", "extends {}"])
+def test_names_that_no_file_can_have(what: str, tmp_path: Path) -> None:
+    """A name that is too long, links that lead to each other, a link to itself, a name inside what is no folder."""
+    (tmp_path / "one.txt").symlink_to("two.txt")
+    (tmp_path / "two.txt").symlink_to("one.txt")
+    (tmp_path / "self.txt").symlink_to("self.txt")
+    (tmp_path / "plain.txt").write_text("....")
+    for name in ("a" * 300, f"{'b' * 300}/c.txt", "one.txt", "self.txt", "plain.txt/map.txt", "\ud800.txt"):
+        said = what.format(f'"{name}"')
+        text = f"sj 1\ngame x {said if what.startswith('extends') else ''} {{ {said if what.startswith('map') else ''} }}\n"
+        found = check(Source("game.sj", text, tmp_path))
+        assert {d.code for d in found} & {"SJ008", "SJ111", "SJ112", "SJ004"}, (name, found)
+        assert all("\n" not in d.message for d in found)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")

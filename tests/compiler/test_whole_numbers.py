@@ -118,6 +118,7 @@ def test_the_bound_that_helps_is_the_largest_that_does() -> None:
         text("each agent { set agent.hot = min(agent.hot + 3, 9) }", of_agents="timer hot", episode="2000000000"),
         text("when big * 1.0 * big > 5 { tally hits }", "field big : 0 .. 1000000000 = 0", metrics=HITS),
         text(declared="param k : count = 100000", checks="require k * k > 5"),
+        text("when deep == -1000000000 { add 2000000000 to deep }", "field deep : -1000000000 .. 1000000000 = 0"),
         text("when unlimited > 5 { tally hits }", "param unlimited : count = 7", metrics=HITS),
     ],
 )  # fmt: skip

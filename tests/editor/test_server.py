@@ -196,3 +196,31 @@ def connected(port: int) -> socket.socket:
         except ConnectionRefusedError:
             time.sleep(0.1)
     raise TimeoutError(port)
+
+
+@pytest.mark.parametrize("asked_for", [True, False])
+def test_the_exit_status_is_the_protocols(asked_for: bool) -> None:
+    """0 after `shutdown` and `exit`; 1 for `exit` alone; nothing is written to standard error."""
+    server = subprocess.Popen(COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert server.stdin is not None and server.stdout is not None
+
+    def say(**message: object) -> None:
+        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        server.stdin.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+        server.stdin.flush()
+
+    def hear() -> dict:
+        length = int(server.stdout.readline().split(b":")[1])
+        while server.stdout.readline().strip():
+            pass
+        return json.loads(server.stdout.read(length))
+
+    say(id=1, method="initialize", params={"processId": None, "rootUri": None, "capabilities": {}})
+    assert hear()["id"] == 1
+    say(method="initialized", params={})
+    if asked_for:
+        say(id=2, method="shutdown")
+        assert hear() == {"id": 2, "jsonrpc": "2.0", "result": None}
+    say(method="exit")
+    _, complaints = server.communicate(timeout=PATIENCE)
+    assert (server.returncode, complaints) == (0 if asked_for else 1, b"")

@@ -124,7 +124,8 @@ COMPASS = {"relative": False}
 THROUGH_WALLS = {**COMPASS, "walls_stop": frozen("agents")}
 COOLING = {"seen": frozen("cooling"), "timers": frozen("cooling")}  # MP: who may use its beam knows it
 BY_CHANCE = {"length": 5000, "least": 1000, "interval": 100}  # MP: episodes end after 1000 steps or more, by chance
-HARVEST = {"schedule": "tick walk regrow eat fire finish", **COOLING}
+IDENTITY = {"of_others": frozen("index")}  # MP: each player has a colour of its own
+HARVEST = {"schedule": "tick walk regrow eat fire finish", **COOLING, **IDENTITY}
 OPEN_BEAM = {**HARVEST, "numbers": {"respawn_delay": 4, "regrow_1": 0.0025, **BY_CHANCE, "ending": 0.15}, "shape": lanes(3)}  # MP
 ROOM_BEAM = {**HARVEST, "numbers": {"respawn_delay": 100, **BY_CHANCE, "ending": 0.15}, "shape": lanes(4), "rows": "_crowd"}  # MP
 # everything a variant changes of the above
@@ -141,6 +142,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("harvest_closed", "meltingpot"): ROOM_BEAM,
     ("harvest_partnership", "meltingpot"): ROOM_BEAM,
     ("clean_up", "meltingpot"): {
+        **IDENTITY,
         "numbers": {"respawn_delay": 50, **BY_CHANCE, "ending": 0.2},
         "shape": lanes(3),
         "schedule": "tick walk grow eat pollute scrub rinse fire finish",
@@ -151,6 +153,8 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("coop_mining", "socialjax"): {**COMPASS, "numbers": {"spawn_iron": 0.0002, "spawn_gold": 0.00008}},
     ("coop_mining", "meltingpot"): {
         **COOLING,
+        **IDENTITY,
+        "seen": frozen("cooling", "index"),
         "numbers": {"spawn_iron": 0.0002, "spawn_gold": 0.00008, "most": 2, **BY_CHANCE, "ending": 0.2},
         "schedule": "walk mine settle tick cool close grow finish",
         "rows": "_meltingpot",
@@ -161,10 +165,11 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
         "seen": frozenset(),
     },
     ("gift_refinement", "meltingpot"): {
+        **IDENTITY,
         "numbers": {"players": 6, "reach": 5, "yields": (5, 5, 1), **BY_CHANCE, "ending": 0.2},
         "shape": {(ahead, 0) for ahead in range(1, 6)},
         "schedule": "grow tick walk collect consume offer receive(cut) receive(fine) cool finish",
-        "seen": frozen("bag", "cooling"),
+        "seen": frozen("bag", "cooling", "index"),
         "timers": frozen("cooling"),
         "rows": "_meltingpot",
     },
@@ -178,14 +183,14 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
             "digestion": (0, 9, 14, 14),  # MP: 0, 10, 15, 15 with the step of the meal
             "crowd": (65536,) * 4,
             "spores": ((3, 0, 0, 0), (3, 3, 0, 0), (3, 3, 3, 0), (0, 0, 0, 1)),
-            "keeps": (200, 100, 75, 0), "poison": 0.25, "respawn_delay": 50,  # MP
-            "cooling": 3, "frozen": 24, "recovery": 50,  # MP: 25 with the step of the hit
+            "keeps": (200, 100, 75, 0), "poison": 0.25, "respawn_delay": 52,  # MP
+            "cooling": 3, "frozen": 24, "recovery": 49,  # MP: 25 and 50 with the step of the hit
             **BY_CHANCE, "ending": 0.2,
         },
         "shape": lanes(3),
         "schedule": "tick spoil walk eat die sprout(red) sprout(green) sprout(blue) sprout(orange) fire judge finish",
-        "seen": frozen("digesting", "hot", "stunned"),
-        "of_others": frozen("hits"),
+        "seen": frozen("digesting", "hot", "stunned", "hits"),
+        "of_others": frozen("hits", "index"),
         "timers": frozen("digesting", "hot", "stunned", "recovering"),
         "rows": "_meltingpot",
     },

@@ -145,16 +145,22 @@ def test_the_beam_destroys_mushrooms_up_to_the_first_agent() -> None:
 
 
 def test_a_first_hit_freezes_and_a_second_one_sends_away() -> None:
-    """For 24 steps nothing can be done; the shooter waits for three. After fifty steps without a hit it is forgotten."""
+    """For 24 steps nothing can be done, and no zap for 28; the shooter waits for three. After 49 steps without a hit it is forgotten."""
     scene = FOREST.put(">v......", "........", "......v.").step("zap")
     scene.has({"allowed zap": [False, False, True], "allowed forward": [True, False, True], "agent.hits": [0, 1, 0]})
     scene.step("zap, forward", times=3).has({"agent.hits": [0, 1, 0], "allowed zap": {0: True}})
     gone = FOREST.put(">v......", "........", "......v.", fields={"agent.hits": {1: 1}, "agent.recovering": {1: 9}}).step("zap")
-    gone.has({"agent.away": [False, True, False], "agent.hits": 0}).step(times=49).has({"agent.away": {1: True}})
+    gone.has({"agent.away": [False, True, False], "agent.hits": 0}).step(times=51).has({"agent.away": {1: True}})
     gone.step().has({"agent.away": False})
     scene.step("zap, forward").has({"agent.away": [False, True, False]})
-    scene = FOREST.put(">v......", "........", "......v.").step("zap").step("turn_left", times=24).has({"allowed forward": True})
-    scene.step("turn_left", times=25).has({"agent.hits": [0, 1, 0]}).step().has({"agent.hits": 0})
+    scene = (
+        FOREST.put(">v......", "........", "......v.")
+        .step("zap")
+        .step("turn_left", times=24)
+        .has({"allowed forward": True, "allowed zap": {1: False}})
+    )
+    scene.step("turn_left", times=4).has({"allowed zap": {1: True}})
+    scene.step("turn_left", times=20).has({"agent.hits": [0, 1, 0]}).step().has({"agent.hits": 0})
 
 
 def test_who_digests_cannot_walk_and_can_zap() -> None:

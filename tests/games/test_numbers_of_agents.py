@@ -40,7 +40,7 @@ MOST_OF_A_CROWD = {
     "gift_refinement": (20, "`camp` has 20 cells for 21 agents"),
 }
 # the five others: the starts of their maps, or the limit of the language. Melting Pot has no other maps of them
-MOST_OF_OTHERS = {"allelopathic_harvest": 64, "chicken": 64, "predator_prey": 34, "stag_hunt": 64, "territory": 9}
+MOST_OF_OTHERS = {"allelopathic_harvest": 64, "chicken": 64, "lb_foraging": 4, "predator_prey": 34, "stag_hunt": 64, "territory": 9}
 
 
 def seldom(form: Form) -> Any:

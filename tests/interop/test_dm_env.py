@@ -152,3 +152,24 @@ def test_a_name_of_both_is_the_substrate_unless_a_variant_is_given(name: str) ->
     assert Substrate(name).env.hash == make(name, variant="meltingpot").hash
     assert Substrate(name, variant=None).env.hash == make(name).hash
     assert Substrate(name, variant="socialjax").env.hash == make(name, variant="socialjax").hash
+
+
+def test_a_substrate_gives_what_the_original_lists() -> None:
+    """Shapes and types as there: the matrix, and the vote."""
+    env = Substrate("prisoners_dilemma_in_the_matrix__repeated", seed=0)
+    assert_fits(env, env.reset())
+    step = env.step([env.action_names.index("interact"), 0])
+    assert_fits(env, step)
+    seen = step.observation[0]
+    assert (seen["INVENTORY"].shape, seen["INTERACTION_INVENTORIES"].tolist()) == ((2,), [[-1, -1], [-1, -1]])
+    assert [float(o["READY_TO_SHOOT"]) for o in step.observation] == [0, 1]
+    assert float(env.step([0, 0]).observation[0]["READY_TO_SHOOT"]) == 0.5
+    agenda = Substrate("hidden_agenda", seed=0)
+    first = agenda.reset()
+    assert_fits(agenda, first)
+    assert first.observation[0]["VOTING"].tolist() == np.eye(7)[[5] * 5].tolist(), "nobody has a vote yet, and nobody is out"
+    assert [name for name in first.observation[0] if name.isupper() and "." not in name] == [
+        *("RGB", "INVENTORY", "READY_TO_SHOOT", "VOTING", "COLLECTIVE_REWARD")
+    ]
+    names = get_config("predator_prey__open").individual_observation_names
+    assert names == ("RGB", "STAMINA", "COLLECTIVE_REWARD")

@@ -11,7 +11,16 @@ import pytest
 
 from sjdsl.interop import socialjax
 
-DEPTHS = {"coin_game": 14, "harvest_common_open": 15, "clean_up": 19, "coop_mining": 12, "mushrooms": 16, "gift": 13, "pd_arena": 22}
+DEPTHS = {
+    "coin_game": 14,
+    "harvest_common_open": 15,
+    "clean_up": 19,
+    "coop_mining": 12,
+    "mushrooms": 16,
+    "gift": 13,
+    "pd_arena": 22,
+    "territory_open": 19,
+}
 LEFT, RIGHT, UP, DOWN, STAY = 2, 3, 4, 5, 6  # the suite's numbers
 COMPASS = {LEFT: (0, 1), RIGHT: (0, -1), UP: (1, 0), DOWN: (-1, 0)}
 COMPASS_OF_MINING = {2: (0, -1), 3: (0, 1), 4: (-1, 0), 5: (1, 0)}
@@ -360,3 +369,37 @@ def test_the_last_food_ends_an_episode_of_foraging() -> None:
     fewer = socialjax.make("lb_foraging", num_food=2, max_food_level=5, max_player_level=3, load_penalty=0.5)
     _, state = resets(fewer, 1)
     assert int((state.game.floor_food > 0).sum()) == 2
+
+
+# Territory
+
+
+def test_territory_pays_and_shows_what_it_does_in_the_released_code() -> None:
+    """A hundredth for each brick owned that neither paint nor a zap has changed for 100 steps; shared: the mean, else as it is.
+
+    What is owned or struck looks bare, and what is free is the seventh channel.
+    """
+    for shared, scale in ((False, 1.0), (True, 1 / 9)):
+        env = socialjax.make("territory_open", shared_rewards=shared)
+        assert (env.num_agents, env.num_inner_steps) == (9, 1000)
+        _, state = resets(env, 0)
+        bricks = [(r, c) for r, row in enumerate(env.env.game.rows) for c, glyph in enumerate(row) if glyph == "R"]
+        assert len(bricks) == 88
+        owner = (
+            jnp.full(88, -1, state.game.brick_owner.dtype)
+            .at[jnp.asarray([0, 1, 2])]
+            .set(jnp.asarray([4, 4, 7], state.game.brick_owner.dtype))
+        )
+        paint = jnp.zeros(88, state.game.brick_paint.dtype).at[:3].set(1)
+        for quiet, owned in ((98, 0), (99, 1)):
+            calm = jnp.full(88, quiet, state.game.brick_quiet.dtype)
+            held = state.replace(game=state.game.replace(brick_owner=owner, brick_paint=paint, brick_quiet=calm))
+            _, _, reward, *_ = env.step_env(jax.random.key(1), held, [STAY] * 9)
+            wanted = owned * 0.01 * np.array([0, 0, 0, 0, 2, 0, 0, 1, 0])
+            np.testing.assert_allclose(reward, [wanted.sum() * scale] * 9 if shared else wanted, atol=1e-6)
+        held = with_agent(env, held, [(2, 3), *((20, 2 + agent) for agent in range(8))], [0] * 9)
+        seen = env.get_obs(held)[0]
+        (row, _) = bricks[0]
+        assert seen[9 - (2 - row), 5, 6] == 0, "owned"
+        free = held.replace(game=held.game.replace(brick_owner=jnp.full_like(owner, -1)))
+        assert env.get_obs(free)[0, 9 - (2 - row), 5, 6] == 1

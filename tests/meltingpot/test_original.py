@@ -6,8 +6,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import jax
+import numpy as np
 import pytest
 
+from sjdsl import make
 from sjdsl.interop.melting_pot_observations import observe
 from sjdsl.substrates import Substrate, substrates
 from sjdsl.testing import Scene, Stage
@@ -139,7 +142,7 @@ def test_resources_come_back_after_the_same_time(name: str) -> None:
 
 def test_votes_of_hidden_agenda() -> None:
     figures = ORIGINAL["hidden_agenda"]
-    rows = ("P.........VVV", "P........VVVV", "PP...........", "P...DDDDD....")
+    rows = ("P.........VVV", "P........VVVV", "P............", "PP..DDDDD....")
     quiet = stage("hidden_agenda", rows, 5, regrow=0)
     tag, vote = (quiet.env.action_names.index(name) for name in ("tag", "vote(0)"))
     assert 1 + steps_until(quiet.start(0), lambda s: bool(s.allowed[4, tag])) == figures["first_shot"]
@@ -148,7 +151,7 @@ def test_votes_of_hidden_agenda() -> None:
     assert ballots(scene) == figures["ballots"]
     assert steps_until(scene, lambda s: s.value("round") == "voting") == figures["next_vote"]
     fields = {"agent.role": ["crewmate"] * 4 + ["impostor"], "agent.charging": 0, "clock": 99}
-    picture = ("P.........VV<  3", "P......^.VVVV  2", "P..>.<.......  40", "P.^.DDDDD....  1")
+    picture = ("P.........VV<  3", "P......^.VVVV  2", "P..>.<.......  40", "PP^.DDDDD....  1")
     shot = quiet.put(*picture, fields=fields).step("stay, stay, stay, stay, tag")
     assert shot.value("agent.state").count("frozen") == 1 and bool(shot.allowed[2, vote])
     assert sum(shot.under(agent) == "V" for agent in range(5)) == figures["carried"]
@@ -251,3 +254,39 @@ def test_observations_have_the_names_of_the_original(entry: Substrate) -> None:
 def test_starts_of_territory_are_those_of_the_original() -> None:
     rows = stage("territory__open").env.game.rows
     assert [[r, c] for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "P"] == ORIGINAL["starts"]["territory__open"]
+
+
+def random_play(game: str, variant: str | None, episodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Returns for each episode the rewards of all players together in a thousand steps, and in which step it ended, a thousand if in none."""
+    env = make(game, variant=variant)
+
+    def step(carry: tuple[Any, jax.Array], key: jax.Array) -> tuple[tuple[Any, jax.Array], tuple[jax.Array, jax.Array]]:
+        state, over = carry
+        chosen, drawn = jax.random.split(key)
+        actions = jax.random.randint(chosen, (env.num_agents,), 0, env.num_actions)
+        _, state, reward, done, _ = env.step_env(drawn, state, actions)
+        return (state, over | done), (reward.sum(), ~over)
+
+    def episode(keys: jax.Array) -> tuple[jax.Array, jax.Array]:
+        _, (rewards, lasts) = jax.lax.scan(step, (env.reset(keys[0])[1], jax.numpy.bool_(False)), keys[1:])
+        return rewards.sum(), lasts.sum()
+
+    with jax.debug_key_reuse(False):  # it takes the parts of a split for the whole
+        return tuple(map(np.asarray, jax.jit(jax.vmap(episode))(jax.random.split(jax.random.key(0), (episodes, 1001)))))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ORIGINAL["returns_of_random_play"])
+def test_random_play_earns_what_it_earns_there(name: str) -> None:
+    """Five standard errors of both means."""
+    figures, entry = ORIGINAL["returns_of_random_play"][name], substrates()[name]
+    returns, _ = random_play(entry.game, entry.variant or None, 64)
+    assert abs(returns.mean() - figures["mean"]) < 5 * np.hypot(figures["error"], returns.std() / 8)
+
+
+@pytest.mark.thorough
+def test_one_shot_episodes_of_random_play_are_as_long() -> None:
+    """Five standard errors of both means."""
+    figures = ORIGINAL["length_of_random_play"]
+    _, lengths = random_play("running_with_scissors_in_the_matrix", "one_shot", 121)
+    assert abs(lengths.mean() - figures["mean"]) < 5 * np.hypot(figures["error"], lengths.std() / 11)

@@ -13,7 +13,7 @@ from sjdsl.games_folder import bundled, find_game, main_games, melting_pot_games
 from sjdsl.substrates import Substrate, substrates, written_substrates
 from tests.games.test_game_texts import SOURCE, all_sections, lines_of, lines_within
 
-MOST_LINES = 120  # of a file; its maps are files of their own
+MOST_LINES = 150  # of a file; its maps are files of their own
 PAGE = Path(__file__).parents[2] / "docs" / "meltingpot.md"
 # Source: `SUBSTRATES` in meltingpot/configs/substrates/__init__.py; two parts of a name stand for all their endings.
 NAMES = {

@@ -131,4 +131,14 @@ MUTATIONS = [
     ),
     Mutation("territory", "expect paid > 0", (("tally paid for b.owner", "tally gone for b.owner"),)),
     Mutation("territory", "expect blows == 0", (("each agent as zapper where zapper chose zap {", "each agent as zapper {"),)),
+    Mutation("lb_foraging", "symmetric agents", (("tally shared for agent", "when agent.index == 0 { tally shared for agent }"),)),
+    Mutation("lb_foraging", "always count(floor where", (("food > 0) <= foods", "food > 0) <= foods - 1"),)),
+    Mutation("lb_foraging", "always shared >= taken", (("        tally taken\n", "        tally taken by 5\n"),)),
+    Mutation("lb_foraging", "require worth > 0", (("param worth     : reward = 1 ", "param worth     : reward = 0 "),), refused=True),
+    Mutation("lb_foraging", "expect taken > 0", (("        tally taken\n", "        when strength > 99 { tally taken }\n"),)),
+    Mutation(
+        "lb_foraging",
+        "expect taken == 0",
+        (("each agent in beside of floor where agent chose load { give -penalty", "each agent in beside of floor { give -penalty"),),
+    ),
 ]

@@ -1,6 +1,6 @@
 """Random states and parameters of a game, many at once: every number at an end of its range, or anywhere between."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 from typing import Any
@@ -28,25 +28,28 @@ class Worlds:
     params: dict[str, np.ndarray]
 
 
-def random_params(game: ir.Game, random: Random) -> dict[str, Any]:
-    """Returns a value for each parameter, within their limits and as every `require` wants it; as the file has them if none is found."""
+def random_params(game: ir.Game, random: Random, counts: Sequence[int] = COUNTS[:-1]) -> dict[str, Any]:
+    """Returns a value for each parameter, within their limits and as every `require` wants it; as the file has them if none is found.
+
+    counts: some values of whole numbers without a limit; by default none with which play leaves int32.
+    """
     own = {p.name: p.value for p in game.params}
     requires = [c.values[0] for c in game.checks if c.sort == "require"]
     for _ in range(40):
-        changed = own | {p.name: _value(p.value, p.type, random) for p in game.params if random.random() < 0.8}
+        changed = own | {p.name: _value(p.value, p.type, random, counts) for p in game.params if random.random() < 0.8}
         if all(holds(test, changed) for test in requires):
             return changed
     return own
 
 
-def _value(own: Any, type_: ir.Type, random: Random) -> Any:
+def _value(own: Any, type_: ir.Type, random: Random, counts: Sequence[int]) -> Any:
     if type_.by:
         inner = type_.model_copy(update={"by": type_.by[1:]})
-        return tuple(_value(entry, inner, random) for entry in own)
+        return tuple(_value(entry, inner, random, counts) for entry in own)
     if type_.kind == "word":
         return random.choice(type_.words)
     low, high = type_.low, type_.high
-    some = [x for x in (COUNTS if type_.kind == "int" else WORTHS) if low <= x <= high] if random.random() < 0.3 else []
+    some = [x for x in (counts if type_.kind == "int" else WORTHS) if low <= x <= high] if random.random() < 0.3 else []
     ends = [x for x in (low, high) if abs(x) < 2**31]
     if len(ends) == 2:
         ends.append(random.uniform(low, high) if type_.kind == "real" else random.randint(int(low), int(high)))
@@ -82,7 +85,7 @@ def random_worlds(env: OnNumPy, game: ir.Game, random: Random, number: int) -> W
             state[name] = _held(declared, game, state[name], rng)
     state["step"] = rng.choice([0, 1, 5, 199], number).astype(state["step"].dtype)
     _place(state, game, rng)
-    sets = [encoded(game, random_params(game, random)) for _ in range(-(-number // ALIKE))]
+    sets = [encoded(game, random_params(game, random, COUNTS)) for _ in range(-(-number // ALIKE))]
     return Worlds(state, {name: np.repeat(np.stack([one[name] for one in sets]), ALIKE, 0)[:number] for name in sets[0]})
 
 

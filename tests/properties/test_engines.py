@@ -36,6 +36,8 @@ def test_both_engines_play_the_same(orchard: GameFamily) -> None:
         for mine, theirs in zip(compiled, interpreted, strict=True):
             assert mine.actions == theirs.actions
             assert mine.totals == theirs.totals
+            assert mine.ran == theirs.ran
+            assert mine.ran
             for values, others in zip(mine.values, theirs.values, strict=True):
                 np.testing.assert_allclose(np.asarray(values, float), np.asarray(others, float), rtol=1e-6)
         assert any(len(set(values)) > 1 for episode in compiled for values in episode.values), "nothing that is read ever changed"

@@ -90,6 +90,7 @@ game numbers "Numbers" {{
   kind grass "."
   map {{ "......" }}
   field pot : 0 .. 9 = 0
+  field captain : agent
   field hoard : 0 .. 1000000 capped = 0
   field purse by {{ sour, sweet }} : 0 .. 9 = 0
   agents players {{ acts stay  field seat : 0 .. room = 0 }}
@@ -137,6 +138,7 @@ def is_proved(game: GameFamily) -> bool:
         "always count(agent) <= 3",
         "always count(agent) * 2 <= 6",
         "always agent_most <= 3",
+        "always captain is nobody or captain.index <= 2",
         "always delta % 3 == 0",
         "always room == 4",
         "always free <= 4",

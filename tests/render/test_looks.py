@@ -136,7 +136,7 @@ def test_agents_show_what_they_carry(looked: Environment, plain: Environment) ->
 
 def test_what_is_usual_follows_from_the_rules(plain: Environment) -> None:
     kinds = {kind.name: kind for kind in make_look(plain.game).kinds}
-    assert kinds["hedge"].body is not None and kinds["hedge"].body.sprite == "wall", "it blocks agents"
+    assert kinds["hedge"].body is not None and kinds["hedge"].body.sprite == "tree", "it blocks agents, and is green by its name"
     assert kinds["moss"].body is None
     assert kinds["start_"].body is None, "nobody is sent there"
     fruit = next(field for field in kinds["bush"].fields if field.name == "fruit")
@@ -228,3 +228,26 @@ def test_what_is_wrong_with_a_look_is_said(look: str, code: str) -> None:
     used = text.replace("set agent.tired = 3", "set agent.tired = 3  add 0 * agent.unread to agent.bag[dry]")
     found = {d.code for d in check(Source("grove.sj", text if code == "SJ505" else used))}
     assert code in found
+
+
+def test_what_blocks_is_drawn_by_its_name_and_water_is_not_land() -> None:
+    kinds = ("land", "lake", "pond", "hedge", "cliff", "fence", "path")
+    blocking = ("lake", "hedge", "cliff", "fence")
+    declared = "  ".join(
+        f'kind {name} "{name[0] if name != "path" else "t"}"' + " { blocks agents }" * (name in blocking) for name in kinds
+    )
+    game = f"""sj 1
+game x "X" {{
+  episode 4
+  {declared}
+  map {{ "lLphcft" }}
+  agents 1 {{ acts stay }}
+  phase start {{ each agent {{ send agent to land }} }}
+  schedule rest
+  phase rest {{ }}
+}}
+""".replace('kind lake "l"', 'kind lake "L"')
+    looks = {kind.name: kind for kind in make_look(build(Source("x.sj", game)).game).kinds}
+    bodies = {name: look.body.sprite if look.body is not None else "" for name, look in looks.items()}
+    assert bodies == {"land": "", "lake": "water", "pond": "water", "hedge": "tree", "cliff": "ore", "fence": "wall", "path": ""}
+    assert len({look.ground for look in looks.values()}) == len(kinds)

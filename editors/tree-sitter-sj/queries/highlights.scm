@@ -24,6 +24,8 @@
 ["and" "or" "not" "is" "in" "on" "chose"] @keyword.operator
 (nobody) @constant.builtin
 (count "count" @function.builtin)
+(some "any" @function.builtin)
+(every "all" @function.builtin)
 (sum "sum" @function.builtin)
 
 ; ---- signs

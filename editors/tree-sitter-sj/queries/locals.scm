@@ -1,6 +1,6 @@
 ; Names that hold inside one declaration or block, and where they are used.
 
-[(phase) (block) (define) (each) (pick) (first) (match) (count) (sum) (extreme) (seek) (aim) (move) (send) (relabel) (look)] @local.scope
+[(phase) (block) (define) (each) (pick) (first) (match) (count) (some) (every) (sum) (extreme) (seek) (aim) (move) (send) (relabel) (look)] @local.scope
 
 (parameters (identifier) @local.definition)
 (let name: (identifier) @local.definition)

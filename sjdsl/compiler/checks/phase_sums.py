@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit
 from sjdsl.compiler.ir.members import lanes_of, most_members
-from sjdsl.compiler.ir.queries import written_field
+from sjdsl.compiler.ir.queries import declared_field, written_field
 from sjdsl.compiler.ir.types import times
 
 
@@ -112,7 +112,7 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
         case ir.Add(target=target, value=value):
             field = written_field(target)
             _visit_target(target, here)
-            if field.type.kind != "int":
+            if field.type.kind != "int" or not declared_field(here.played.game, field).capped:  # without `capped` it is proved to fit
                 visit(value, here)
                 return {}
             return _adding(Target("field", field.held_by, field.name, _name(field.owner)), s, interval_of(value, here))

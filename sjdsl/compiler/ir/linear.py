@@ -5,46 +5,48 @@ p + q <= 1   ->   1 - p - q is at least 0
 
 from collections.abc import Iterable, Iterator
 from dataclasses import field
+from fractions import Fraction
 from functools import cached_property
+from math import isinf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import Form, form
-from sjdsl.compiler.ir.types import times
 
 LINEAR = ("+", "-", "neg")
 Interval = tuple[float, float]
 
 
 class Linear(Record, eq=False):
-    """A number that is added to so many times each part; `parts`: each with its interval, by its form."""
+    """A number that is added to so many times each part; `parts`: each with its interval, by its form. All is exact."""
 
-    number: float = 0
-    factors: dict[Form, float] = field(default_factory=dict)
+    number: Fraction = Fraction(0)
+    factors: dict[Form, Fraction] = field(default_factory=dict)
     parts: dict[Form, Interval] = field(default_factory=dict)
 
-    def plus(self, other: "Linear", factor: float = 1) -> "Linear":
+    def plus(self, other: "Linear", factor: Fraction | int = 1) -> "Linear":
         """Returns the sum with the other one times a factor."""
         factors = dict(self.factors)
         for part, times_ in other.factors.items():
-            factors[part] = factors.get(part, 0) + factor * times_
+            factors[part] = factors.get(part, Fraction(0)) + factor * times_
         return Linear(self.number + factor * other.number, {p: f for p, f in factors.items() if f}, self.parts | other.parts)
 
     @cached_property
     def interval(self) -> Interval:
         """What it can be, by the intervals of its parts."""
-        low = high = self.number
+        low: Fraction | float = self.number
+        high: Fraction | float = self.number
         for part, factor in self.factors.items():
-            ends = [times(factor, end) for end in self.parts[part]]
+            ends = [factor * (end if isinf(end) else Fraction(end)) for end in self.parts[part]]
             low, high = low + min(ends), high + max(ends)
-        return low, high
+        return float(low), float(high)
 
 
 def linear(e: ir.Expr) -> Linear:
     """Returns a number as a sum of parts, which are no sums themselves."""
     match e:
         case ir.Number():
-            return Linear(e.value)
+            return Linear(Fraction(e.value))
         case ir.Named() | ir.Narrowed():
             return linear(e.value)
         case ir.Arithmetic(fn="+" | "-", args=(left, right)) if not e.type.by:
@@ -53,7 +55,7 @@ def linear(e: ir.Expr) -> Linear:
             return Linear().plus(linear(value), -1)
         case _:
             part = form(e)
-            return Linear(0, {part: 1}, {part: (e.type.low, e.type.high)})
+            return Linear(Fraction(0), {part: Fraction(1)}, {part: (e.type.low, e.type.high)})
 
 
 def narrowed_sum(e: ir.Expr, interval: Interval, known: Iterable[ir.Expr]) -> Interval:
@@ -79,10 +81,10 @@ def _not_negative(condition: ir.Expr) -> Iterator[Linear]:
             if len(apart.factors) < 2:
                 return
             if fn in (">", ">=", "=="):
-                yield apart.plus(Linear(-1)) if whole and fn == ">" else apart
+                yield apart.plus(Linear(Fraction(-1))) if whole and fn == ">" else apart
             if fn in ("<", "<=", "=="):
                 turned = Linear().plus(apart, -1)
-                yield turned.plus(Linear(-1)) if whole and fn == "<" else turned
+                yield turned.plus(Linear(Fraction(-1))) if whole and fn == "<" else turned
         case ir.InRange(value=value, low=low, high=high):
             yield from _not_negative(ir.Compare(fn=">=", left=value, right=low))
             yield from _not_negative(ir.Compare(fn="<=", left=value, right=high))
