@@ -75,11 +75,6 @@ def read_bytes(path: Path, limit: int) -> bytes:
     return content
 
 
-def read_text(path: Path, limit: int) -> str:
-    """Returns the text of a file. Raises OSError as `read_bytes` does, and UnicodeDecodeError where it is not UTF-8."""
-    return read_bytes(path, limit).decode("utf-8")
-
-
 def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:
     """Returns what a file of JSON holds. Raises OSError as `read_bytes` does, and ValueError where it is not JSON."""
     return parse_json(read_bytes(path, limit))

@@ -43,7 +43,7 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
         require_code(config, str(run_dir / MANIFEST), ("network", "reward", "policy"))
     except NotAllowed as error:
         raise RunError(str(error)) from None
-    except ConfigError as error:
+    except (ConfigError, OSError, ValueError) as error:  # the name of a partner may be no path
         raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
     files = own_files(config)
     changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]

@@ -118,7 +118,7 @@ def _last(claims: Path, name: str) -> Path | None:
 
 def _number(path: Path) -> int | None:
     number = path.stem.rpartition("@")[2]
-    return int(number) if number.isdigit() else None
+    return int(number) if number.isdecimal() else None
 
 
 def _next(path: Path) -> Path:

@@ -181,7 +181,7 @@ def _groups(sweep: Path, held: Sequence[Held]) -> list[list[Held]]:
     groups: list[tuple[Any, set[str], list[Held]]] = []
     for one in held:
         kind = kind_of(environment_of(one.cell), one.cell.configuration())
-        saved = {path.name for path in (run_dir(sweep, one.cell) / CHECKPOINTS).glob("*") if path.name.isdigit()}
+        saved = {path.name for path in (run_dir(sweep, one.cell) / CHECKPOINTS).glob("*") if path.name.isdecimal()}
         for other, common, members in groups:
             if kind == other and (common & saved or not (common or saved)):
                 common &= saved
