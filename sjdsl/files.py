@@ -11,7 +11,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any, BinaryIO
+from typing import Any, BinaryIO, Literal, TextIO
 
 UNFINISHED = ".unfinished"  # ends the name of a file that is being written
 MEGABYTE = 2**20
@@ -53,11 +53,10 @@ def write_whole(path: Path, content: bytes | str) -> None:
         file.write(content.encode() if isinstance(content, str) else content)
 
 
-def open_in_place(path: Path, mode: str, newline: str | None = None) -> IO[Any]:
-    """Opens a file that is changed where it is, text as UTF-8. Raises OSError, with a reason in words, where it is a link."""
-    encoding = None if "b" in mode else "utf-8"
+def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | None = None) -> TextIO:
+    """Opens a file of text, UTF-8, that is changed where it is. Raises OSError, with a reason in words, where it is a link."""
     try:
-        return open(path, mode, encoding=encoding, newline=newline, opener=lambda name, flags: _create(name, flags, None))
+        return open(path, mode, encoding="utf-8", newline=newline, opener=lambda name, flags: _create(name, flags, None))
     except OSError as error:
         if error.errno == errno.ELOOP:
             raise OSError(errno.ELOOP, "it is a link, through which nothing is written; remove it", str(path)) from None

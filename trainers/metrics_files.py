@@ -148,5 +148,5 @@ def _size_of_lines(path: Path, number: int) -> int:
 
 def _cut(path: Path, size: int) -> None:
     if path.exists() and path.stat().st_size > size:
-        with naming(path), open_in_place(path, "r+b") as file:
+        with naming(path), open_in_place(path, "r+") as file:
             file.truncate(size)
