@@ -260,7 +260,8 @@ def progress_of(folder: Path, cell: Cell, episodes: int, claimed: bool = False) 
 def _updates(path: Path) -> int:
     """Returns the updates that a run has done, as far as they are kept."""
     kept = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdecimal()]
-    return max([manifest_of(path).get("updates", 0), *kept])
+    done: int = manifest_of(path).get("updates", 0)
+    return max([done, *kept])
 
 
 def manifest_of(path: Path) -> dict[str, Any]:
