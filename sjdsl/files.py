@@ -1,4 +1,7 @@
-"""Reads and writes files: a file is written whole or not at all, through no link, and one from elsewhere is read up to a limit."""
+"""Reads and writes files: a file is written whole or not at all, through no link, and one from elsewhere is read up to a limit.
+
+Logs and locks are the exception to *whole*: they are changed where they are.
+"""
 
 import errno
 import json
@@ -8,7 +11,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal, TextIO
 
 UNFINISHED = ".unfinished"  # ends the name of a file that is being written
 MEGABYTE = 2**20
@@ -50,6 +53,16 @@ def write_whole(path: Path, content: bytes | str) -> None:
         file.write(content.encode() if isinstance(content, str) else content)
 
 
+def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | None = None) -> TextIO:
+    """Opens a file of text, UTF-8, that is changed where it is. Raises OSError, with a reason in words, where it is a link."""
+    try:
+        return open(path, mode, encoding="utf-8", newline=newline, opener=lambda name, flags: _create(name, flags, None))
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            raise OSError(errno.ELOOP, "it is a link, through which nothing is written; remove it", str(path)) from None
+        raise
+
+
 def read_bytes(path: Path, limit: int) -> bytes:
     """Returns the content of a file. Raises OSError, with a reason in words, where it is no file or has more than `limit` bytes."""
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:
@@ -59,11 +72,6 @@ def read_bytes(path: Path, limit: int) -> bytes:
     if len(content) > limit:
         raise OSError(errno.EFBIG, f"it has more than {limit:,} bytes", str(path))
     return content
-
-
-def read_text(path: Path, limit: int) -> str:
-    """Returns the text of a file. Raises OSError as `read_bytes` does, and UnicodeDecodeError where it is not UTF-8."""
-    return read_bytes(path, limit).decode("utf-8")
 
 
 def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:

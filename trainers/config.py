@@ -34,6 +34,7 @@ Algorithm = Literal["ippo", "mappo", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
 STORED: Collection[str] = []  # as pydantic's context: the configuration comes from a file, and nobody asks for its settings now
+MOST_SEEDS = 2**16  # of one run: each has a folder
 SEEDS = 2**32  # how many there are: JAX makes a key of the lower 32 bits, so that a larger seed would be another's run
 
 
@@ -112,7 +113,7 @@ def _policy_name(value: Any, given: ValidationInfo) -> Any:
     return value if given.context is STORED else lasting_name(value)
 
 
-Count = Annotated[PositiveInt, BeforeValidator(_whole_number)]
+Count = Annotated[PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)]  # more is no exact float
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
@@ -135,7 +136,7 @@ class Config(BaseModel):
 
     algorithm: Algorithm
     seed: CountOrZero = 0
-    seeds: Count = 1  # runs side by side, with `seed`, `seed` + 1 and so on
+    seeds: Annotated[Count, Field(le=MOST_SEEDS)] = 1  # runs side by side, with `seed`, `seed` + 1 and so on
     total_timesteps: Count = 10_000_000  # environment steps of each seed, rounded up to whole updates
     num_envs: Count = 64
     num_steps: Count = 128  # steps of one rollout

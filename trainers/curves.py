@@ -10,9 +10,9 @@ import numpy as np
 
 from sjdsl.files import written_whole
 
+from .manifest import read_manifest
 from .metrics_files import METRICS_JSONL, Row, read_rows
 from .panels import Line, draw_panels, split_lines
-from .resuming import read_manifest
 from .run_errors import RunError
 
 POINTS = 200  # of a curve: updates are averaged to as many

@@ -57,8 +57,8 @@ def lasting(kind: Kind, name: str) -> str:
 
 
 def _lasting(name: str) -> str:
-    file, colon, inside = name.rpartition(":")
-    return f"{Path(file).resolve()}:{inside}" if colon and file.endswith(".py") else name
+    file = file_of(name)
+    return name if file is None else f"{file.resolve()}:{name.rpartition(':')[2]}"
 
 
 def allow_code(*names: str) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
-from sjdsl.files import naming
+from sjdsl.files import naming, open_in_place
 
 from .run_errors import RunError
 from .run_files import plain
@@ -54,8 +54,8 @@ class Metrics:
 def open_metrics(folder: Path) -> Iterator[Metrics]:
     """Opens the metrics of one seed for appending."""
     with (
-        open(folder / METRICS_JSONL, "a", encoding="utf-8") as lines,
-        open(folder / METRICS_CSV, "a", encoding="utf-8", newline="") as table,
+        open_in_place(folder / METRICS_JSONL, "a") as lines,
+        open_in_place(folder / METRICS_CSV, "a", newline="") as table,
     ):
         yield Metrics(lines, table)
 
@@ -115,7 +115,7 @@ def thinned_rows(folder: Path, most: int) -> list[Row]:
 
 def append_line(path: Path, row: Row) -> None:
     """Appends a row to a file of JSON lines."""
-    with naming(path), open(path, "a", encoding="utf-8") as file:
+    with naming(path), open_in_place(path, "a") as file:
         file.write(json.dumps(plain(row)) + "\n")
         file.flush()
         os.fsync(file.fileno())
@@ -148,5 +148,5 @@ def _size_of_lines(path: Path, number: int) -> int:
 
 def _cut(path: Path, size: int) -> None:
     if path.exists() and path.stat().st_size > size:
-        with naming(path):
-            os.truncate(path, size)
+        with naming(path), open_in_place(path, "r+") as file:
+            file.truncate(size)

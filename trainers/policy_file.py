@@ -18,7 +18,7 @@ from sjdsl.files import parse_json, read_bytes, write_whole
 from .config import Config, ConfigError, require_code, stored_config
 from .digest import digest_of
 from .extensions import NotAllowed
-from .policy_names import split_name
+from .policy_names import LARGEST_DESCRIPTION, split_name
 from .run_files import json_text
 
 POLICIES = "policies"
@@ -27,7 +27,6 @@ SUFFIX = ".safetensors"
 # In the metadata of the file, two digests: of its tensors, with their names, dtypes and shapes, and of the bytes of the `.json` beside it.
 # They have one key, for safetensors writes several in no order, and files that are equal have to have the same bytes.
 DIGEST = "sha256"
-LARGEST_JSON = 2**20  # bytes of that
 UNREADABLE = (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError, SafetensorError, ConfigError)
 
 
@@ -66,7 +65,7 @@ def copy_policy(name: str, path: Path) -> None:
 
 def remove_policies(folder: Path, kept: int) -> None:
     """Removes the policies stored by number, but for the last; 0 keeps all."""
-    numbered = sorted(path.stem for path in folder.glob(f"*{SUFFIX}") if path.stem.isdigit())
+    numbered = sorted(path.stem for path in folder.glob(f"*{SUFFIX}") if path.stem.isdecimal())
     for stem in numbered[:-kept] if kept else ():
         for suffix in (SUFFIX, ".json"):  # the tensors first: a description alone is no policy
             (folder / stem).with_suffix(suffix).unlink(missing_ok=True)
@@ -94,7 +93,7 @@ def policy_path(source: Path, which: str | int) -> Path:
     seeds = sorted(path.name for path in source.glob("seed_*") if path.is_dir())
     if seeds:
         raise PolicyError(f"{source} holds a run of several seeds; name one: {', '.join(str(source / name) for name in seeds)}")
-    updates = ", ".join(str(int(stem)) for stem in stored if stem.isdigit())
+    updates = ", ".join(str(int(stem)) for stem in stored if stem.isdecimal())
     if not stored:
         raise PolicyError(f"{source} holds no policy yet")
     wanted = f"of update {which}" if isinstance(which, int) else f"called {which}"
@@ -143,7 +142,7 @@ def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
 
 def _read_description(path: Path, digest: str) -> Described:
     """Returns what stands in the file beside the tensors; with a digest, only if it is the one that was written."""
-    written = read_bytes(path, LARGEST_JSON)
+    written = read_bytes(path, LARGEST_DESCRIPTION)
     if digest and hashlib.sha256(written).hexdigest() != digest:
         raise ValueError(f"{path} is damaged: it is not the one that was written; take another policy of the run")
     content = parse_json(written)

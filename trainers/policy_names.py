@@ -18,6 +18,7 @@ from sjdsl.near_names import meant
 from .extensions import is_own, lasting, name_of
 
 UNTRAINED = ("random", "stay")  # what needs no file: `sjdsl.runtime.policy.UNTRAINED`
+LARGEST_DESCRIPTION = 2**20  # bytes of the .json beside a stored policy
 KNOWN = "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
 
 
@@ -26,7 +27,7 @@ def split_name(name: str) -> tuple[Path, str | int]:
     before, at, which = name.rpartition("@")
     if not at or Path(name).exists():
         return Path(name), "last"
-    return Path(before), int(which) if which.isdigit() else which
+    return Path(before), int(which) if which.isdecimal() else which
 
 
 def lasting_name(policy: Any) -> str:

@@ -4,35 +4,15 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from sjdsl.files import read_json
-
 from .checkpoints import CheckpointError, Checkpoints
 from .compiled import Compiled
 from .config import ConfigError, require_code, stored_config
 from .environment import Environment
 from .extensions import NotAllowed
-from .run_errors import DiskError, RunError, TakenError, TooLargeError
-from .run_folder import MANIFEST, describe_game, own_files, versions
+from .manifest import MANIFEST, read_manifest
+from .run_errors import RunError
+from .run_folder import describe_game, own_files, versions
 from .training_functions import TrainState
-
-__all__ = ["DiskError", "RunError", "TakenError", "TooLargeError", "check_same_run", "extended", "read_manifest", "restore_last"]
-
-PARTS = ("game", "config", "versions")  # of a manifest, without which nothing can be gone on with
-
-
-def read_manifest(run_dir: Path) -> dict[str, Any]:
-    """Returns the manifest of a run.
-
-    Raises:
-      RunError: there is none that can be read.
-    """
-    try:
-        manifest = read_json(run_dir / MANIFEST)
-    except (OSError, ValueError):
-        manifest = None
-    if not isinstance(manifest, dict) or not all(isinstance(manifest.get(part), dict) for part in PARTS):
-        raise RunError(f"{run_dir} is not the folder of a training run: there is no {MANIFEST} in it that can be read")
-    return manifest
 
 
 def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
@@ -63,7 +43,7 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
         require_code(config, str(run_dir / MANIFEST), ("network", "reward", "policy"))
     except NotAllowed as error:
         raise RunError(str(error)) from None
-    except ConfigError as error:
+    except (ConfigError, OSError, ValueError) as error:  # the name of a partner may be no path
         raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
     files = own_files(config)
     changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
@@ -78,15 +58,15 @@ def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> d
     Raises:
       RunError: it has done them already.
     """
-    config = manifest["config"]
-    longer = stored_config({**config, "total_timesteps": total_timesteps})
-    done = int(manifest.get("updates", 0))
-    if longer.num_updates < done or longer.total_timesteps < config["total_timesteps"]:
+    before = stored_config(manifest["config"]).total_timesteps
+    longer = stored_config({**manifest["config"], "total_timesteps": total_timesteps})
+    done = manifest.get("updates", 0)
+    if longer.num_updates < done or longer.total_timesteps < before:
         raise RunError(
-            f"{run_dir} is a run of {config['total_timesteps']:,} steps that has done {done * longer.steps_per_update:,}; a run can be "
+            f"{run_dir} is a run of {before:,} steps that has done {done * longer.steps_per_update:,}; a run can be "
             f"made longer, not shorter: total_timesteps must be more, not {longer.total_timesteps:,}"
         )
-    note = {"from": config["total_timesteps"], "to": longer.total_timesteps, "updates": done}
+    note = {"from": before, "to": longer.total_timesteps, "updates": done}
     return manifest | {
         "config": longer.record(),
         "derived": manifest.get("derived", {}) | {"updates": longer.num_updates},

@@ -17,6 +17,7 @@ from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes, wi
 from .config import Config, stored_config
 from .environment import Environment, episode_length
 from .loggers import LoggerName
+from .manifest import MANIFEST
 from .metric_rows import mean_row
 from .metrics_files import METRICS_JSONL, Row, read_rows
 from .policy_file import START, copy_policy
@@ -26,7 +27,7 @@ from .recorder import Recorder, open_recorders
 from .resuming import check_same_run, extended, restore_last
 from .run_errors import DiskError, RunError, TakenError, TooLargeError
 from .run_files import write_json
-from .run_folder import MANIFEST, describe_run
+from .run_folder import describe_run
 from .run_lock import is_unused, locked
 from .side_by_side import CheckpointsOfParts, Part, compile_parts, joint_config, kind_of, of_part
 from .training_functions import TrainState

@@ -18,8 +18,6 @@ from .extensions import file_of
 from .run_files import plain
 from .shaping import kept_share
 
-MANIFEST = "manifest.json"
-
 PACKAGES = ("sjdsl", "jax", "jaxlib", "flax", "optax", "numpy")
 
 

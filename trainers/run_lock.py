@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from sjdsl.files import open_in_place
+
 from .run_errors import RunError
 
 LOCK = ".lock"  # stays in the folder: a lock is held by a process, not by the file
@@ -25,10 +27,10 @@ def locked(run_dir: Path, claimed: bool = False) -> Iterator[None]:
     Args:
       claimed: processes with a claim agree otherwise on who is alone, and keep out only those that have none.
     Raises:
-      RunError: another process trains there.
+      RunError: another process trains there. OSError: the lock is a link.
     """
     run_dir.mkdir(parents=True, exist_ok=True)
-    with open(run_dir / LOCK, "a+", encoding="utf-8") as file:
+    with open_in_place(run_dir / LOCK, "a+") as file:
         try:
             fcntl.flock(file, (fcntl.LOCK_SH if claimed else fcntl.LOCK_EX) | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from sjdsl.files import read_json
 
+from .manifest import MANIFEST
 from .policy_file import PolicyError
-from .run_folder import MANIFEST
 
 FINISHED = "finished"
 
@@ -33,7 +33,7 @@ def run_state(folder: Path) -> RunState | None:
     """
     own = folder / MANIFEST
     seed = folder.name.removeprefix("seed_") if folder.name.startswith("seed_") else ""
-    file = folder.parent / MANIFEST if seed.isdigit() and not own.is_file() else own
+    file = folder.parent / MANIFEST if seed.isdecimal() and not own.is_file() else own
     if not file.is_file():
         return None
     try:

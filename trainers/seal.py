@@ -21,8 +21,8 @@ def damage_of(folder: Path) -> str | None:
     if not path.exists():
         return None
     try:
-        written = read_json(path)["sha256"]
-    except (ValueError, KeyError, TypeError):
+        written = dict(read_json(path)["sha256"])
+    except (OSError, ValueError, KeyError, TypeError):
         return SEAL
     found = _digests(folder)
     return next((name for name in sorted(written) if found.get(name) != written[name]), None)

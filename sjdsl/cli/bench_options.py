@@ -22,7 +22,7 @@ class Counts(click.ParamType["tuple[int, ...]"]):
 
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
         parts = [part.strip() for part in value.split(",")]
-        if not all(part.isdigit() and int(part) > 0 for part in parts):
+        if not all(part.isdecimal() and int(part) > 0 for part in parts):
             self.fail(f"`{value}` is not a list of whole numbers such as 1,128,1024", param, ctx)
         return tuple(dict.fromkeys(int(part) for part in parts))
 
@@ -34,7 +34,7 @@ class Agents(click.ParamType["tuple[int | None, ...]"]):
 
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int | None, ...]:
         parts = [part.strip() for part in value.split(",")]
-        if not all(part == "own" or (part.isdigit() and int(part) > 0) for part in parts):
+        if not all(part == "own" or (part.isdecimal() and int(part) > 0) for part in parts):
             self.fail(f"`{value}` is not a list of numbers of agents such as own,20", param, ctx)
         return tuple(dict.fromkeys(None if part == "own" else int(part) for part in parts))
 

@@ -88,7 +88,7 @@ def _written(game: Composition, bound: ast.Expr | None) -> str | int | None:
     if bound is None:
         return None
     text = game.sources[bound.span.file].text[bound.span.start : bound.span.end]
-    return int(text) if text.isdigit() else text
+    return int(text) if text.isdecimal() else text
 
 
 def _values(type_: ir.Type) -> str | list[str]:

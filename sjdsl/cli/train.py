@@ -22,6 +22,7 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers import load_preset, make_config
 from sjdsl.trainers.config import stored_config
 from sjdsl.trainers.extensions import find, lasting, require_allowed
+from sjdsl.trainers.manifest import read_manifest
 from sjdsl.trainers.run_lock import is_unused
 
 if TYPE_CHECKING:
@@ -151,12 +152,11 @@ def extent_of(config: "Config") -> str:
 def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] | None", callback: str | None, longer: str | None) -> None:
     from sjdsl.trainers import resume
     from sjdsl.trainers.loggers import check_loggers
-    from sjdsl.trainers.resuming import read_manifest
 
     manifest = read_manifest(path)
     check_loggers(manifest.get("loggers", ()) if loggers is None else loggers)
     if episodes is None:
-        episodes = int(manifest.get("asked", {}).get("episodes", EPISODES))
+        episodes = manifest.get("asked", {}).get("episodes", EPISODES)
     if "game" not in manifest.get("provenance", {}):
         raise click.ClickException(
             f"the manifest of {path} does not say which game was trained; go on with the run from Python: sjdsl.trainers.resume(env, {str(path)!r})"

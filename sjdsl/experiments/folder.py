@@ -12,7 +12,7 @@ import numpy as np
 
 from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.files import UNFINISHED, naming
+from sjdsl.files import UNFINISHED, naming, open_in_place
 from sjdsl.trainers.evaluation import Evaluation
 from sjdsl.trainers.run_files import plain, write_json
 
@@ -62,7 +62,7 @@ def open_folder(path: Path | None, asked: Mapping[str, Any]) -> Iterator[Folder 
     wanted = plain(asked)
     _check_same(path, wanted)
     (path / PARTS).mkdir(parents=True, exist_ok=True)
-    with naming(path / PARTS / LOCK), open(path / PARTS / LOCK, "a+", encoding="utf-8") as lock:
+    with naming(path / PARTS / LOCK), open_in_place(path / PARTS / LOCK, "a+") as lock:
         _lock(lock, path)
         if not _check_same(path, wanted):  # once more: another process may have begun in between
             write_json(path / ASKED, wanted)

@@ -147,7 +147,7 @@ def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, i
 def _number(folder: Path) -> int:
     """Returns the seed that a folder `seed_N` is of."""
     number = folder.name.removeprefix("seed_")
-    return int(number) if number.isdigit() else -1
+    return int(number) if number.isdecimal() else -1
 
 
 def _stored(name: str, file: Path, env: Environment) -> tuple[Player, list[str]]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from sjdsl.files import LARGEST_JSON, read_text, write_whole
+from sjdsl.files import LARGEST_JSON, read_bytes, write_whole
 
 
 class RecordingError(Exception):
@@ -61,10 +61,10 @@ def read_recording(path: Path) -> Recording:
       RecordingError: there is no such file, or it holds something else.
     """
     try:
-        return Recording.model_validate_json(read_text(path, LARGEST_JSON))
+        return Recording.model_validate_json(read_bytes(path, LARGEST_JSON))
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
-    except (ValidationError, UnicodeDecodeError):
+    except ValidationError:
         raise RecordingError(
             f"{path} does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, `sjdsl record GAME -o FILE.npz` many"
         ) from None

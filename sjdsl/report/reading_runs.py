@@ -12,13 +12,12 @@ import numpy as np
 from sjdsl.experiments.bundled_rules import is_usual, other_numbers
 from sjdsl.files import read_json
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
-from sjdsl.trainers.config import make_config
+from sjdsl.trainers.config import MOST_SEEDS, ConfigError, make_config
 from sjdsl.trainers.curves import figures
+from sjdsl.trainers.manifest import MANIFEST, read_manifest
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
 from sjdsl.trainers.policy_file import POLICIES
-from sjdsl.trainers.resuming import read_manifest
 from sjdsl.trainers.run_errors import RunError
-from sjdsl.trainers.run_folder import MANIFEST
 
 EPISODES = 30  # of the evaluation of a seed, at least: the default of `sjdsl train` and `sjdsl evaluate`
 POINTS = 40  # of the learning curve of a seed, at most
@@ -46,11 +45,13 @@ def read_run(path: Path, stage: int | None = None) -> Evidence:
         manifest = read_manifest(path)
     except RunError as error:
         return Evidence(notes=(f"{error}: it is left out",))
-    run = run_of(manifest, stage)
     try:
+        run = run_of(manifest, stage)
         parts = [_read_seed(folder, seed, run, manifest) for seed, folder in _folders(path, manifest["config"])]
-    except RunError as error:
+    except (RunError, ConfigError) as error:
         return Evidence(notes=(f"{error}: {path} is left out",))
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        return Evidence(notes=(f"{path / MANIFEST} is damaged ({type(error).__name__}: {error}): {path} is left out",))
     rows = {name: tuple(row for part in parts for row in getattr(part, name)) for name in ("seeds", "measures", "curves")}
     return Evidence(runs=(run,), **rows, notes=_notes(path, manifest, rows["seeds"]))
 
@@ -106,6 +107,8 @@ def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
 def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     """Returns the seeds of a run, and the folder of each."""
     first, number = int(config["seed"]), int(config["seeds"])
+    if not 1 <= number <= MOST_SEEDS:
+        raise ValueError(f"it has {number} seeds")
     return [(first, path)] if number == 1 else [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
 
 

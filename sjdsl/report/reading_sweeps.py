@@ -48,6 +48,8 @@ def _stages(path: Path) -> dict[str, int | None]:
     """Returns the cells of a sweep by name, with the stage of each."""
     try:
         stored = read_json(path / SWEEP)
+        if any(Path(name).name != name for name in stored["cells"]):
+            raise ValueError("a cell is named by a path")
         return {name: _stage(stored.get("protocol"), cell) for name, cell in stored["cells"].items()}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ReportError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None

@@ -7,10 +7,9 @@ from typing import Any
 
 from sjdsl.files import read_json
 from sjdsl.studio.folder import files_below
-from sjdsl.trainers.policy_names import UNTRAINED
+from sjdsl.trainers.policy_names import LARGEST_DESCRIPTION, UNTRAINED
 
 SUFFIX, POLICIES = ".safetensors", "policies"
-LARGEST_DESCRIPTION = 1_000_000  # bytes of the .json beside a policy
 MOST = 200  # policies that are listed
 DEEPEST = 8  # runs whose partners act by other runs
 
@@ -94,7 +93,9 @@ def _file_of(root: Path, name: str) -> Path:
     place = root / path
     if place.suffix != SUFFIX:
         place = (
-            place / POLICIES / f"{int(which):08d}{SUFFIX}" if which.isascii() and which.isdigit() else place / POLICIES / f"{which}{SUFFIX}"
+            place / POLICIES / f"{int(which):08d}{SUFFIX}"
+            if which.isascii() and which.isdecimal()
+            else place / POLICIES / f"{which}{SUFFIX}"
         )
     try:
         file = place.resolve()
@@ -122,7 +123,7 @@ def _name_of(file: Path, root: Path) -> str:
     inside = file.relative_to(root)
     if inside.parent.name != POLICIES or inside.parent.parent == Path():
         return inside.as_posix()
-    run, which = inside.parent.parent.as_posix(), str(int(file.stem)) if file.stem.isdigit() else file.stem
+    run, which = inside.parent.parent.as_posix(), str(int(file.stem)) if file.stem.isdecimal() else file.stem
     return run if which == "last" else f"{run}@{which}"
 
 

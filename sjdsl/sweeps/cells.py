@@ -10,7 +10,7 @@ from typing import Any
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import PARAM, VARIANT, as_configured, as_number, with_number
 from sjdsl.sweeps.protocols import Point
-from sjdsl.trainers.config import Config, make_config
+from sjdsl.trainers.config import Config, make_config, require_code, stored_config
 from sjdsl.trainers.config_errors import ConfigError
 from sjdsl.trainers.preset import load_preset
 
@@ -37,11 +37,16 @@ class Cell:
     @property
     def seeds(self) -> range:
         """The numbers of its seeds."""
-        return range(self.config["seed"], self.config["seed"] + self.config["seeds"])
+        config = self.configuration()
+        return range(config.seed, config.seed + config.seeds)
 
     def configuration(self) -> Config:
-        """Returns its configuration. Raises ConfigError where this version knows no such one."""
-        return make_config(self.config)
+        """Returns its configuration; nothing that it names is imported. Raises ConfigError where this version knows no such one."""
+        return stored_config(self.config)
+
+    def require_code(self) -> None:
+        """Checks that the caller has named the code of its configuration. Raises NotAllowed."""
+        require_code(self.configuration(), f"the cell {self.name} of a sweep", ("network", "reward", "policy"))
 
     def described(self) -> dict[str, Any]:
         """Returns what `sweep.json` says of it."""

@@ -16,6 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import psutil
@@ -117,7 +118,7 @@ def _last(claims: Path, name: str) -> Path | None:
 
 def _number(path: Path) -> int | None:
     number = path.stem.rpartition("@")[2]
-    return int(number) if number.isdigit() else None
+    return int(number) if number.isdecimal() else None
 
 
 def _next(path: Path) -> Path:
@@ -158,11 +159,8 @@ def _started(pid: int) -> float | None:
 
 def _clock(folder: Path) -> float:
     """Returns the time as the file system has it, for machines' clocks differ."""
-    probe = folder / f".clock_{socket.gethostname()}_{os.getpid()}"
-    probe.touch()
-    now = probe.stat().st_mtime
-    probe.unlink(missing_ok=True)
-    return now
+    with TemporaryFile(dir=folder) as probe:
+        return os.fstat(probe.fileno()).st_mtime
 
 
 def _read(path: Path) -> dict[str, Any]:

@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, PositiveInt, StringConstraints, ValidationError, field_validator
 
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.experiments.folder import differences, read_json
@@ -16,10 +18,12 @@ from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.claims import Holder, holder_of
 from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
-from sjdsl.trainers.config import ConfigError, require_code, stored_config
+from sjdsl.trainers.config import ConfigError, stored_config
+from sjdsl.trainers.manifest import read_manifest
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX
+from sjdsl.trainers.run_errors import RunError
 from sjdsl.trainers.run_files import plain, write_json
-from sjdsl.trainers.run_folder import MANIFEST, versions
+from sjdsl.trainers.run_folder import versions
 from sjdsl.trainers.run_state import FINISHED
 from sjdsl.trainers.updates import divergence
 
@@ -29,6 +33,48 @@ CELLS = "cells"
 EVALUATION = "evaluation.json"  # of each seed's last policy, as `sjdsl train` writes it
 FAILED = "failed"
 State = Literal["waiting", "running", "stopped", "done", "failed"]
+
+
+class _Cell(BaseModel):
+    """A cell as `sweep.json` has it."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    game: str
+    hash: str
+    provenance: dict[str, Any]
+    config: dict[str, Any]
+    values: dict[str, Any]
+    stage: int
+    point: Any
+
+    @field_validator("config")
+    @classmethod
+    def _can_be_read(cls, config: dict[str, Any]) -> dict[str, Any]:
+        try:
+            stored_config(config)
+        except ConfigError as error:
+            raise ValueError(str(error)) from None
+        return config
+
+
+# The name of a cell is one of a folder: a path would lead elsewhere.
+NAME = Annotated[str, StringConstraints(pattern=r"^\w[\w.+\-]*$", max_length=200)]
+
+
+class _Sweep(BaseModel):
+    """What `sweep.json` says."""
+
+    model_config = ConfigDict(strict=True, extra="allow")
+
+    format: Literal[1]
+    protocol: str | None
+    axes: dict[str, list[Any]]
+    episodes: PositiveInt
+    loggers: list[str] = []
+    versions: dict[str, str | None]
+    games: dict[str, str]
+    cells: dict[NAME, _Cell]
 
 
 @dataclass(frozen=True)
@@ -90,8 +136,9 @@ def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) ->
 
 def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[str]:
     """Yields why what is wanted is no continuation of a sweep."""
-    if before.get("format") != FORMAT or not all(isinstance(before.get(key), dict) for key in ("axes", "games", "cells", "versions")):
-        yield f"the format of its {SWEEP} is not {FORMAT}"
+    wrong = _wrong(before)
+    if wrong:
+        yield wrong
         return
     if before["protocol"] != wanted["protocol"]:
         yield f"its protocol is {before['protocol'] or 'none'}, here {wanted['protocol'] or 'none'}"
@@ -125,7 +172,7 @@ def _faults_of_others(before: Mapping[str, Any], wanted: Mapping[str, Any], plan
             continue
         told.add(_part(there))
         try:
-            require_code(stored_config(cell.config), f"its cell {cell.name}", ("network", "reward", "policy"))
+            cell.require_code()
             here = plain(made_again(plan, cell).described())
         except (ExperimentError, CompileError, ConfigError) as error:
             yield f"its cell {cell.name} can no longer be made: {str(error).splitlines()[0]}"
@@ -152,9 +199,22 @@ def _game(cell: Mapping[str, Any]) -> dict[str, Any]:
 def read_sweep(folder: Path) -> dict[str, Any]:
     """Returns what the folder of a sweep says. Raises ExperimentError where it is none."""
     found = read_json(folder / SWEEP)
-    if found is None or found.get("format") != FORMAT:
+    if found is None:
         raise ExperimentError(f"{folder} is not the folder of a sweep: there is no {SWEEP} in it that can be read")
+    wrong = _wrong(found)
+    if wrong:
+        raise ExperimentError(f"{folder} is not the folder of a sweep: {wrong}")
     return found
+
+
+def _wrong(known: Mapping[str, Any]) -> str:
+    """Returns what is wrong with what a `sweep.json` says; empty where nothing is."""
+    try:
+        _Sweep.model_validate(known)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join(map(str, fault['loc']))}`: {fault['msg']}"
+    return ""
 
 
 def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
@@ -199,13 +259,22 @@ def progress_of(folder: Path, cell: Cell, episodes: int, claimed: bool = False) 
 
 def _updates(path: Path) -> int:
     """Returns the updates that a run has done, as far as they are kept."""
-    kept = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdigit()]
-    return max([int((read_json(path / MANIFEST) or {}).get("updates", 0)), *kept])
+    kept = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdecimal()]
+    done: int = manifest_of(path).get("updates", 0)
+    return max([done, *kept])
+
+
+def manifest_of(path: Path) -> dict[str, Any]:
+    """Returns the manifest of a run; an empty one where there is none that can be read."""
+    try:
+        return read_manifest(path)
+    except RunError:
+        return {}
 
 
 def is_finished(path: Path) -> bool:
     """Whether a run has done all its updates, with every seed."""
-    manifest = read_json(path / MANIFEST) or {}
+    manifest = manifest_of(path)
     return manifest.get("status") == "finished" and not manifest.get("diverged")
 
 
@@ -234,8 +303,7 @@ def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
 
 def diverged_in(path: Path) -> str:
     """Returns which seeds of a run diverged when, in words; empty where none did."""
-    listed = (read_json(path / MANIFEST) or {}).get("diverged") or []
-    return divergence({entry["seed"]: entry["update"] for entry in listed})
+    return divergence({entry["seed"]: entry["update"] for entry in manifest_of(path).get("diverged", ())})
 
 
 def record_failure(folder: Path, cell: Cell, reason: str) -> None:
@@ -252,7 +320,7 @@ def retry(folder: Path, cell: Cell) -> None:
     anew has its old files put aside.
     """
     path = run_dir(folder, cell)
-    if path.is_dir() and (diverged_in(path) or read_json(path / MANIFEST) is None or _has_lost_a_policy(path, cell)):
+    if path.is_dir() and (diverged_in(path) or not manifest_of(path) or _has_lost_a_policy(path, cell)):
         number = 1
         while (aside := folder / FAILED / f"{cell.name}_{number}").exists():
             number += 1
@@ -262,7 +330,7 @@ def retry(folder: Path, cell: Cell) -> None:
 
 def _has_lost_a_policy(path: Path, cell: Cell) -> bool:
     """Returns whether a run has finished and not every seed has its last policy: nothing would be trained again."""
-    finished = (read_json(path / MANIFEST) or {}).get("status") == FINISHED
+    finished = manifest_of(path).get("status") == FINISHED
     return finished and not all((seed / POLICIES / f"last{SUFFIX}").is_file() for seed in seed_dirs(path, cell).values())
 
 

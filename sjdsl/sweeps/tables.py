@@ -8,12 +8,21 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from sjdsl.experiments.folder import read_json
 from sjdsl.files import write_whole
 from sjdsl.sweeps.cells import Cell
-from sjdsl.sweeps.folder import Progress, as_text, cells_of, evaluation_of, is_finished, progress_of, run_dir, seed_dirs, steps_of
+from sjdsl.sweeps.folder import (
+    Progress,
+    as_text,
+    cells_of,
+    evaluation_of,
+    is_finished,
+    manifest_of,
+    progress_of,
+    run_dir,
+    seed_dirs,
+    steps_of,
+)
 from sjdsl.trainers.metrics_files import METRICS_JSONL
-from sjdsl.trainers.run_folder import MANIFEST
 
 RESULTS = "results.csv"
 STATUS = "status.csv"
@@ -70,7 +79,7 @@ def _of_cell(cell: Cell, known: Mapping[str, Any]) -> Row:
 
 
 def _of_run(seed: int, path: Path, own: Path, evaluation: Mapping[str, Any]) -> Row:
-    manifest = read_json(path / MANIFEST) or {}
+    manifest = manifest_of(path)
     device = manifest.get("device", {})
     last = _last_row(own / METRICS_JSONL)
     known = {
@@ -92,7 +101,7 @@ def _last_row(path: Path) -> dict[str, Any]:
         for line in islice(reversed(file.read().splitlines()), 2):
             try:
                 return dict(json.loads(line))
-            except ValueError:
+            except (ValueError, TypeError):
                 continue
     return {}
 

@@ -14,7 +14,6 @@ import jax
 import numpy as np
 
 import sjdsl
-from sjdsl.experiments.folder import read_json
 from sjdsl.experiments.players import acting_kind
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
@@ -26,6 +25,7 @@ from sjdsl.sweeps.folder import (
     diverged_in,
     evaluation_of,
     is_finished,
+    manifest_of,
     progress_of,
     read_sweep,
     record_failure,
@@ -34,14 +34,14 @@ from sjdsl.sweeps.folder import (
 )
 from sjdsl.sweeps.tables import collective_returns, write_status, write_tables
 from sjdsl.trainers.checkpoints import CHECKPOINTS
-from sjdsl.trainers.config import ConfigError, stored_config
+from sjdsl.trainers.config import ConfigError, make_config, stored_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
+from sjdsl.trainers.manifest import MANIFEST
 from sjdsl.trainers.policies import PolicyError, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import START, policy_path
 from sjdsl.trainers.progress import ProgressStyle
 from sjdsl.trainers.run import Run, train_side_by_side
 from sjdsl.trainers.run_errors import DiskError, RunError, TakenError, TooLargeError
-from sjdsl.trainers.run_folder import MANIFEST
 from sjdsl.trainers.run_lock import LOCK
 from sjdsl.trainers.side_by_side import kind_of
 from sjdsl.trainers.updates import Update
@@ -80,9 +80,14 @@ def run_cell(folder: Path | str) -> str:
     Returns:
       how far the cell is then: `done`, `failed`, `running` (elsewhere).
     Raises:
-      DiskError, OSError: the disk is full; what was written before stays. ExperimentError: it is no cell of a sweep.
+      DiskError, OSError: the disk is full; what was written before stays. ExperimentError: it is no cell of a sweep. NotAllowed: it needs
+      code that the caller has not named (`allow_code`).
     """
-    return run_cells([folder])[0]
+    path = Path(folder).resolve()
+    for cell in cells_of(read_sweep(path.parents[1])):
+        if cell.name == path.name:
+            cell.require_code()
+    return run_cells([path])[0]
 
 
 def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
@@ -100,6 +105,8 @@ def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
     if unknown:
         raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
     cells = [named[path.name] for path in paths]
+    for cell in cells:
+        make_config(cell.config)  # whoever has cells run names their code
     try:
         with _claimed(sweep, cells, known["episodes"]) as held:
             write_status(sweep, known)
@@ -174,7 +181,7 @@ def _groups(sweep: Path, held: Sequence[Held]) -> list[list[Held]]:
     groups: list[tuple[Any, set[str], list[Held]]] = []
     for one in held:
         kind = kind_of(environment_of(one.cell), one.cell.configuration())
-        saved = {path.name for path in (run_dir(sweep, one.cell) / CHECKPOINTS).glob("*") if path.name.isdigit()}
+        saved = {path.name for path in (run_dir(sweep, one.cell) / CHECKPOINTS).glob("*") if path.name.isdecimal()}
         for other, common, members in groups:
             if kind == other and (common & saved or not (common or saved)):
                 common &= saved
@@ -258,7 +265,7 @@ def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
       PolicyError: a policy cannot be read. ExperimentError: a return is not finite.
     """
     env = environment_of(cell)
-    trained_as = stored_config((read_json(path / MANIFEST) or {}).get("config", cell.config))
+    trained_as = stored_config(manifest_of(path).get("config", cell.config))
     for seed, own in seed_dirs(path, cell).items():
         if evaluation_of(own, seed, episodes) is not None:
             continue

@@ -3,18 +3,25 @@
 import ast
 import errno
 import os
+import socket
 import stat
 import threading
+from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from sjdsl.cli import run
+from sjdsl.experiments.folder import open_folder
 from sjdsl.files import parse_json, read_bytes, read_json, write_whole, written_whole
 from sjdsl.replay import DatasetWriter, Header, Recording
 from sjdsl.replay.recording import save_recording
 from sjdsl.studio.folder import Folder, digest
+from sjdsl.sweeps.claims import _clock
+from sjdsl.trainers.metrics_files import EVALUATIONS, METRICS_CSV, METRICS_JSONL, append_line, cut_metrics, open_metrics
 from sjdsl.trainers.run_files import write_json
+from sjdsl.trainers.run_lock import LOCK, locked
 
 ROOT = Path(__file__).parents[2]
 GAME = "sj 1\ngame  tiny { }\n"
@@ -134,6 +141,35 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
     assert (victim.read_text(), mode(target), target.read_text() != "game") == ("theirs", 0o600, True)
 
 
+@pytest.mark.parametrize("what", ["run", "experiment", "metrics", "table", "evaluations", "cut", "clock"])
+def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
+    """Locks, logs and what is taken off their ends: a folder of a stranger may have links in their places."""
+    victim = tmp_path / "victim"
+    victim.write_text('{"update": 1}\n{"update": 2}\n')
+    names = {
+        "run": LOCK,
+        "experiment": f"parts/{LOCK}",
+        "metrics": METRICS_JSONL,
+        "table": METRICS_CSV,
+        "evaluations": EVALUATIONS,
+        "cut": METRICS_JSONL,
+    }
+    link = tmp_path / "folder" / names.get(what, f".clock_{socket.gethostname()}_{os.getpid()}")
+    link.parent.mkdir(parents=True)
+    link.symlink_to(victim if what != "clock" else tmp_path / "new")
+    changes: dict[str, Callable[[], object]] = {
+        "run": lambda: locked(link.parent).__enter__(),
+        "experiment": lambda: open_folder(link.parents[1], {}).__enter__(),
+        "evaluations": lambda: append_line(link, {"update": 3}),
+        "cut": lambda: list(cut_metrics(link.parent, 1)),
+        "clock": lambda: _clock(link.parent),
+    }
+    with pytest.raises(OSError, match="it is a link, through which nothing is written") if what != "clock" else nullcontext():
+        changes.get(what, lambda: open_metrics(link.parent).__enter__())()
+    assert victim.read_text() == '{"update": 1}\n{"update": 2}\n'
+    assert not (tmp_path / "new").exists()
+
+
 def test_a_data_set_is_written_the_same_way(tmp_path: Path) -> None:
     target, victim = planted(tmp_path, "a.npz")
     header = Header(
@@ -176,7 +212,7 @@ def test_what_is_no_json_is_a_value_error(text: str, tmp_path: Path) -> None:
         read_json(tmp_path / "a.json")
 
 
-WRITES = {"write_text", "write_bytes", "replace", "mkstemp", "NamedTemporaryFile"}
+WRITES = {"write_text", "write_bytes", "replace", "truncate", "touch", "mkstemp", "NamedTemporaryFile"}
 MAY_WRITE = {"sjdsl/files.py", "sjdsl/studio/access.py", "sjdsl/sweeps/claims.py"}  # the others make files that must be new: O_EXCL
 
 
@@ -186,11 +222,11 @@ def calls(path: Path) -> set[str]:
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
             owner = node.func.value.id if isinstance(node.func.value, ast.Name) else ""
-            if node.func.attr != "replace" or owner == "os":
+            if node.func.attr not in ("replace", "truncate") or owner == "os":
                 found.add(node.func.attr)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "open":
             modes = [a.value for a in node.args[1:2] if isinstance(a, ast.Constant)]
-            found |= {"write_text"} if modes and set(str(modes[0])) & set("wx") else set()
+            found |= {"write_text"} if modes and set(str(modes[0])) & set("wxa+") else set()
     return found
 
 

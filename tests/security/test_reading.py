@@ -21,6 +21,12 @@ from sjdsl.replay import EpisodePlayer
 from sjdsl.report.markdown import inert, page_text
 from sjdsl.report.written import LISTED, _listed, place_of
 from sjdsl.studio.folder import Folder
+from sjdsl.studio.runs import stored_policies
+from sjdsl.sweeps.claims import holder_of
+from sjdsl.trainers import PolicyError
+from sjdsl.trainers.policy_file import policy_path
+from sjdsl.trainers.policy_names import split_name
+from sjdsl.trainers.run_state import run_state
 
 TITLES = ["</script><script>alert(1)</script>", "<img src=x onerror=alert(1)>", "{{ 7 * 7 }}", "\\\"'`&lt;", "]]> --> <!--", "\U0001f352é"]
 
@@ -112,6 +118,22 @@ def test_a_name_that_no_page_can_show_is_refused(
     written(os.fsdecode(b"\xff.sj"), tmp_path)
     assert run(["studio", os.fsdecode(b"\xff.sj"), "--no-browser"]) == 1
     assert r"`\udcff.sj` is not UTF-8, and no page can show it" in capsys.readouterr().err
+
+
+def test_digits_that_are_no_numbers_in_names_of_files(tmp_path: Path) -> None:
+    """`"²".isdigit()` is true, and `int("²")` raises."""
+    for name in ("policies/²", "²"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / f"{name}.safetensors").touch()
+        (tmp_path / f"{name}.json").write_text(json.dumps({"game": {"name": "coins"}}))
+    assert {stored.name for stored in stored_policies(tmp_path.resolve())} == {"².safetensors", "policies/².safetensors"}
+    assert split_name("run@²") == (Path("run"), "²")
+    with pytest.raises(PolicyError, match="has no policy called last, but of ²"):
+        policy_path(tmp_path, "last")
+    (tmp_path / "claims").mkdir()
+    (tmp_path / "claims/cell@².json").touch()
+    assert holder_of(tmp_path, "cell") is None
+    assert run_state(tmp_path / "seed_²") is None
 
 
 def test_a_report_shows_names_as_texts() -> None:

@@ -52,6 +52,8 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{FILES}::test_files_are_written_in_one_place",
     ),
     "A new one has those": (f"{FILES}::test_a_new_file_has_those_of_the_umask",),
+    "Logs and locks are": (f"{FILES}::test_what_is_changed_in_place_is_no_link",),
+    "Links to folders": WARNS,
     "**Stored policies** are": (f"{POLICIES}::test_no_byte_of_the_tensors_can_change",),
     "Loading one imports nothing": (
         f"{POLICIES}::test_code_that_only_the_files_of_a_policy_name_does_not_run",

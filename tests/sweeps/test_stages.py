@@ -14,7 +14,7 @@ from sjdsl.sweeps.engines import Batch, Crew
 from sjdsl.sweeps.folder import cells_of, read_sweep, record_failure
 from sjdsl.sweeps.plan import Asked
 from sjdsl.sweeps.running import Outcome, sweep
-from sjdsl.trainers.resuming import TooLargeError
+from sjdsl.trainers.run_errors import TooLargeError
 from tests.sweeps.described import GAME, TINY
 
 ASKED = Asked([GAME], (), "svo", {**TINY, "seed": 4}, episodes=2)

@@ -21,7 +21,7 @@ from sjdsl.sweeps.plan import Asked
 from sjdsl.sweeps.running import Outcome, sweep
 from sjdsl.trainers import evaluate, load_policy
 from sjdsl.trainers.evaluation import evaluation_key
-from sjdsl.trainers.resuming import DiskError
+from sjdsl.trainers.run_errors import DiskError
 from tests.sweeps.described import GAME, TINY
 
 LOW, HIGH = "matrix_game_exchange_ratio-0.25", "matrix_game_exchange_ratio-0.75"

@@ -15,8 +15,8 @@ from safetensors.numpy import load_file
 import sjdsl
 from sjdsl.trainers import RunError, Update, compiled, make_config, run, train
 from sjdsl.trainers.compiled import NoMemoryError
-from sjdsl.trainers.resuming import TakenError, TooLargeError
 from sjdsl.trainers.run import Run, train_side_by_side
+from sjdsl.trainers.run_errors import TakenError, TooLargeError
 from sjdsl.trainers.side_by_side import TRACED, kind_of
 
 GAME = Path(__file__).parent / "games" / "prisoners_dilemma.sj"

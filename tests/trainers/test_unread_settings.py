@@ -12,9 +12,10 @@ from probes import constant, quick
 
 from sjdsl.trainers import Config, ConfigError, PPOConfig, RunError, VDNConfig, load_preset, make_config, make_train, register, resume
 from sjdsl.trainers.config import CLASSES, RewardMode, dependent_settings
+from sjdsl.trainers.manifest import MANIFEST
 from sjdsl.trainers.policy_file import read_policy, write_policy
 from sjdsl.trainers.run_files import write_json
-from sjdsl.trainers.run_folder import MANIFEST, describe_run
+from sjdsl.trainers.run_folder import describe_run
 from sjdsl.trainers.shaping import make_shaping
 
 UNREAD: list[tuple[dict[str, Any], str]] = [

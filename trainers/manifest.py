@@ -1,0 +1,81 @@
+"""The manifest of a run, `manifest.json`: what its fields are, and reading it."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from sjdsl.files import read_json
+
+from .run_errors import RunError
+
+MANIFEST = "manifest.json"
+
+Number = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class _Part(BaseModel):
+    """A part of a manifest; other versions may write more into it, or less."""
+
+    model_config = ConfigDict(strict=True, extra="allow")
+
+
+class _Game(_Part):
+    name: str = ""
+    hash: str = ""
+    params: dict[str, Any] = {}
+    num_agents: Number = 0
+
+
+class _Asked(_Part):
+    episodes: Number = 0
+    callback: str = ""
+
+
+class _Device(_Part):
+    platform: str = ""
+    kind: str = ""
+    count: Number = 0
+
+
+class _Diverged(_Part):
+    seed: Number
+    update: Number
+
+
+class _Manifest(_Part):
+    game: _Game
+    config: dict[str, Any]
+    versions: dict[str, str | None]
+    status: str = ""
+    provenance: dict[str, Any] = {}
+    own_files: dict[str, str | None] = {}
+    derived: dict[str, float] = {}
+    device: _Device = _Device()
+    loggers: list[str] = []
+    asked: _Asked = _Asked()
+    resumed: list[str] = []
+    extended: list[dict[str, Any]] = []
+    diverged: list[_Diverged] = []
+    updates: Number = 0
+    together: Number = 1
+
+
+def read_manifest(run_dir: Path) -> dict[str, Any]:
+    """Returns the manifest of a run, each field of which is of its kind, or is not there.
+
+    Raises:
+      RunError: there is none that can be read, or a field is of another kind.
+    """
+    try:
+        manifest = read_json(run_dir / MANIFEST)
+        _Manifest.model_validate(manifest)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        what = (
+            f"`{'.'.join(map(str, fault['loc']))}` in its {MANIFEST}: {fault['msg']}" if fault["loc"] else f"its {MANIFEST} has no fields"
+        )
+        raise RunError(f"{run_dir} is not the folder of a training run, or is damaged: {what}") from None
+    except (OSError, ValueError):
+        raise RunError(f"{run_dir} is not the folder of a training run: there is no {MANIFEST} in it that can be read") from None
+    return dict(manifest)
