@@ -1,7 +1,7 @@
 """Checks of what callers hand to an environment: of types and shapes alone, so that a compiled step has none of them."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -36,12 +36,12 @@ def check_state(module: GameModule, state: Any) -> None:
       TypeError: it is something else, or the state of another game. ValueError: a part of it has another shape.
     """
     wanted = _shapes(module.initial_state)
-    if _names(state) != _names(wanted):
+    if set(_names(state)) != wanted.keys():
         raise TypeError(
             f"this is no state of {module.NAME} but {_described(state)}: a state is what `reset` or `step` of the game returned"
         )
-    for name in _names(wanted):
-        shape, given = getattr(wanted, name).shape, np.shape(getattr(state, name))
+    for name in _names(state):
+        shape, given = wanted[name].shape, np.shape(getattr(state, name))
         if shape != given:
             raise ValueError(f"`{name}` of the state has shape {given}, not {shape}{_for_a_batch(len(given) - len(shape))}")
 
@@ -53,12 +53,14 @@ def check_params(module: GameModule, usual: Any, params: Any) -> None:
 
 
 @lru_cache(maxsize=256)
-def _shapes(initial_state: Callable[[], Any]) -> Any:
-    return jax.eval_shape(initial_state)
+def _shapes(initial_state: Callable[[], Any]) -> dict[str, Any]:
+    """Returns the shapes and dtypes of a state's parts by name; of a module that plays on NumPy, too, whose states JAX does not know."""
+    result: dict[str, Any] = jax.eval_shape(lambda: vars(initial_state()))
+    return result
 
 
 def _names(value: Any) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(value)) if is_dataclass(value) else ()
+    return tuple(vars(value)) if hasattr(value, "__dict__") else ()
 
 
 def _described(value: Any) -> str:

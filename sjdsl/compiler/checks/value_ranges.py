@@ -218,4 +218,5 @@ _VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
     ir.Extreme: _extreme,
     ir.Case: _case,
     ir.Named: lambda e, here: interval_of(e.value, here),
+    ir.Before: lambda e, here: interval_of(e.value, replace(here, known={})),  # what is known is known of the state after the step
 }

@@ -51,7 +51,7 @@ def range_of(e: ir.Expr) -> Range:
             return replace(_given(ir.Type(kind=e.type.kind, low=e.value, high=e.value)), literal=True)
         case ir.Count(domain=ir.Domain(var=ir.Member(who="cell"), restriction=None, where=None)):
             return _given(e.type.model_copy(update={"low": e.type.high}))
-        case ir.Named() | ir.Narrowed():
+        case ir.Named() | ir.Narrowed() | ir.Before():
             return range_of(e.value)
         case ir.At() if e.key.type.kind == "mix":
             return _rounded(real(range_of(e.row)), len(e.key.type.words))
