@@ -95,7 +95,8 @@ def hunt(family: GameFamily, seed: int, worlds: int, hunted: Hunted) -> None:
 
 def _note(where: str, number: int, family: GameFamily, hunted: Hunted) -> None:
     if where:
-        hunted.found.append((family.text_of(family.own.checks[number]), where, family.source.text))
+        texts = "\n".join(source.text for source in family.composition.sources.values())
+        hunted.found.append((family.text_of(family.own.checks[number]), where, texts))
 
 
 def _other_sizes(family: GameFamily, random: Random) -> list[ir.Game]:
@@ -141,9 +142,10 @@ def _hunt_states(game: ir.Game, numbers: Sequence[int], random: Random, many: in
 
 
 def _computed(values: Any, state: dict[str, np.ndarray], params: dict[str, np.ndarray]) -> np.ndarray:
-    """Returns what expressions are in each world, `[worlds, expressions]` float32."""
-    one = jax.vmap(lambda state, params: values(SimpleNamespace(**state), SimpleNamespace(**params)))
-    return np.asarray(jax.jit(one)(state, params))
+    """Returns what expressions are in each world, `[worlds, expressions]` float32; before its step each is the world that precedes it."""
+    before = {name: np.roll(value, 1, axis=0) for name, value in state.items()}
+    one = jax.vmap(lambda state, params, before: values(SimpleNamespace(**state), SimpleNamespace(**params), SimpleNamespace(**before)))
+    return np.asarray(jax.jit(one)(state, params, before))
 
 
 def _turns(columns: np.ndarray, rising: bool) -> np.ndarray:

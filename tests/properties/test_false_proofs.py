@@ -50,7 +50,8 @@ def test_what_changes_an_expression_is_seen(name: str) -> None:
     check, rule = UNSEEN[name]
     game = yard(check, rule)
     if name == "a door that is widened":
-        game = GameFamily(Source("yard.sj", game.source.text.replace("door.open is no }", "door.wide < 2 }"), None))
+        (source,) = game.composition.sources.values()
+        game = GameFamily(Source("yard.sj", source.text.replace("door.open is no }", "door.wide < 2 }"), None))
     assert decide_statically(game, 0) is None
 
 
@@ -134,8 +135,6 @@ def is_proved(game: GameFamily) -> bool:
         "always sum(tip over agent) <= 0.6",
         "always (hoard + 16777216) * 1.0 != 17777217.0 or hoard * 1.0 + 16777216.0 <= 17777215.5",
         "always huge * huge >= 0",
-        "always hoard * 10000 >= 0",
-        "always min(hoard * 4000, 7) >= 0",
         "always step + 1 > 0",
         "always count(agent) <= 3",
         "always count(agent) * 2 <= 6",
@@ -274,7 +273,7 @@ def test_uneven_rules_are_found_by_play(rule: str) -> None:
 
 def test_a_number_that_is_drawn_for_all_alike_tells_nobody_apart() -> None:
     drawn = "draw k from 0 .. {}  each agent where agent.index == k {{ give 1 to agent }}"
-    even, uneven = (verify_properties(meet("agents", drawn.format(most)), Effort(40, episodes=0, tries=20)) for most in (2, 1))
+    even, uneven = (verify_properties(meet("agents", drawn.format(most), "3 in 2 .. 3"), Effort(40, episodes=0, tries=20)) for most in (2, 1))
     assert even.verdicts[0].passed
     assert uneven.verdicts[0].passed is False
 
