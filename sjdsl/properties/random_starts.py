@@ -18,6 +18,7 @@ AS_WRITTEN = 0.5  # how often a start on the own map has the parameters and the 
 CROWDED = 0.5  # how often there are more than few agents, where that is asked for
 OF_ALL = 0.5  # how often a map has a cell of every glyph that there is room for
 OTHERS = 0.3  # how often a number is not the file's
+OTHERS_THERE = 0.7  # the same in starts on the own map that are not as written
 PLAIN = (0, 3, 9, 27)  # how many times as often one glyph is drawn: where there is little of something, it is soon used up
 WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
 COUNTS = (0, 1, 2, 5)  # of a whole number without limits
@@ -60,7 +61,9 @@ def start_on_own_map(family: GameFamily, random: Random, crowded: bool = False) 
     game = family.on(own.rows, agents, sizes)
     if game is None:  # a `require` excludes the numbers
         return own
-    return replace(own, agents=agents, params=_required(game, random_numbers(game, random)), policies=(None,) * agents, sizes=sizes)
+    return replace(
+        own, agents=agents, params=_required(game, random_numbers(game, random, OTHERS_THERE)), policies=(None,) * agents, sizes=sizes
+    )
 
 
 def random_map(family: GameFamily, agents: int, random: Random) -> tuple[str, ...]:
@@ -99,10 +102,10 @@ def _of_each(glyphs: tuple[str, ...], width: int) -> tuple[str, ...]:
     return tuple(row.ljust(width, glyphs[0]) for row in rows)
 
 
-def random_numbers(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...]:
-    """Returns some parameters that differ from the file's, inside their limits; the length of an episode stays."""
+def random_numbers(game: ir.Game, random: Random, share: float = OTHERS) -> tuple[tuple[str, Value], ...]:
+    """Returns a share of the parameters with values that differ from the file's, inside their limits; the length of an episode stays."""
     fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
-    changed = [p for p in game.params if p.name not in fixed and random.random() < OTHERS]
+    changed = [p for p in game.params if p.name not in fixed and random.random() < share]
     return tuple((p.name, _value(p.value, p.type, random)) for p in changed)
 
 

@@ -1,5 +1,6 @@
 """Another map for a game, by `--map` and by `map=`: the same checks, each mistake shown in the map file at its row and column."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -66,8 +67,9 @@ def test_a_mistake_in_the_games_own_map_file(sjdsl: Sjdsl, folder: Path) -> None
     """The place is one that can be opened from here."""
     (folder / "games/maps").mkdir(parents=True)
     (folder / "games/maps/pond.txt").write_text("HFS..B\n.PP?P.\n")
-    bundled = find_game("clean_up").read_text()
-    (folder / "games/pond.sj").write_text(bundled.replace('"maps/clean_up.txt"', '"maps/pond.txt"', 1))
+    bundled = find_game("clean_up")
+    shutil.copytree(bundled.parent / "meltingpot/shared", folder / "games/meltingpot/shared")  # what it extends
+    (folder / "games/pond.sj").write_text(bundled.read_text().replace('"maps/clean_up.txt"', '"maps/pond.txt"', 1))
     shown = sjdsl("compile", "games/pond.sj")
     assert "error[SJ301] games/maps/pond.txt:2:4" in shown.err
     assert "2 | .PP?P." in shown.err
