@@ -13,7 +13,7 @@ from sjdsl.runtime.planes import TokenPlane
 from .config import ConfigError, PPOConfig
 from .environment import Environment, abstract_key, reset_shapes
 from .masks import wants_masks
-from .networks import ActorCritic, Memory
+from .networks import TEAM, ActorCritic, ActorCriticPair, Memory
 from .packing import Packing, make_packing
 from .teams import Bundle, bundle_teams, in_order, over_teams
 
@@ -25,11 +25,17 @@ class ActorCritics:
     """Networks of teams of agents, bundle by bundle; parameters and memory are tuples with an entry a bundle."""
 
     bundles: tuple[Bundle, ...]
-    networks: tuple[ActorCritic, ...]  # of a team, by bundle
+    networks: tuple[ActorCritic | ActorCriticPair, ...]  # of a team, by bundle
     joint_shape: tuple[int, ...] | None  # of what a central critic sees; None: critics are local
     from_state: bool  # it is the world's state
     packing: Packing  # of what a rollout keeps
     masks: bool  # actions that the game forbids are not taken
+    num_actions: int  # A
+    paired: bool = False  # agents have two policies and values, the individual and the team's, on an axis after that of agents
+
+    def of_result(self, leaf: Array) -> Array:
+        """Returns logits or values `[L, M, N, ...]` of the policies that a run is for: of two the team's."""
+        return leaf[:, :, :, TEAM] if self.paired else leaf
 
     def init(self, key: Array, env: Environment) -> tuple[Any, ...]:
         """Returns the first parameters: leaves `[G, ...]`, each team's drawn with a key of its own."""
@@ -49,7 +55,7 @@ class ActorCritics:
     def start_memory(self, num_envs: int) -> Memory:
         """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
 
-        def of_teams(bundle: Bundle, network: ActorCritic) -> Memory:
+        def of_teams(bundle: Bundle, network: ActorCritic | ActorCriticPair) -> Memory:
             one = network.start_memory(num_envs)
             return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(bundle.agents), axis=1), one)
 
@@ -75,7 +81,7 @@ class ActorCritics:
           from_state: `[L, M, K]` float32 for critics that see the state, else None.
           fresh: `[L, M]` bool, the episode begins with this step.
         Returns:
-          the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`.
+          the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`; of pairs `[L, M, N, 2, A]` and `[L, M, N, 2]`.
         """
         joint = self.joint(observation, from_state)
         memories, logits, values = [], [], []
@@ -98,15 +104,17 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     planes = token_planes(env)
     joint_planes: tuple[TokenPlane, ...] | None = None
     joint_shape: tuple[int, ...] | None = None
-    from_state = config.algorithm == "mappo" and config.critic == "state"
+    paired = config.algorithm == "irat"
+    central = config.algorithm in ("mappo", "irat")
+    from_state = central and config.critic == "state"
     if from_state:
         joint_planes, joint_shape = (), state_shape(env)
-    elif config.algorithm == "mappo":
+    elif central:
         observation, _ = reset_shapes(env)
         joint_planes = planes * env.num_agents
         joint_shape = (len(joint_planes), *observation.shape[2:])
     bundles = bundle_teams(env, config)
-    networks = tuple(
+    single = tuple(
         ActorCritic(
             num_actions=env.num_actions,
             num_agents=bundle.team_size,
@@ -122,7 +130,9 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         )
         for bundle in bundles
     )
-    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env), wants_masks(env, config))
+    pairs = tuple(ActorCriticPair(individual=network.clone(joint_planes=None), team=network) for network in single)
+    networks = pairs if paired else single
+    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env), wants_masks(env, config), env.num_actions, paired)
 
 
 def token_planes(env: Environment) -> tuple[TokenPlane, ...]:

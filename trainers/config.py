@@ -30,7 +30,7 @@ from .policy_names import lasting_name, split_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
-Algorithm = Literal["ippo", "mappo", "vdn"]
+Algorithm = Literal["ippo", "mappo", "irat", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
 STORED: Collection[str] = []  # as pydantic's context: the configuration comes from a file, and nobody asks for its settings now
@@ -52,6 +52,14 @@ def _listed(value: Any) -> Any:
     if isinstance(value, str):
         return [part.strip() for part in value.split(",") if part.strip()]
     return [value] if isinstance(value, int | float) else value
+
+
+def _span(value: Any) -> Any:
+    """Returns one number as a span that stays where it is, two as they came."""
+    listed = _listed(value)
+    if not isinstance(listed, list | tuple) or len(listed) not in (1, 2):
+        raise ValueError("one number, or two: at the start and at the end of the run")
+    return (*listed, *listed) if len(listed) == 1 else listed
 
 
 def _odd(value: int) -> int:
@@ -118,6 +126,7 @@ CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
 Sides = Annotated[tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...], Field(min_length=1), BeforeValidator(_listed)]
+Span = Annotated[tuple[NonNegativeFloat, NonNegativeFloat], BeforeValidator(_span)]  # from the start to the end of the run, linearly
 Groups = Annotated[tuple[NonNegativeInt, ...], BeforeValidator(_listed)]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partners)]
 
@@ -125,7 +134,8 @@ COMMON, SVO = only("reward", "common"), only("reward", "svo")
 EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
 TRACES = Only("reward", "svo or one of your own", lambda reward: reward not in get_args(RewardMode) or reward == "svo")
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
-CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
+CNN, MAPPO, IRAT = only("network", "cnn"), only("algorithm", "mappo"), only("algorithm", "irat")
+CENTRAL = only("algorithm", "mappo", "irat")
 BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
@@ -241,9 +251,9 @@ class Config(BaseModel):
 
 
 class PPOConfig(Config):
-    """Proximal policy optimisation: with a critic of what an agent sees (ippo), or of what all see (mappo)."""
+    """Proximal policy optimisation: with a critic of what an agent sees (ippo), of what all see (mappo), or one of each (irat)."""
 
-    algorithm: Literal["ippo", "mappo"] = "ippo"
+    algorithm: Literal["ippo", "mappo", "irat"] = "ippo"
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8
@@ -255,8 +265,12 @@ class PPOConfig(Config):
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 
-    critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"  # it sees all agents' windows, or the world's state
+    critic: Annotated[Literal["observations", "state"], CENTRAL] = "observations"  # it sees all agents' windows, or the world's state
     joint_optimiser: Annotated[bool, MAPPO] = False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
+    team_reward: Annotated[Literal["sum", "mean"], IRAT] = "mean"  # of all agents' raw rewards: what the team policies learn from
+    similarity_clip: Annotated[Span, IRAT] = (3.0, 0.5)  # how far from 1 the individual policy's ratio to the team's counts
+    individual_kl: Annotated[Span, IRAT] = (0.2, 2.0)  # weight of the individual policy's divergence from the team policy
+    team_kl: Annotated[Span, IRAT] = (1.5, 0.0)  # weight of the team policy's divergence from the individual policy
     sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents have one network
     roles: Annotated[Groups, only("sharing", "by_role")] = ()  # the role of each agent, as numbers from 0; empty: as the game has it
     memory: Literal["none", "gru"] = "none"
@@ -284,7 +298,7 @@ class VDNConfig(Config):
     epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1  # of the run, until epsilon_end is reached
 
 
-CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
+CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "irat": PPOConfig, "vdn": VDNConfig}
 KEYS_OF: Mapping[str, Mapping[str, Any]] = {algorithm: kind.model_fields for algorithm, kind in CLASSES.items()}
 
 

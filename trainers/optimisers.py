@@ -1,4 +1,4 @@
-"""The optimisers of PPO (optax): one if actor and critic share layers, one each if they do not."""
+"""The optimisers of PPO (optax): one for all that share layers."""
 
 from typing import Any
 
@@ -19,33 +19,35 @@ def learning_rate_schedule(config: PPOConfig) -> optax.Schedule:
 
 
 def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
-    """Returns Adam on gradients whose global norm is clipped: for all parameters, or for the actor's and the critic's apart.
+    """Returns Adam on gradients whose global norm is clipped: for all parameters, or for each part of them.
 
     Apart, a critic whose errors are large, as those of summed rewards are, does not take the actor's share of the clipped norm.
     """
-    if not apart(config):
+    if not parts(config):
         return _clipped_adam(config)
-    return optax.partition({"actor": _clipped_adam(config), "critic": _clipped_adam(config)}, part_of_each)
+    return optax.partition({part: _clipped_adam(config) for part in parts(config)}, part_of_each)
 
 
-def apart(config: PPOConfig) -> bool:
-    """Whether actor and critic have an optimiser each: a central critic shares no layer with the actor."""
-    return config.algorithm == "mappo" and not config.joint_optimiser
+def parts(config: PPOConfig) -> tuple[str, ...]:
+    """Returns the parts that have an optimiser each: a central critic shares no layer with its actor, nor does an individual policy."""
+    if config.algorithm == "irat":
+        return ("individual", "actor", "critic")
+    return ("actor", "critic") if config.algorithm == "mappo" and not config.joint_optimiser else ()
 
 
 def part_of_each(parameters: Any) -> Any:
-    """Returns `actor` or `critic` for each leaf, by the name of the module it is in."""
-    return jax.tree_util.tree_map_with_path(lambda path, _: "critic" if "['critic" in keystr(path) else "actor", parameters)
+    """Returns `actor`, `critic` or `individual` for each leaf, by the name of the module it is in."""
+    named = ("individual", "critic")
+    return jax.tree_util.tree_map_with_path(lambda path, _: next((p for p in named if f"['{p}" in keystr(path)), "actor"), parameters)
 
 
 def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
     """Returns the global norm of the gradients before they are clipped; where that is done apart, also the norm of each part."""
     norms = {"gradient_norm": optax.tree.norm(gradients)}
-    if apart(config):
-        of_leaf = jax.tree.leaves(part_of_each(gradients))
-        for part in ("actor", "critic"):
-            own = [leaf for leaf, name in zip(jax.tree.leaves(gradients), of_leaf, strict=True) if name == part]
-            norms[f"{part}_gradient_norm"] = optax.tree.norm(own)
+    of_leaf = jax.tree.leaves(part_of_each(gradients))
+    for part in parts(config):
+        own = [leaf for leaf, name in zip(jax.tree.leaves(gradients), of_leaf, strict=True) if name == part]
+        norms[f"{part}_gradient_norm"] = optax.tree.norm(own)
     return norms
 
 

@@ -1,6 +1,5 @@
-"""Proximal policy optimisation (PPO) of N agents: clipped loss for IPPO and MAPPO, with shared or separate networks."""
+"""Proximal policy optimisation (PPO) of N agents: runs of IPPO, MAPPO and IRAT, with shared or separate networks, and the clipped loss."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, cast
 
@@ -15,8 +14,10 @@ from .advantage import generalised_advantages, successor_values
 from .config import ConfigError, PPOConfig
 from .environment import Environment, ObservableEnvironment
 from .episodes import mean_episode
+from .irat import both_rewards, irat_loss
+from .losses import Apply, Batch, clipped_surrogate, mean_entropy, normalised, value_loss
 from .masks import allowed_in, masked, pack_mask, unpack_mask
-from .networks import Memory
+from .networks import INDIVIDUAL, Memory
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
 from .partners import Partners, learning_agents
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
@@ -27,33 +28,11 @@ from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 @flax.struct.dataclass
 class Acting:
-    """What is kept of acting."""
+    """What is kept of acting. Of two policies, the log probabilities are those of both and of all actions, `[..., B, N, 2, A]`, the values both."""
 
     log_probability: Array  # [..., B, N] float32, of the action when it was drawn
     value: Array  # [..., B, N] float32, of the observation
     allowed: Array | None = None  # [..., B, N, bytes] uint8, the actions that were allowed, packed; None: all
-
-
-@flax.struct.dataclass
-class Batch:
-    """What one rollout has to teach, as M sequences of L steps: L is 1 for networks without memory, T with it.
-
-    A minibatch has some of the sequences, with all agents.
-    """
-
-    observation: Array  # [L, M, N, bytes, V * V] uint8, packed; in a minibatch [L, m, S, P, V, V]
-    joint: Any  # [L, M, K] what critics of the state see, or None; in a minibatch all that a central critic sees
-    fresh: Array  # [L, M] bool
-    memory: Memory  # [M, G, ...] before the first of the L steps
-    action: Array  # [L, M, N] int32
-    log_probability: Array  # [L, M, N] float32, when drawn
-    value: Array  # [L, M, N] float32, when drawn
-    advantage: Array  # [L, M, N] float32
-    target: Array  # [L, M, N] float32, of the value
-    allowed: Array | None = None  # [L, M, N, bytes] uint8, packed, or None: all; in a minibatch [L, m, S, A] bool
-
-
-Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
 
 
 def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
@@ -89,15 +68,16 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         last_value = _value(
             networks, parameters(state), worlds.memory, worlds.observation, _joint(env, networks, worlds.state), worlds.fresh
         )
-        batch = make_batch(rollout, memory, last_value, config)
+        batch = replace(make_batch(rollout, memory, last_value, config), progress=state.updates / config.num_updates)
         learners, losses = learn_teams(state.learner, batch, shuffle_key, networks, config)
         learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner, state.diverged)
+        value, target = (networks.of_result(leaf)[..., learning] for leaf in (batch.value, batch.target))
         metrics = {
             **mean_episode(finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
             "metric": measured,
             **losses,
-            "explained_variance": explained_variance(batch.value[..., learning], batch.target[..., learning]),
+            "explained_variance": explained_variance(value, target),
             "learning_rate": learning_rate_schedule(config)(state.learner[0].step.ravel()[0]),
         }
         return TrainState(key, learners, worlds, state.updates + 1, ~jnp.isfinite(losses["loss"])), metrics
@@ -140,6 +120,10 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         seen = jax.tree.map(lambda leaf: leaf[None], (worlds.observation, joint, worlds.fresh))
         memory, logits, value = networks.apply(parameters, worlds.memory, *seen)
         allowed = allowed_in(env, networks.masks, worlds.state)
+        if networks.paired:
+            likes = masked(logits[0], None if allowed is None else allowed[..., None, :])
+            action = jax.random.categorical(key, likes[..., INDIVIDUAL, :]).astype(jnp.int32)
+            return memory, action, Acting(jax.nn.log_softmax(likes), value[0], pack_mask(allowed))
         likes = masked(logits[0], allowed)
         action = jax.random.categorical(key, likes).astype(jnp.int32)  # independent over [B, N]
         return memory, action, Acting(chosen_log_probability(likes, action), value[0], pack_mask(allowed))
@@ -153,7 +137,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         result: Array = jax.lax.cond(
             truncated.any(),
             lambda memory, last, joint: _value(networks, parameters, memory, last, joint, jnp.zeros_like(truncated)),
-            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
+            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents, *[2] * networks.paired), jnp.float32),
             memory,
             info["terminal_observation"],
             joint,
@@ -183,8 +167,16 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
       last_value: `[B, N]` of the observations after its last.
     """
     acting: Acting = rollout.acting
-    successors = successor_values(acting.value, last_value, rollout.ending, rollout.done, rollout.truncated)
-    advantage = generalised_advantages(rollout.shaped_reward, acting.value, successors, rollout.done, config.gamma, config.gae_lambda)
+
+    def advantages(reward: Array, value: Array, last_value: Array, ending: Array) -> Array:
+        successors = successor_values(value, last_value, ending, rollout.done, rollout.truncated)
+        return generalised_advantages(reward, value, successors, rollout.done, config.gamma, config.gae_lambda)
+
+    if config.algorithm == "irat":
+        of_both = jax.vmap(advantages, in_axes=-1, out_axes=-1)
+        advantage = of_both(both_rewards(rollout, config), acting.value, last_value, rollout.ending)
+    else:
+        advantage = advantages(rollout.shaped_reward, acting.value, last_value, rollout.ending)
     steps = {
         "observation": rollout.observation,
         "joint": rollout.joint,
@@ -258,7 +250,7 @@ def take_epochs(
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
         minibatch = sample(batch, indices, agents, networks)
-        loss = jax.value_and_grad(ppo_loss, has_aux=True)
+        loss = jax.value_and_grad(irat_loss if config.algorithm == "irat" else ppo_loss, has_aux=True)
         (_, losses), gradients = loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
         losses |= gradient_norms(gradients, config)
         return learner.apply_gradients(grads=gradients), losses
@@ -295,7 +287,8 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
         value=of_team(batch.value),
         advantage=of_team(batch.advantage),
         target=of_team(batch.target),
-        allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.networks[0].num_actions),
+        allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.num_actions),
+        progress=batch.progress,
     )
 
 
@@ -304,33 +297,22 @@ def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> 
 
     Source: Schulman et al. 2017, equations 7 and 9; value clipping and the KL estimate as in Huang et al. 2022.
     """
-    epsilon = config.clip_epsilon
     _, logits, value = apply(parameters, batch.memory, batch.observation, batch.joint, batch.fresh)
     logits = masked(logits, batch.allowed)
 
     log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
     ratio = jnp.exp(log_ratio)
-    # Where nothing is paid, advantages are the critic's errors alone: divided by their own deviation they would move the policy as far as
-    # rewards do.
-    advantage = (batch.advantage - batch.advantage.mean()) / jnp.maximum(batch.advantage.std(), config.advantage_floor + 1e-8)
-    clipped_ratio = jnp.clip(ratio, 1.0 - epsilon, 1.0 + epsilon)
-    policy_loss = -jnp.minimum(ratio * advantage, clipped_ratio * advantage).mean()
-
-    squared_error = jnp.square(value - batch.target)
-    if config.clip_value_loss:
-        clipped_value = batch.value + jnp.clip(value - batch.value, -epsilon, epsilon)
-        squared_error = jnp.maximum(squared_error, jnp.square(clipped_value - batch.target))
-    value_loss = 0.5 * squared_error.mean()
-
-    entropy = -(jax.nn.softmax(logits) * jax.nn.log_softmax(logits)).sum(axis=-1).mean()
-    loss = policy_loss + config.value_coefficient * value_loss - config.entropy_coefficient * entropy
+    policy_loss = -clipped_surrogate(ratio, normalised(batch.advantage, config), config.clip_epsilon).mean()
+    critic_loss = value_loss(value, batch.value, batch.target, config)
+    entropy = mean_entropy(logits)
+    loss = policy_loss + config.value_coefficient * critic_loss - config.entropy_coefficient * entropy
     return loss, {
         "loss": loss,
         "policy_loss": policy_loss,
-        "value_loss": value_loss,
+        "value_loss": critic_loss,
         "entropy": entropy,
         "kl": (ratio - 1.0 - log_ratio).mean(),
-        "clip_fraction": (jnp.abs(ratio - 1.0) > epsilon).mean(),
+        "clip_fraction": (jnp.abs(ratio - 1.0) > config.clip_epsilon).mean(),
     }
 
 

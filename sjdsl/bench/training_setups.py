@@ -31,7 +31,7 @@ class Setup:
     @property
     def learning(self) -> tuple[Algorithm, Sharing]:
         """The algorithm, and which agents have one network: of vdn all have."""
-        return self.config.algorithm, getattr(self.config, "sharing", "shared")
+        return cast("Algorithm", self.config.algorithm), getattr(self.config, "sharing", "shared")
 
     def __str__(self) -> str:
         return ", ".join((self.name, self.network, *self.learning))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from sjdsl.trainers import Config
 
 Command = Callable[..., Any]
-ALGORITHMS = ("ippo", "mappo", "vdn")
+ALGORITHMS = ("ippo", "mappo", "irat", "vdn")
 REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 
 

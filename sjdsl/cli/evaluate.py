@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 @click.option(
     "--greedy/--drawn",
     default=None,
-    help="Take the best action, or draw one; by default policies of ippo and mappo draw their actions, those of vdn take the best.",
+    help="Take the best action, or draw one; by default policies of ippo, mappo and irat draw their actions, those of vdn take the best.",
 )
 @click.option(
     "--which", type=click.Choice(["last", "best"]), help="The last policy of a run, which is the default, or its best; as in RUN@best."

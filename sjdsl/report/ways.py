@@ -48,7 +48,7 @@ def svo(angle: float, weight: float, stage: int | None = None) -> Way:
 
 
 CHOSEN_WEIGHT = "chosen weight"
-NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "vdn": "VDN"}
+NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "irat": "IRAT", "vdn": "VDN"}
 
 
 def in_words(run: Run, chosen_weight: float | None = None) -> str:

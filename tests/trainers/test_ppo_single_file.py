@@ -11,7 +11,8 @@ import pytest
 
 from sjdsl.trainers import PPOConfig
 from sjdsl.trainers.advantage import generalised_advantages
-from sjdsl.trainers.ppo import Batch, ppo_loss
+from sjdsl.trainers.losses import Batch
+from sjdsl.trainers.ppo import ppo_loss
 
 FILE = Path(__file__).parents[2] / "examples" / "ppo_single_file.py"
 

@@ -14,10 +14,10 @@ from probes import FAST_TO_COMPILE, Probe, dilemma, endless_riches, learn, match
 
 from sjdsl.trainers import PPOConfig, TrainState, make_train
 from sjdsl.trainers.actor_critics import make_actor_critics
-from sjdsl.trainers.optimisers import apart, gradient_norms, learning_rate_schedule, make_optimiser, part_of_each
+from sjdsl.trainers.losses import Batch
+from sjdsl.trainers.optimisers import gradient_norms, learning_rate_schedule, make_optimiser, part_of_each, parts
 from sjdsl.trainers.ppo import (
     Acting,
-    Batch,
     draw_orders,
     explained_variance,
     learn_teams,
@@ -358,7 +358,7 @@ def test_every_parameter_of_a_central_critic_is_the_critics() -> None:
     found = {module: set(jax.tree.leaves(part)) for module, part in part_of_each({"params": shapes})["params"].items()}
     critic = {name: {"critic"} for name in ("critic", "critic_torso", "critic_memory")}
     assert found == {"torso": {"actor"}, "memory": {"actor"}, "actor": {"actor"}, **critic}
-    assert not apart(PPOConfig())
+    assert parts(PPOConfig()) == ()
 
 
 def test_norms_of_gradients_are_told_apart() -> None:

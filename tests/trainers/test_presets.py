@@ -156,7 +156,7 @@ def test_a_table_of_an_algorithm_with_a_reward_wins_over_both(tmp_path: Path) ->
 
 def test_common_reward_of_two_cores_is_a_mean_where_policy_and_value_share_layers() -> None:
     found = {name: load_preset("two_cores", {"algorithm": name, "reward": "common"}).config for name in get_args(Algorithm)}
-    assert {name: config.common_reward for name, config in found.items()} == {"ippo": "mean", "mappo": "sum", "vdn": "sum"}
+    assert {name: config.common_reward for name, config in found.items()} == {"ippo": "mean", "mappo": "sum", "irat": "sum", "vdn": "sum"}
 
 
 def test_a_preset_may_extend_another(tmp_path: Path) -> None:
@@ -283,7 +283,7 @@ def test_vdn_as_in_the_paper() -> None:
 
 
 DOCS = Path(__file__).parents[2] / "docs" / "training.md"
-RUNS = (*PPO, ("vdn", "common"))
+RUNS = (*PPO, *(("irat", reward) for _, reward in PPO[:5]), ("vdn", "common"))
 Differences = dict[tuple[str, str, str], tuple[str, str]]  # (key, algorithm, reward) -> values of `paper` and `released`
 
 
@@ -328,7 +328,7 @@ def test_neither_masks_what_is_forbidden_nor_tells_agents_their_numbers() -> Non
     configs = [
         load_preset(name, {"algorithm": algorithm}, "coins").config
         for name in ("paper", "released")
-        for algorithm in ("ippo", "mappo", "vdn")
+        for algorithm in ("ippo", "mappo", "irat", "vdn")
     ]
     assert {(config.mask_actions, config.agent_id) for config in configs} == {(False, False)}
 

@@ -31,7 +31,7 @@ from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_
         ({"svo_angle": ()}, "`svo_angle` must be one number or more"),
         ({"roles": (0, -1)}, "`roles` must be at least 0, not -1"),
         ({"memory": "lstm"}, "`memory` must be 'none' or 'gru', not 'lstm'"),
-        ({"algorithm": "a2c"}, "unknown algorithm 'a2c'; known: ippo, mappo, vdn"),
+        ({"algorithm": "a2c"}, "unknown algorithm 'a2c'; known: ippo, mappo, irat, vdn"),
         ({"algorithm": "vdn", "reward": "svo"}, "`reward` must be 'common', not 'svo'"),
         ({"algorithm": "vdn", "epsilon_fraction": 0}, "`epsilon_fraction` must be more than 0.0, not 0"),
         ({"algorithm": "vdn", "num_epochs": 2}, "`num_epochs`"),
@@ -79,8 +79,8 @@ def test_lists_may_come_as_text_or_as_one_number() -> None:
 
 
 def test_the_algorithm_decides_which_keys_there_are() -> None:
-    kinds = {algorithm: type(make_config(algorithm=algorithm)) for algorithm in ("ippo", "mappo", "vdn")}
-    assert kinds == {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
+    kinds = {algorithm: type(make_config(algorithm=algorithm)) for algorithm in ("ippo", "mappo", "irat", "vdn")}
+    assert kinds == {"ippo": PPOConfig, "mappo": PPOConfig, "irat": PPOConfig, "vdn": VDNConfig}
     assert make_config().algorithm == "ippo"
 
 

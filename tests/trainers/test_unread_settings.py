@@ -74,6 +74,7 @@ def test_all_of_it_is_told_at_once() -> None:
         {"reward": "exchange", "exchange_ratio": 0.9},
         {"reward": "svo", "reward_smoothing": 0.5, "match_socialjax": True},
         {"algorithm": "mappo", "joint_optimiser": True, "critic": "state"},
+        {"algorithm": "irat", "critic": "state", "team_reward": "sum", "team_kl": 1, "individual_kl": "0,1", "similarity_clip": "1,0.2"},
         {"algorithm": "vdn", "match_socialjax": True, "common_reward": "mean"},
         {"sharing": "by_role", "roles": "0,1"},
         {"evaluate_every": 1, "evaluation_episodes": 2},
@@ -141,6 +142,10 @@ OTHERS: dict[str, Any] = {
     "svo_at_rest": "selfish",
     "convolution_sides": (3,),
     "critic": "state",
+    "team_reward": "sum",
+    "similarity_clip": (1.0, 0.2),
+    "individual_kl": (0.0, 1.0),
+    "team_kl": (1.0, 0.5),
 }
 
 
@@ -179,7 +184,7 @@ def test_rewards_read_what_they_are_said_to(algorithm: str, reward: str) -> None
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("algorithm", "network"), [("ippo", "cnn"), ("mappo", "mlp")])
+@pytest.mark.parametrize(("algorithm", "network"), [("ippo", "cnn"), ("mappo", "mlp"), ("irat", "mlp")])
 def test_programs_read_what_they_are_said_to(algorithm: str, network: str) -> None:
     def program(config: Config) -> str:
         run = make_train(constant(1.0), config)

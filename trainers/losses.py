@@ -1,0 +1,62 @@
+"""What losses of policies and critics read, and their parts."""
+
+from collections.abc import Callable
+from typing import Any
+
+import flax
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from .config import PPOConfig
+from .networks import Memory
+
+Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
+
+
+@flax.struct.dataclass
+class Batch:
+    """What one rollout has to teach, as M sequences of L steps: L is 1 for networks without memory, T with it.
+
+    A minibatch has some of the sequences, with all agents. Of two policies, there are values, advantages and targets of both, `[L, M, N, 2]`,
+    and log probabilities of both and of all actions, `[L, M, N, 2, A]`.
+    """
+
+    observation: Array  # [L, M, N, bytes, V * V] uint8, packed; in a minibatch [L, m, S, P, V, V]
+    joint: Any  # [L, M, K] what critics of the state see, or None; in a minibatch all that a central critic sees
+    fresh: Array  # [L, M] bool
+    memory: Memory  # [M, G, ...] before the first of the L steps
+    action: Array  # [L, M, N] int32
+    log_probability: Array  # [L, M, N] float32, when drawn
+    value: Array  # [L, M, N] float32, when drawn
+    advantage: Array  # [L, M, N] float32
+    target: Array  # [L, M, N] float32, of the value
+    allowed: Array | None = None  # [L, M, N, bytes] uint8, packed, or None: all; in a minibatch [L, m, S, A] bool
+    progress: Array | None = None  # [] float32, how much of the run is done, 0 .. 1
+
+
+def normalised(advantage: Array, config: PPOConfig) -> Array:
+    """Returns advantages about their mean, divided by their deviation, or by `advantage_floor` if that is larger."""
+    # Where nothing is paid, advantages are the critic's errors alone: divided by their own deviation they would move the policy as far as
+    # rewards do.
+    return (advantage - advantage.mean()) / jnp.maximum(advantage.std(), config.advantage_floor + 1e-8)
+
+
+def clipped_surrogate(ratio: Array, advantage: Array, epsilon: float) -> Array:
+    """Returns min(ratio * advantage, clip(ratio, 1 - epsilon, 1 + epsilon) * advantage). Source: Schulman et al. 2017, equation 7."""
+    clipped_ratio = jnp.clip(ratio, 1.0 - epsilon, 1.0 + epsilon)
+    return jnp.minimum(ratio * advantage, clipped_ratio * advantage)
+
+
+def value_loss(value: Array, before: Array, target: Array, config: PPOConfig) -> Array:
+    """Returns half the mean squared error of values; `before` are those when acting, about which they may be clipped (Huang et al. 2022)."""
+    squared_error = jnp.square(value - target)
+    if config.clip_value_loss:
+        clipped_value = before + jnp.clip(value - before, -config.clip_epsilon, config.clip_epsilon)
+        squared_error = jnp.maximum(squared_error, jnp.square(clipped_value - target))
+    return 0.5 * squared_error.mean()
+
+
+def mean_entropy(logits: Array) -> Array:
+    """Returns the mean entropy of the policies with logits `[..., A]`, in nats."""
+    return -(jax.nn.softmax(logits) * jax.nn.log_softmax(logits)).sum(axis=-1).mean()
