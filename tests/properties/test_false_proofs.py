@@ -273,7 +273,9 @@ def test_uneven_rules_are_found_by_play(rule: str) -> None:
 
 def test_a_number_that_is_drawn_for_all_alike_tells_nobody_apart() -> None:
     drawn = "draw k from 0 .. {}  each agent where agent.index == k {{ give 1 to agent }}"
-    even, uneven = (verify_properties(meet("agents", drawn.format(most), "3 in 2 .. 3"), Effort(40, episodes=0, tries=20)) for most in (2, 1))
+    even, uneven = (
+        verify_properties(meet("agents", drawn.format(most), "3 in 2 .. 3"), Effort(40, episodes=0, tries=20)) for most in (2, 1)
+    )
     assert even.verdicts[0].passed
     assert uneven.verdicts[0].passed is False
 
