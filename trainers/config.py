@@ -5,7 +5,7 @@ import operator
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from pydantic import (
     AfterValidator,
@@ -33,9 +33,19 @@ __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 Algorithm = Literal["ippo", "mappo", "irat", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
-STORED: Collection[str] = []  # as pydantic's context: the configuration comes from a file, and nobody asks for its settings now
 MOST_SEEDS = 2**16  # of one run: each has a folder
 SEEDS = 2**32  # how many there are: JAX makes a key of the lower 32 bits, so that a larger seed would be another's run
+
+
+class Given(NamedTuple):
+    """Where values come from, as pydantic's context. asked: the settings that somebody asked for now; None: all. stored: they are a file's."""
+
+    asked: Collection[str] | None = None
+    stored: bool = False
+
+
+def _is_stored(info: ValidationInfo) -> bool:
+    return info.context is not None and info.context.stored
 
 
 def _whole_number(value: Any) -> Any:
@@ -75,7 +85,7 @@ def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, Validat
     """
 
     def check(value: Any, given: ValidationInfo) -> Any:
-        if given.context is STORED and isinstance(value, str):
+        if _is_stored(given) and isinstance(value, str):
             return value
         if callable(value):
             return name_of(kind, value)
@@ -96,7 +106,7 @@ def _partners(value: Any, given: ValidationInfo) -> Any:
         if not value.strip() or re.sub(r"\s*([\d,\s]+)=([^,]+)(,|$)", "", value):
             raise ValueError("of the form AGENT=POLICY, such as 1=random or 1,2=runs/a")
         value = {int(agent): policy.strip() for agents, policy in parts for agent in agents.replace(" ", "").strip(",").split(",")}
-    if given.context is STORED:  # as it was checked and written, with whole paths
+    if _is_stored(given):  # as it was checked and written, with whole paths
         return value
     if isinstance(value, Mapping):
         value = value.items()
@@ -118,7 +128,7 @@ def only(setting: str, *values: str) -> Only:
 
 
 def _policy_name(value: Any, given: ValidationInfo) -> Any:
-    return value if given.context is STORED else lasting_name(value)
+    return value if _is_stored(given) else lasting_name(value)
 
 
 Count = Annotated[PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)]  # more is no exact float
@@ -199,16 +209,18 @@ class Config(BaseModel):
         if config.seed + config.seeds > SEEDS:
             last = "" if config.seeds == 1 else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
             raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, for random keys are made of 32 bits, not {config.seed}{last}")
-        config._refuse_unread(config.model_fields_set if info.context is None else info.context)
+        asked = info.context.asked if info.context is not None else None
+        config._refuse_unread(config.model_fields_set if asked is None else asked, _is_stored(info))
         return config
 
-    def _refuse_unread(self, asked: Collection[str]) -> None:
+    def _refuse_unread(self, asked: Collection[str], stored: bool) -> None:
         """Raises ConfigError for settings that were asked for and that nothing reads.
 
-        A record, as of `record` or `model_dump`, has all of them, and nobody asks for all at once: there they may stand at their defaults.
+        A record, as of `record` or `model_dump`, has all of them, and nobody asks for all at once: there, and in what is stored, they may stand
+        at their defaults.
         """
         fields = type(self).model_fields
-        if dependent_settings(type(self)).keys() <= set(asked):
+        if asked and (stored or dependent_settings(type(self)).keys() <= set(asked)):
             asked = [name for name in fields if getattr(self, name) != fields[name].default]
         faults = [
             f"`{name}` does nothing where `{mark.setting}` is {getattr(self, mark.setting)}: set `{mark.setting}` to {mark.values}, or leave "
@@ -316,18 +328,20 @@ def make_config(values: Mapping[str, Any] | None = None, *, asked: Collection[st
     Raises:
       ConfigError: an unknown algorithm or key, a wrong value, or a setting that was asked for and that nothing reads; one line a fault.
     """
-    return _config({**(values or {}), **more}, asked)
+    return _config({**(values or {}), **more}, Given(asked))
 
 
-def stored_config(values: Any) -> Config:
+def stored_config(values: Any, strict: bool = False) -> Config:
     """Returns the configuration that a file of a run or of a policy holds; nothing that it names is imported.
+
+    Settings that nothing reads are left out; or, if it is `strict`, refused unless they have their defaults.
 
     Raises:
       ConfigError: it is none of this version; one line a fault.
     """
     if not isinstance(values, Mapping):
         raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
-    return _config({key: value for key, value in values.items() if key not in RETIRED}, STORED)
+    return _config({key: value for key, value in values.items() if key not in RETIRED}, Given(None if strict else (), stored=True))
 
 
 def require_code(config: Config, place: str, kinds: Sequence[Kind]) -> None:
@@ -344,12 +358,12 @@ def require_code(config: Config, place: str, kinds: Sequence[Kind]) -> None:
             require_allowed(kind, name, place)
 
 
-def _config(given: dict[str, Any], asked: Collection[str] | None) -> Config:
-    algorithm = given.setdefault("algorithm", "ippo")
+def _config(values: dict[str, Any], given: Given) -> Config:
+    algorithm = values.setdefault("algorithm", "ippo")
     if not isinstance(algorithm, str) or algorithm not in CLASSES:
         raise ConfigError(f"unknown algorithm {algorithm!r}{meant(str(algorithm), CLASSES, 'known:')}")
-    config = CLASSES[algorithm].model_validate(given, context=asked)
-    if asked is None:
+    config = CLASSES[algorithm].model_validate(values, context=given)
+    if given.asked is None:
         return config
-    read = {name: value for name, value in given.items() if name in asked or name not in config.unread}
-    return CLASSES[algorithm].model_validate(read, context=asked)
+    read = {name: value for name, value in values.items() if name in given.asked or name not in config.unread}
+    return CLASSES[algorithm].model_validate(read, context=given)

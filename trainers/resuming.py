@@ -39,7 +39,7 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
         listed = ", ".join(f"{name} {version} (here {known.get(name)})" for name, version in other.items())
         raise RunError(f"{run_dir} was made with {listed}; its figures would not go on alike: install those, or start a new run")
     try:
-        config = stored_config(manifest["config"])
+        config = stored_config(manifest["config"], strict=True)
         require_code(config, str(run_dir / MANIFEST), ("network", "reward", "policy"))
     except NotAllowed as error:
         raise RunError(str(error)) from None

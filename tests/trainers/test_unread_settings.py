@@ -117,7 +117,16 @@ def test_a_run_is_not_gone_on_with_by_what_nothing_reads(tmp_path: Path) -> None
 
 def test_policies_of_earlier_versions_are_read_with_what_nothing_read(tmp_path: Path) -> None:
     stored = {"reward": "individual", "network": "mlp", "exchange_ratio": 0.9, "convolution_channels": 8, "gamma": 0.5}
-    write_policy(tmp_path / "last.safetensors", {"a": np.zeros(1)}, {"game": {}, "config": stored, "update": 1, "env_steps": 1})
+    write_policy(
+        tmp_path / "last.safetensors",
+        {"a": np.zeros(1)},
+        {
+            "game": {"name": "coins", "hash": "0", "action_names": [], "observation_shape": []},
+            "config": stored,
+            "update": 1,
+            "env_steps": 1,
+        },
+    )
     _, described = read_policy(tmp_path / "last.safetensors", lambda _: {"a": np.zeros(1)})
     assert described.config == make_config(network="mlp", gamma=0.5)
 
@@ -139,7 +148,7 @@ def test_presets_may_have_what_only_some_rewards_and_networks_read(tmp_path: Pat
 OTHERS: dict[str, Any] = {
     "svo_angle": (20.0,),
     "common_reward": "mean",
-    "svo_at_rest": "selfish",
+    "svo_at_rest": "content",
     "convolution_sides": (3,),
     "critic": "state",
     "team_reward": "sum",
