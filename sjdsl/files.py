@@ -66,9 +66,10 @@ def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | Non
 def read_bytes(path: Path, limit: int) -> bytes:
     """Returns the content of a file. Raises OSError, with a reason in words, where it is no file or has more than `limit` bytes."""
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):  # a pipe would be waited for, a device never ends
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):  # a pipe would be waited for, a device never ends
             raise OSError(errno.EINVAL, "it is no regular file", str(path))
-        content = file.read(limit + 1)
+        content = file.read(min(status.st_size, limit) + 1)  # for what is asked for, Python takes the memory at once
     if len(content) > limit:
         raise OSError(errno.EFBIG, f"it has more than {limit:,} bytes", str(path))
     return content
