@@ -106,7 +106,7 @@ def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
         raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
     cells = [named[path.name] for path in paths]
     for cell in cells:
-        make_config(cell.config)  # whoever has cells run names their code
+        make_config(cell.config, asked=())  # whoever has cells run names their code
     try:
         with _claimed(sweep, cells, known["episodes"]) as held:
             write_status(sweep, known)

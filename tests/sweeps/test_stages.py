@@ -29,7 +29,7 @@ def finish(path: Path, seeds: range, earned: Callable[[int], float]) -> None:
         summary = {"collective return": {"mean": earned(seed), "low": 0.0, "high": None}}
         asked = {"policy": "last", "seed": seed, "greedy": None, "episodes": 2}
         (own / "evaluation.json").write_text(json.dumps({**asked, "summary": summary}))
-    (path / "manifest.json").write_text(json.dumps({"status": "finished", "updates": 4}))
+    (path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}, "status": "finished", "updates": 4}))
 
 
 def run_with(earned: Callable[[Any, int], float], fails: Callable[[Any], bool], folder: Path) -> tuple[Outcome, list[str]]:
