@@ -185,7 +185,7 @@ def test_a_request_of_nonsense_is_refused_in_words(client: TestClient, folder: P
 def test_a_large_file_is_not_read_whole(client: TestClient, folder: Path) -> None:
     with open(folder / "huge.sj", "wb") as file:
         file.truncate(2**40)  # of holes
-    assert "larger than" in client.get("/file?token=secret&path=huge.sj").json()["refused"]
+    assert "has more than" in client.get("/file?token=secret&path=huge.sj").json()["refused"]
 
 
 def test_a_vast_folder_is_listed_in_part_nearest_first(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
