@@ -97,7 +97,8 @@ def test_a_trigger_that_never_came_is_said() -> None:
 
 
 def test_a_game_that_takes_no_other_map_or_number_is_played_as_it_is() -> None:
-    one = GameFamily(small_game("always eaten <= 9").source)
+    (source,) = small_game("always eaten <= 9").composition.sources.values()
+    one = GameFamily(source)
     assert one.few_agents == (1, 2, 3, 4)
     assert one.most_agents == 4
     assert set(one.glyphs) == {".", "#", "T"}
