@@ -38,6 +38,7 @@ def test_nine_games(name: str, tmp_path: Path) -> None:
     """With the rules added to the text, also to the one that it extends."""
     folder = find_game(name).parent
     shutil.copytree(folder / "maps", tmp_path / "maps")
+    shutil.copytree(folder / "meltingpot/shared", tmp_path / "meltingpot/shared")
     for path in folder.glob("*.sj"):
         text = path.read_text(encoding="utf-8")
         if re.search(r"^\s*schedule", text, re.MULTILINE):

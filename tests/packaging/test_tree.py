@@ -7,7 +7,7 @@ from pathlib import Path
 from tests.conftest import LONGEST
 
 REPOSITORY = Path(__file__).parents[2]
-CEILING = 400
+CEILING = 410
 LONGEST_FUNCTION = 60  # lines, decorators not counted
 OURS = ("bench", "sjdsl", "tests", "trainers")
 

@@ -1,6 +1,7 @@
 """Whatever state a game can be in can be put as a scene; pictures number any number of agents."""
 
 import random
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,7 @@ def test_one_agent_with_a_number_of_two_digits() -> None:
 def test_a_map_of_a_file_with_the_glyph_of_an_arrow(tmp_path: Path) -> None:
     """A game of one's own, its floor drawn with `v`, in a variant."""
     game = (HERE.parents[1] / "games" / "harvest_open.sj").read_text(encoding="utf-8").replace('kind floor "."', 'kind floor "v"')
+    shutil.copytree(HERE.parents[1] / "games/meltingpot/shared", tmp_path / "meltingpot/shared")  # what it extends
     (tmp_path / "field.sj").write_text(game.replace("maps/harvest_open.txt", "room.txt"), encoding="utf-8")
     (tmp_path / "room.txt").write_text("QQPvP\nvvvvv\n", encoding="utf-8")
     stage = Stage(tmp_path / "field.sj", tmp_path / "room.txt", 2, variant="socialjax", arrows="nesw")

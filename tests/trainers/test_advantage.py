@@ -1,10 +1,15 @@
 """Advantages against a plain loop over one environment and one agent at a time, and against the sum that defines them."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax import Array
 
+from sjdsl.trainers import PPOConfig
 from sjdsl.trainers.advantage import generalised_advantages, successor_values
+from sjdsl.trainers.losses import Batch
+from sjdsl.trainers.ppo import ppo_loss
 
 STEPS, ENVS, AGENTS = 23, 5, 3
 
@@ -87,3 +92,30 @@ def test_lambda_one_is_the_discounted_return_less_the_value() -> None:
     successors = successor_values(values, jnp.full((1, 1), 9.0), jnp.full((3, 1, 1), 9.0), done, jnp.zeros((3, 1), bool))
     advantages = generalised_advantages(rewards, values, successors, done, 0.5, 1.0)
     np.testing.assert_allclose(advantages.ravel(), [1 + 1 + 1 - 0.5, 2 + 2 - 0.25, 4 - 0.125])
+
+
+@pytest.mark.parametrize("deviation", [0.001, 0.02, 5.0])
+def test_advantages_are_divided_by_their_deviation_but_not_by_less_than_the_floor(deviation: float) -> None:
+    """With ratios of 1 the gradient by the log probabilities is the advantage that was used: two samples, `deviation` up and down."""
+    floor = 0.03
+    shape = (1, 2, 1)
+    batch = Batch(
+        observation=jnp.zeros((*shape, 1, 1), jnp.uint8),
+        joint=None,
+        fresh=jnp.zeros((1, 2), bool),
+        memory=(),
+        action=jnp.zeros(shape, jnp.int32),
+        log_probability=jnp.full(shape, jnp.log(0.5)),
+        value=jnp.zeros(shape),
+        advantage=jnp.array([[[4.0 + deviation], [4.0 - deviation]]]),
+        target=jnp.zeros(shape),
+    )
+
+    def policy_loss(log_ratios: Array) -> Array:
+        logits = jnp.stack([log_ratios, jnp.zeros_like(log_ratios)], axis=-1)  # both probabilities are 1/2 where it is 0
+        config = PPOConfig(advantage_floor=floor)
+        return ppo_loss(None, lambda *_: ((), logits, jnp.zeros(shape)), batch, config)[1]["policy_loss"]
+
+    used = deviation / max(deviation, floor)
+    gradient = jax.grad(policy_loss)(jnp.zeros(shape))  # half of a logit's change is its log probability's
+    np.testing.assert_allclose(gradient.ravel(), [-used / 4, used / 4], rtol=1e-4)

@@ -235,33 +235,6 @@ def test_the_loss_equals_its_formula(clip_value_loss: bool) -> None:
     assert float(loss) == pytest.approx(policy_loss + 0.5 * value_loss - 0.01 * entropy, rel=1e-5)
 
 
-@pytest.mark.parametrize("deviation", [0.001, 0.02, 5.0])
-def test_advantages_are_divided_by_their_deviation_but_not_by_less_than_the_floor(deviation: float) -> None:
-    """With ratios of 1 the gradient by the log probabilities is the advantage that was used: two samples, `deviation` up and down."""
-    floor = 0.03
-    shape = (1, 2, 1)
-    batch = Batch(
-        observation=jnp.zeros((*shape, 1, 1), jnp.uint8),
-        joint=None,
-        fresh=jnp.zeros((1, 2), bool),
-        memory=(),
-        action=jnp.zeros(shape, jnp.int32),
-        log_probability=jnp.full(shape, jnp.log(0.5)),
-        value=jnp.zeros(shape),
-        advantage=jnp.array([[[4.0 + deviation], [4.0 - deviation]]]),
-        target=jnp.zeros(shape),
-    )
-
-    def policy_loss(log_ratios: Array) -> Array:
-        logits = jnp.stack([log_ratios, jnp.zeros_like(log_ratios)], axis=-1)  # both probabilities are 1/2 where it is 0
-        config = PPOConfig(advantage_floor=floor)
-        return ppo_loss(None, lambda *_: ((), logits, jnp.zeros(shape)), batch, config)[1]["policy_loss"]
-
-    used = deviation / max(deviation, floor)
-    gradient = jax.grad(policy_loss)(jnp.zeros(shape))  # half of a logit's change is its log probability's
-    np.testing.assert_allclose(gradient.ravel(), [-used / 4, used / 4], rtol=1e-4)
-
-
 @pytest.mark.parametrize(("scaled", "epsilon"), [(True, 0.2 / 2), (False, 0.2)])
 def test_the_clip_range_may_be_divided_by_the_number_of_agents(scaled: bool, epsilon: float, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = []

@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
 from sjdsl.compiler.ir.node import AGENT, CELL, CONDITION, INSTANCE, Expression, Node, RestrictionNode, Type
 
-# Pydantic checks that a child is *some* expression; the closed union is for `match` and the type checker. (Discriminated unions
-# would make every model's schema contain every other: half a second at import.)
+# Pydantic checks that a child is *some* expression; with the closed union each schema would hold all others: half a second at import.
 if TYPE_CHECKING:
     Expr: TypeAlias = (
         "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "

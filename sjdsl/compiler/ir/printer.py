@@ -63,10 +63,8 @@ def expression(e: ir.Expr) -> str:
             return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
         case ir.Ramp():
             return f"ramp({expression(e.value)}, {expression(e.zero_at)}, {expression(e.one_at)})"
-        case ir.Named() | ir.Narrowed():
-            return expression(e.value)
-        case ir.Before():
-            return f"before({expression(e.value)})"
+        case ir.Named() | ir.Narrowed() | ir.Before():
+            return f"before({expression(e.value)})" if isinstance(e, ir.Before) else expression(e.value)
         case ir.EventTotal():
             return e.name if e.word is None else f"{e.name}[{entry_name(e.word)}]"
         case ir.MatrixClass():
