@@ -128,7 +128,7 @@ def interval(fn: str, a: ir.Type, b: ir.Type) -> tuple[float, float]:
             corners = [x / y if abs(y) != inf else 0.0 for x in (a.low, a.high) for y in (b.low, b.high)]
             return min(corners), max(corners)
         case "//":
-            divisors = [y for y in (b.low, -1, 1, b.high) if y and b.low <= y <= b.high]
+            divisors = [y for y in (b.low, -1, 1, b.high) if y and b.low <= y <= b.high] or [-1, 1]  # where it is 0, nothing is divided
             corners = [whole_quotient(x, y) for x in (a.low, a.high) for y in divisors]
             return min(corners), max(corners)
         case "%":
