@@ -168,3 +168,9 @@ def test_rounding_stays_inside_its_interval_in_float32_too() -> None:
         for x in (low, high, (low + high) / 2):
             for near in (np.float32(x), np.nextafter(np.float32(x), np.float32(99)), np.nextafter(np.float32(x), np.float32(-99))):
                 assert found[0] <= np.rint(near) <= found[1], (low, high, near)
+
+
+def test_a_quotient_by_0_alone_is_bounded_by_what_is_divided() -> None:
+    """Such a divisor stands where nothing is ever divided: behind `k != 0 and k <= 0`, for example."""
+    whole, zero = ir.Type(kind="int", low=-4, high=9), ir.Type(kind="int", low=0, high=0)
+    assert interval("//", whole, zero) == (-9, 9)
