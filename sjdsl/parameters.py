@@ -151,7 +151,7 @@ def _limit(game: ir.Game, values: Values, given: Values) -> str:
         if param.name in given and isinstance(own, int) and played(own):
             nearest = boundary(own, value, played)
             return f"`{param.name}` is {value}, and can be {nearest} at {'most' if value > nearest else 'least'}"
-    return "these parameters are too large (" + ", ".join(f"{name}: {values[name]}" for name in given) + ")"
+    return "with these parameters a whole number leaves 32 bits (" + ", ".join(f"{name}: {values[name]}" for name in given) + ")"
 
 
 def _is_played(game: ir.Game, values: Values, name: str, number: int) -> bool:

@@ -281,8 +281,8 @@ class PPOConfig(Config):
     joint_optimiser: Annotated[bool, MAPPO] = False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
     team_reward: Annotated[Literal["sum", "mean"], IRAT] = "mean"  # of all agents' raw rewards: what the team policies learn from
     similarity_clip: Annotated[Span, IRAT] = (3.0, 0.5)  # how far from 1 the individual policy's ratio to the team's counts
-    individual_kl: Annotated[Span, IRAT] = (0.2, 2.0)  # weight of the individual policy's divergence from the team policy
-    team_kl: Annotated[Span, IRAT] = (1.5, 0.0)  # weight of the team policy's divergence from the individual policy
+    individual_kl: Annotated[Span, IRAT] = (0.2, 2.0)  # weight of KL(team ‖ individual) in the individual policy's loss
+    team_kl: Annotated[Span, IRAT] = (1.5, 0.0)  # weight of KL(individual ‖ team) in the team policy's loss
     sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents have one network
     roles: Annotated[Groups, only("sharing", "by_role")] = ()  # the role of each agent, as numbers from 0; empty: as the game has it
     memory: Literal["none", "gru"] = "none"

@@ -81,7 +81,7 @@ def require_allowed(kind: Kind, name: str, place: str) -> None:
     if ":" not in name or (kind, name) in _REGISTERED or _lasting(name) in _ALLOWED:
         return
     raise NotAllowed(
-        f"{place} names a {kind} of your own, `{name}`, and to use it runs that code. Where you know what it does, allow it: "
+        f"{place} names a {kind} of your own, `{name}`, and using it would run that code. If you trust it, allow it: "
         f"--allow-code {shlex.quote(name)}, in Python sjdsl.trainers.allow_code({name!r})"
     )
 

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from .config import Config
@@ -37,11 +37,8 @@ class Signs:
                     event = re.split(r"\[|_agent_", name.removeprefix("event_"))[0]
                     self.events[event] = self.events.get(event, 0.0) + number
 
-    def warnings(self, config: Config) -> list[str]:
-        """Returns a sentence for each sign that nothing is learnt, with what to change."""
-        return list(self._warnings(config))
-
-    def _warnings(self, config: Config) -> Iterable[str]:
+    def warnings(self, config: Config) -> Iterator[str]:
+        """Yields a sentence for each sign that nothing is learnt, with what to change."""
         if not self.paid:
             yield (
                 "no agent has been rewarded yet: there is nothing to learn from. Try more environments (num_envs), a larger "
@@ -55,13 +52,14 @@ class Signs:
                 "Try more gradient steps (num_minibatches), longer rollouts (num_steps) or another learning_rate"
             )
         if self.explained < 0:
+            mean = "common_reward=mean, " if config.reward == "common" and config.common_reward == "sum" else ""
             yield (
-                f"the critic explains less than nothing of the returns (explained_variance is {self.explained / self.updates:.2f} on average). "
-                "Try a smaller gamma, common_reward=mean, or more gradient steps (num_minibatches)"
+                f"the critic predicts returns worse than their mean would (explained_variance is {self.explained / self.updates:.2f} on "
+                f"average). Try {mean}a smaller gamma, or more gradient steps (num_minibatches)"
             )
         never = [name for name, number in self.events.items() if number == 0]
         if never:
-            yield f"never happened so far: {', '.join(never)}. What does not happen is not learnt: try a larger entropy_coefficient"
+            yield f"these events have never happened: {', '.join(never)}. Agents cannot learn from them: try a larger entropy_coefficient"
 
 
 def is_due(update: int, config: Config) -> bool:

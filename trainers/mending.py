@@ -34,7 +34,7 @@ def mend_metrics(folder: Path, done: int, evaluate_every: int) -> None:
     if not whole:
         known = max(int(last.get("update", 0)) for last in (in_lines, in_table))
         raise RunError(
-            f"{lines} and {table.name} are damaged: of the {done} updates that were done they have the first {known}. Put one of them back as "
+            f"{lines} and {table.name} are damaged: they hold only the first {known} of the {done} updates. Put one of them back as "
             f"it was; or go on from an earlier update: remove the later ones from {folder / 'checkpoints'}, or of several seeds from the "
             "folder above"
         )

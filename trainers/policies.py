@@ -209,7 +209,7 @@ _LOADING: ContextVar[frozenset[Path]] = ContextVar("_LOADING", default=frozenset
 def _once(path: Path) -> Iterator[None]:
     """Raises PolicyError where the partners of a policy act by that policy, by themselves or by their own partners."""
     if path in _LOADING.get():
-        raise PolicyError(f"{path} is a policy whose partners act by itself: there is no end to loading it")
+        raise PolicyError(f"{path} is its own partner, directly or through others, so it cannot be loaded")
     before = _LOADING.set(_LOADING.get() | {path})
     try:
         yield

@@ -130,7 +130,7 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
         raise PolicyError(f"{path} is damaged: its tensors are not those that were written; take another policy of the run")
     if not of_json:
         lacking = "digest of its description" if of_tensors else "digest"
-        warnings.warn(f"{path} has no {lacking}, as files of earlier versions: whether it is damaged cannot be told", stacklevel=2)
+        warnings.warn(f"{path} has no {lacking}, as files of earlier versions: damage cannot be detected", stacklevel=2)
     _require_finite(path, tensors)
     return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
 

@@ -1,9 +1,9 @@
 """Reports the progress of a run: a live bar on a terminal, plain lines elsewhere."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Literal
+from typing import Literal, Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -15,7 +15,12 @@ ProgressStyle = Literal["auto", "bar", "lines", "none"]
 SECONDS_BETWEEN_LINES = 5.0
 COMPILING = "compiling"
 NO_EPISODE = "no episode has ended yet"
-Show = Callable[..., None]  # of a row, and of warnings
+
+
+class Show(Protocol):
+    """Shows people the row of an update, and warnings."""
+
+    def __call__(self, row: Row, warnings: Sequence[str] = ()) -> None: ...
 
 
 @contextmanager

@@ -68,7 +68,7 @@ class History:
         self.signs.count(row)
         self.is_judged = is_due(self.updates, self._config)
         if self.is_judged:
-            self.warnings = self.signs.warnings(self._config)
+            self.warnings = list(self.signs.warnings(self._config))
 
     def recall(self, row: Row) -> None:
         """Takes note of a row that was written before the run was stopped."""

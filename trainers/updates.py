@@ -22,11 +22,10 @@ from .metric_rows import flatten_metrics, mean_row
 from .metrics_files import Row
 from .policies import Policy, trained_policy
 from .processes import any_says
+from .progress import Show
 from .recorder import Recorder
 from .run_errors import RunError, TakenError
 from .training_functions import TrainState
-
-Show = Callable[[Row, Sequence[str]], None]  # what is done with a row, and with warnings, for people to see
 
 
 @dataclass(frozen=True)

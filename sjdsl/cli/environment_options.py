@@ -127,10 +127,10 @@ def named_in(file: Path | str) -> Iterator[None]:
     except CompileError as error:
         found = dict.fromkeys(f"{d.code} {d.title}" for d in error.diagnostics if d.severity == "error")
         raise click.ClickException(
-            f"{file} names a game, or a map for it, with errors: {', '.join(found)}; `sjdsl check` says where, once you name them"
+            f"{file} names a game, or a map for it, with errors: {', '.join(found)}; run `sjdsl check` on them to see where"
         ) from None
     except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
-        raise click.ClickException(f"{file} names a game that cannot be made as it says: {error}") from None
+        raise click.ClickException(f"{file} names a game that cannot be built with the settings it gives: {error}") from None
 
 
 def _is_ours(error: Exception) -> bool:

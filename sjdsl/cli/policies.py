@@ -31,7 +31,7 @@ code_option = click.option(
     metavar="FILE.py:NAME",
     expose_value=False,
     callback=_allow,
-    help="Code of your own that a stored policy or run may use: its network, or a partner. No other code is run, whatever its files name.",
+    help="Code of your own that a stored policy or run may load: a network, a partner's policy, a reward or a callback. All other code is refused.",
 )
 
 

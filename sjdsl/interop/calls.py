@@ -34,9 +34,9 @@ def checked_seed(seed: Any) -> int | None:
     if seed is None:
         return None
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
-        raise TypeError(f"the seed is one number, a whole one of 0 or more, not {seed!r}")
+        raise TypeError(f"the seed must be a whole number of 0 or more, not {seed!r}")
     if seed < 0:
-        raise ValueError(f"the seed is one number, a whole one of 0 or more, not {seed}")
+        raise ValueError(f"the seed must be a whole number of 0 or more, not {seed}")
     return int(seed)
 
 

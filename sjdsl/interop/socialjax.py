@@ -226,7 +226,7 @@ def _stacked(actions: Sequence[Array] | Array) -> Array:
     given = [jnp.asarray(action) for action in actions]
     for action in given:
         if not jnp.issubdtype(action.dtype, jnp.integer):
-            raise TypeError(f"actions are {action.dtype}, but they are numbers of actions: whole numbers, such as int32")
+            raise TypeError(f"actions are {action.dtype}, but must be whole numbers, the numbers of actions, such as int32")
     return jnp.stack([action.astype(jnp.int32).reshape(()) for action in given])
 
 

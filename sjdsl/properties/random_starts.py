@@ -18,7 +18,7 @@ AS_WRITTEN = 0.5  # how often a start on the own map has the parameters and the 
 CROWDED = 0.5  # how often there are more than few agents, where that is asked for
 OF_ALL = 0.5  # how often a map has a cell of every glyph that there is room for
 OTHERS = 0.3  # how often a number is not the file's
-OTHERS_THERE = 0.7  # the same in starts on the own map that are not as written
+OTHERS_ON_OWN_MAP = 0.7  # the same in starts on the own map that are not as written
 PLAIN = (0, 3, 9, 27)  # how many times as often one glyph is drawn: where there is little of something, it is soon used up
 WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
 COUNTS = (0, 1, 2, 5)  # of a whole number without limits
@@ -62,7 +62,7 @@ def start_on_own_map(family: GameFamily, random: Random, crowded: bool = False) 
     if game is None:  # a `require` excludes the numbers
         return own
     return replace(
-        own, agents=agents, params=_required(game, random_numbers(game, random, OTHERS_THERE)), policies=(None,) * agents, sizes=sizes
+        own, agents=agents, params=_required(game, random_numbers(game, random, OTHERS_ON_OWN_MAP)), policies=(None,) * agents, sizes=sizes
     )
 
 

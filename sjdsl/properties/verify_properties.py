@@ -178,7 +178,7 @@ def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
     """Returns the verdict on a symmetry that no rule of a step breaks: it is proved unless who is sent first takes cells from the others."""
     because, (chosen, crowded) = why_symmetric(check, family.own), order_of_sending(check, family.own)
     if chosen:
-        but = f"in line {chosen[0].span.line} cells fit some and not others, and who has a lower number takes one first: how much that matters is not tested"
+        but = f"in line {chosen[0].span.line} some cells suit only some agents, and lower-numbered agents choose first: the effect of this is not tested"
         return make_verdict(family, check, True, "decided", f"{because}; but {but}")
     but = f" (should free cells run out in line {crowded[0].span.line}, lower numbers come first)" if crowded else ""
     return make_verdict(family, check, True, "proved", because + but)

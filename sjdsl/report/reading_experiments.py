@@ -10,7 +10,6 @@ from sjdsl.report.evidence import DiagramRow, Evidence, Meeting, RandomRow, roun
 from sjdsl.report.refusals import ReportError
 
 ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
-EXPERIMENTS = {"schelling": DIAGRAM, "crossplay": CROSS_PLAY}
 FORMAT = 1
 
 

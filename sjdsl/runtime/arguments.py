@@ -23,7 +23,7 @@ def checked_actions(actions: Any, num_agents: int) -> Array:
         raise TypeError(f"actions are numbers, one for each agent in their order, not {type(actions).__name__}")
     given = jnp.asarray(actions)
     if not jnp.issubdtype(given.dtype, jnp.integer):
-        raise TypeError(f"actions are {given.dtype}, but they are numbers of actions: whole numbers, such as int32")
+        raise TypeError(f"actions are {given.dtype}, but must be whole numbers, the numbers of actions, such as int32")
     if given.shape != (num_agents,):
         raise ValueError(f"actions have shape {given.shape}, one for each agent is wanted: ({num_agents},){_for_a_batch(given.ndim - 1)}")
     return given.astype(jnp.int32)
@@ -38,7 +38,7 @@ def check_state(module: GameModule, state: Any) -> None:
     wanted = _shapes(module.initial_state)
     if set(_names(state)) != wanted.keys():
         raise TypeError(
-            f"this is no state of {module.NAME} but {_described(state)}: a state is what `reset` or `step` of the game returned"
+            f"this is not a state of {module.NAME} but {_described(state)}: a state is what `reset` or `step` of the game returned"
         )
     for name in _names(state):
         shape, given = wanted[name].shape, np.shape(getattr(state, name))
@@ -49,7 +49,7 @@ def check_state(module: GameModule, state: Any) -> None:
 def check_params(module: GameModule, usual: Any, params: Any) -> None:
     """Looks whether parameters are those of the game. Raises TypeError."""
     if _names(params) != _names(usual):
-        raise TypeError(f"these are no parameters of {module.NAME} but {_described(params)}: write env.params.replace(name=value)")
+        raise TypeError(f"these are not parameters of {module.NAME} but {_described(params)}: write env.params.replace(name=value)")
 
 
 @lru_cache(maxsize=256)

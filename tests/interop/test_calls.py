@@ -59,7 +59,7 @@ def test_large_seeds_begin_differently(adapter: str) -> None:
 def test_what_is_no_seed_is_refused(adapter: str, seed: Any) -> None:
     with pytest.raises(
         (TypeError, ValueError),
-        match=f"the seed is one number, a whole one of 0 or more, not {seed!r}".replace("(", r"\(").replace(")", r"\)"),
+        match=f"the seed must be a whole number of 0 or more, not {seed!r}".replace("(", r"\(").replace(")", r"\)"),
     ):
         SEEDED[adapter](seed)
 

@@ -291,4 +291,4 @@ def test_a_verdict_says_what_it_leaves_out() -> None:
     said = decide_statically(meet("agents", "each agent as a { send a to grass where distance(grass, a) < 2 otherwise stay }"), 0)
     assert said is not None
     assert said.how == "decided"
-    assert "in line 19 cells fit some and not others" in said.reason
+    assert "in line 19 some cells suit only some agents" in said.reason

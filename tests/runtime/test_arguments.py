@@ -38,7 +38,7 @@ def test_states_and_parameters_of_another_game(env: Environment, tmp_path: Path)
     _, theirs = other.reset(jax.random.key(0))
     for state in (theirs, None, 3, (mine,), mine.position):
         for call in (lambda s: env.step(jax.random.key(1), s, actions), env.observe, env.allowed_actions):
-            with pytest.raises(TypeError, match="this is no state of yard but a"):
+            with pytest.raises(TypeError, match="this is not a state of yard but a"):
                 call(state)
     with pytest.raises(ValueError, match=r"`tree_fruit` of the state has shape \(5,\), not"):
         larger.observe(mine)
@@ -46,7 +46,7 @@ def test_states_and_parameters_of_another_game(env: Environment, tmp_path: Path)
         env.step(jax.random.key(1), jax.tree.map(lambda leaf: jnp.stack([leaf, leaf]), mine), actions)
     for params in (other.params, {"length": 3}, 3):
         for call in (lambda p: env.reset(jax.random.key(1), p), lambda p: env.observe(mine, p), env.with_params):
-            with pytest.raises(TypeError, match="these are no parameters of yard but a"):
+            with pytest.raises(TypeError, match="these are not parameters of yard but a"):
                 call(params)
     copied = tmp_path / "yard.sj"
     copied.write_text(f"# a remark\n{YARD.read_text()}")

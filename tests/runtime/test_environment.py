@@ -149,7 +149,7 @@ def test_actions_of_a_wrong_shape(env: Environment, shape: tuple[int, ...]) -> N
     for step in (env.step, env.step_env):
         with pytest.raises(ValueError, match=r"one for each agent is wanted: \(3,\)"):
             step(jax.random.key(1), state, jnp.zeros(shape, jnp.int32))
-        with pytest.raises(TypeError, match="actions are float32, but they are numbers of actions"):
+        with pytest.raises(TypeError, match="actions are float32, but must be whole numbers"):
             step(jax.random.key(1), state, jnp.zeros(3))
 
 

@@ -160,7 +160,7 @@ def test_with_params_takes_what_make_takes(env: Environment, market: Path) -> No
     made = sjdsl.make(market, params={"price": 7, "worth": 0.25, "share": 0.7, "liked": "green", "stock": {"red": 5, "green": 6}})
     assert jax.tree.map(lambda x: (x.dtype, x.tolist()), changed.params) == jax.tree.map(lambda x: (x.dtype, x.tolist()), made.params)
     assert changed.with_params(changed.params).episode_length == made.episode_length
-    with pytest.raises(TypeError, match="these are no parameters of"):
+    with pytest.raises(TypeError, match="these are not parameters of"):
         env.with_params(sjdsl.make("coins").params)
 
 

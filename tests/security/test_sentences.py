@@ -54,6 +54,7 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     "A new one has those": (f"{FILES}::test_a_new_file_has_those_of_the_umask",),
     "Logs and locks are": (f"{FILES}::test_what_is_changed_in_place_is_no_link",),
     "Links to folders": WARNS,
+    "The command": (f"{FILES}::test_formatting_through_a_link_formats_the_file",),
     "**Stored policies** are": (f"{POLICIES}::test_no_byte_of_the_tensors_can_change",),
     "Loading one imports nothing": (
         f"{POLICIES}::test_code_that_only_the_files_of_a_policy_name_does_not_run",

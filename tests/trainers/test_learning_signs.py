@@ -31,7 +31,7 @@ SAID: dict[str, tuple[list[dict[str, Any]], str]] = {
         [row(1, explained_variance=0.2), row(2, explained_variance=-0.8)],
         "explained_variance is -0.30 on average",
     ),
-    "an event that never happens": ([r | {"event_given_agent_1": 0.0} for r in HEALTHY], "never happened so far: given."),
+    "an event that never happens": ([r | {"event_given_agent_1": 0.0} for r in HEALTHY], "these events have never happened: given."),
 }
 
 
@@ -39,7 +39,7 @@ def warnings_of(rows: list[dict[str, Any]], **changes: Any) -> list[str]:
     signs = Signs()
     for one in rows:
         signs.count(one)
-    return signs.warnings(make_config(**{"reward": "common"} | changes))
+    return list(signs.warnings(make_config(**{"reward": "common"} | changes)))
 
 
 @pytest.mark.parametrize(("rows", "said"), SAID.values(), ids=list(SAID))

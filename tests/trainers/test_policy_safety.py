@@ -151,7 +151,7 @@ def test_a_callback_that_only_the_folder_names_does_not_run(tmp_path: Path, code
 
 def test_partners_that_act_by_the_policy_itself_are_refused(tmp_path: Path) -> None:
     path = store(tmp_path)
-    with pytest.raises(PolicyError, match="there is no end to loading it"):
+    with pytest.raises(PolicyError, match="is its own partner"):
         load_policy(store(tmp_path, partners=[[1, str(path)]]), matching())
 
 

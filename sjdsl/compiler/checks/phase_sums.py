@@ -10,7 +10,7 @@ from math import inf
 from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit
+from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit, visit_children
 from sjdsl.compiler.ir.members import lanes_of, most_members
 from sjdsl.compiler.ir.queries import declared_field, written_field
 from sjdsl.compiler.ir.types import times
@@ -111,7 +111,7 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
             return {}
         case ir.Add(target=target, value=value):
             field = written_field(target)
-            _visit_target(target, here)
+            visit_children(target, here)  # what names it: what it holds is not read
             if field.type.kind != "int" or not declared_field(here.played.game, field).capped:  # without `capped` it is proved to fit
                 visit(value, here)
                 return {}
@@ -127,15 +127,8 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
             inside(s.domain, replace(here, known={}))
             return {}
         case _:
-            for child in ir.children(s):
-                visit(child, here)
+            visit_children(s, here)
             return {}
-
-
-def _visit_target(target: ir.Expr, here: Here) -> None:
-    """Goes through what names a target: what it holds is not read."""
-    for child in ir.children(target):
-        visit(child, here)
 
 
 def _name(owner: ir.Expr | None) -> str:
@@ -177,7 +170,7 @@ def _branched(s: ir.When | ir.Chance, here: Here) -> Sums:
 
 def _set(s: ir.Set, here: Here) -> None:
     """Goes through a `set`, and keeps what a timer is set to."""
-    _visit_target(s.target, here)
+    visit_children(s.target, here)
     if s.value.type.kind != "int":
         visit(s.value, here)
         return

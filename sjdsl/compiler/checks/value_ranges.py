@@ -90,10 +90,15 @@ def interval_of(e: ir.Expr, here: Here) -> Interval:
     low, high = _VALUES.get(type(e), _by_type)(e, here)
     said = here.known.get(form(e), (-inf, inf)) if here.known else (-inf, inf)
     low, high = max(low, e.type.low, said[0]), min(high, e.type.high, said[1])
-    if e.type.kind == "int" and low <= high and not (low >= LOWEST and high <= HIGHEST):
+    if e.type.kind == "int" and low <= high and leaves_int32((low, high)):
         here.played.leaving.append(Leaving(e, (low, high), here))
         return 0, 0  # told once: what is made of it is not at fault
     return low, high
+
+
+def leaves_int32(interval: Interval) -> bool:
+    """Returns whether some number of an interval is none of int32."""
+    return not (interval[0] >= LOWEST and interval[1] <= HIGHEST)
 
 
 def visit(node: ir.Node, here: Here) -> None:
@@ -110,10 +115,11 @@ def visit(node: ir.Node, here: Here) -> None:
         case _ if ir.is_expression(node) and node.type.kind in ("int", "real"):
             interval_of(node, here)
         case _:
-            _visit_children(node, here)
+            visit_children(node, here)
 
 
-def _visit_children(node: ir.Node, here: Here) -> None:
+def visit_children(node: ir.Node, here: Here) -> None:
+    """Goes through all parts of a node, but not through what it is itself."""
     for child in ir.children(node):
         visit(child, here)
 
@@ -121,7 +127,7 @@ def _visit_children(node: ir.Node, here: Here) -> None:
 def inside(domain: ir.Domain, here: Here) -> Here:
     """Goes through a domain, and returns the place where its variables are members of it."""
     if domain.restriction is not None:
-        _visit_children(domain.restriction, here)
+        visit_children(domain.restriction, here)
     if domain.where is None:
         return here
     visit(domain.where, here)
@@ -129,12 +135,12 @@ def inside(domain: ir.Domain, here: Here) -> Here:
 
 
 def _by_type(e: ir.Expr, here: Here) -> Interval:
-    _visit_children(e, here)
+    visit_children(e, here)
     return e.type.low, e.type.high
 
 
 def _field(e: ir.FieldRead, here: Here) -> Interval:
-    _visit_children(e, here)
+    visit_children(e, here)
     return e.type.low, here.played.timers.get((e.held_by, e.name), inf)
 
 

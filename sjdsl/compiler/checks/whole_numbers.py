@@ -11,7 +11,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.phase_sums import Sum, Sums, Target, merged, sums_of
-from sjdsl.compiler.checks.value_ranges import HIGHEST, LOWEST, Held, Here, Interval, Leaving, Played, interval_of, visit
+from sjdsl.compiler.checks.value_ranges import HIGHEST, LOWEST, Held, Here, Interval, Leaving, Played, interval_of, leaves_int32, visit
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -49,9 +49,9 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
     played.totals = {target.name: _total(target, own, played) for target, own in events.items()}
     _visit_the_rest(game, Here(played))
     found: list[Diagnostic] = [_of_number(leaving) for leaving in played.leaving]
-    found += [_of_sum(errors.TalliedBeyondInt32, target, own, own[:2]) for target, own in events.items() if _leaves(own[:2])]
+    found += [_of_sum(errors.TalliedBeyondInt32, target, own, own[:2]) for target, own in events.items() if leaves_int32(own[:2])]
     fields = [pair for sums in phases for pair in sums.items() if pair[0].sort == "field"]
-    found += [_of_sum(errors.AddedBeyondInt32, target, own, _in_field(own)) for target, own in fields if _leaves(_in_field(own))]
+    found += [_of_sum(errors.AddedBeyondInt32, target, own, _in_field(own)) for target, own in fields if leaves_int32(_in_field(own))]
     return found
 
 
@@ -91,10 +91,6 @@ def _visit_the_rest(game: ir.Game, here: Here) -> None:
     for part in ir.children(game):
         if not isinstance(part, ir.Phase) and part not in requires:
             visit(part, here)
-
-
-def _leaves(interval: Interval) -> bool:
-    return not (interval[0] >= LOWEST and interval[1] <= HIGHEST)
 
 
 def _in_field(added: Sum) -> Interval:
