@@ -76,7 +76,8 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
     shapes = jax.eval_shape(first, numbers, seeds)
     places = placement.of_state(shapes)
     state = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, places)
-    init = jax.jit(first, out_shardings=places)
+    # Leaves, not their tree: traced once more, the tree has another optimiser, which counts as another structure.
+    init = jax.jit(lambda *given: jax.tree.leaves(first(*given)), out_shardings=jax.tree.leaves(places))
     collect_over = over_seeds(lambda own, state: program_of(own).collect(state))
     collect = jax.jit(collect_over, donate_argnums=1, out_shardings=(places, None)).lower(numbers, state).compile()
     played = _played_shapes(collect_over, numbers, state, collect)
@@ -85,7 +86,7 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
     need = max(_bytes(collect), _bytes(learn))
     _check_memory(need, placement)
     return Compiled(
-        lambda: init(numbers, seeds),
+        lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(numbers, seeds)),
         partial(collect, numbers),
         partial(learn, numbers),
         at_once(program.parameters),

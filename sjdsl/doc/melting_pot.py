@@ -32,7 +32,7 @@ EVERYWHERE = (
     "All agents act at once on the state before the step; there, they act in a random order within it.",
     "Waits, pauses and periods last as long as there. [Figures of the original](../tests/meltingpot/original.toml), which "
     "[a script](../bench/meltingpot_figures.py) measures, are tested against ours.",
-    "Starting places can be told from other cells, but in games that hide them; there they look like the floor.",
+    "Starting places are visible here, except in games that hide them; in the original they look like floor.",
     "Who comes back can fire in the next step; there, in some games, only after a whole pause.",
     "`sjdsl.interop.dm_env` gives the observations that a substrate lists beside its picture, but for `MY_OFFER`, `OFFERS`, `HUNGER`, "
     "`NUM_OTHERS_WHO_CLEANED_THIS_STEP` and `MISMATCHED_COIN_COLLECTED_BY_PARTNER`.",

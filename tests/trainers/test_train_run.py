@@ -16,7 +16,8 @@ from probes import QUICK, constant, matching
 from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
-from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, recorder, resume, run, train
+from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, make_train, recorder, resume, run, train
+from sjdsl.trainers.compiled import compile_train
 from sjdsl.trainers.device import device_name
 from sjdsl.trainers.learning_curve import draw_learning_curve
 from sjdsl.trainers.progress import show_progress
@@ -51,6 +52,12 @@ def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
     assert manifest["device"]["kind"] not in ("", "cpu"), "a report must tell processors apart"
     assert 0 < manifest["compile_seconds"] < manifest["seconds"] < result.seconds
     assert 0 < manifest["program_megabytes"] < manifest["peak_megabytes"]
+
+
+def test_a_run_starts_though_jax_has_dropped_what_it_traced() -> None:
+    compiled = compile_train(make_train(matching(), CONFIG), CONFIG)
+    jax.clear_caches()
+    assert jax.tree.structure(compiled.start()) == jax.tree.structure(compiled.state)
 
 
 def test_metrics_have_one_row_an_update_in_both_files(result: Result) -> None:
