@@ -25,7 +25,6 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.elaborate.declaration_labels import with_declaration_labels
-from sjdsl.compiler.ir.game import BESIDE_THE_RULES
 from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.lower import NotSupported, lower
 from sjdsl.compiler.optimise import PASSES, Pass, optimise
@@ -74,8 +73,7 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
 def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> Program:
     """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
     try:
-        rules = made.game.model_copy(update=dict.fromkeys(BESIDE_THE_RULES, ()))
-        return lower(optimise(rules, passes), Path(source.name).name, made.game)
+        return lower(optimise(made.game.rules, passes), Path(source.name).name, made.game)
     except NotSupported as refused:
         found = errors.Unsupported(refused.origin, what=refused.what, help=refused.instead)  # type: ignore[arg-type]
         raise CompileError([found]) from None

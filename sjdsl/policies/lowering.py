@@ -14,7 +14,6 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.emit.expressions import text
 from sjdsl.compiler.emit.statements import function_lines
-from sjdsl.compiler.ir.game import BESIDE_THE_RULES
 from sjdsl.compiler.ir.names import KERNELS
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.lower import NotSupported, new_module, state_reads
@@ -68,7 +67,7 @@ class LoweredPolicy:
 
 def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
     """Returns the functions of a policy. Raises NotSupported for what the compiler cannot say exactly."""
-    rules = optimise(game.model_copy(update=dict.fromkeys(BESIDE_THE_RULES, ())))
+    rules = optimise(game.rules)
     module = new_module(rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}))
     texts: list[str] = []
     waiting: list[tuple[ir.PolicyRule, Any, str]] = []

@@ -351,5 +351,7 @@ class Game(Node):
         """Whether the map goes on at its other side."""
         return self.edges == "joined"
 
-
-BESIDE_THE_RULES = ("looks", "policies", "policy_shapes", "scenarios")  # parts of a game that no rule reads
+    @property
+    def rules(self) -> "Game":
+        """The game without the parts that no rule reads."""
+        return self.model_copy(update=dict.fromkeys(("cites", "about", "looks", "policies", "policy_shapes", "scenarios"), ()))
