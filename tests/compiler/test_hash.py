@@ -1,4 +1,4 @@
-"""The hash of a game: of what the rules say, under names of its own; and the streams of draws, which do not depend on it."""
+"""The hash of a game: of what the rules say, under names of its own."""
 
 import re
 import tomllib
@@ -10,9 +10,7 @@ import pytest
 
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.compose import compose
-from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.elaborate import statements
-from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import SAID, game_hash
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.syntax.read import read_source
@@ -172,19 +170,3 @@ def test_hashes_of_earlier_versions_lead_to_those_of_today(name: str) -> None:
     assert (
         {current_hash(old) for old in RENEWED[name]} == set(RENEWED[name].values()) == {current_hash(new) for new in RENEWED[name].values()}
     )
-
-
-def test_no_statement_is_elaborated_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each time counts as a repeat of its text, so that a second one would change the draws of all that follow with the same text."""
-    seen, elaborate = Counter[tuple[int, Span]](), statements.stmt
-    uses: list[PhaseUse] = []  # kept, so that no other gets the same id
-
-    def counted(s: Any, scope: Any, use: PhaseUse) -> Any:
-        uses.append(use)
-        seen[id(use), s.span] += 1
-        return elaborate(s, scope, use)
-
-    monkeypatch.setattr(statements, "stmt", counted)
-    for path in (*CASES, *map(find_game, main_games())):
-        build(read_source(path))
-    assert len(seen) > 500 and set(seen.values()) == {1}

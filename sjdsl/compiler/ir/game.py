@@ -311,7 +311,7 @@ class Scenario(Node):
 
 
 class Game(Node):
-    """A whole game, one variant of it: what the passes rewrite, the interpreter runs and the lowering reads.
+    """A whole game, one variant of it: what the interpreter runs and the lowering reads.
 
     `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
     """
