@@ -20,7 +20,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import parse_file, row_spans
-from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from sjdsl.parameters import admitted_params, build_params, plain_number, split_sizes
@@ -78,8 +78,7 @@ def _check_types(game: Any, variant: Any, params: Any) -> None:
 
 def environment_of(made: Build, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
     """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
-    key = game_hash(made.game)
-    text, file = cached_text(f"{made.game.name}_{key}", lambda: compile_rules(made))
+    text, file = cached_text(f"{made.game.name}_{printed_digest(made.game.rules)}", lambda: compile_rules(made))
     module = load_module(text, file, made.game.name)
     admit = partial(admitted_params, made.game, module)
     return Environment(module, build_params(made.game, module, params), observation, made.game, admit)

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import build
-from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.compiler.ir.hash import game_hash, policy_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
-from sjdsl.policies.declared import policy_digest
 
 ROOT = Path(__file__).parents[1]
 DIAGRAMS = sorted(path.parent for path in (ROOT / "docs" / "schelling").glob("*/schelling.json"))
@@ -28,7 +27,7 @@ def test_the_tables_are_those_of_the_stored_diagrams() -> None:
 def test_scripted_diagrams_are_of_the_policies_of_the_file(folder: Path) -> None:
     stored = json.loads((folder / "schelling.json").read_text(encoding="utf-8"))
     game = build(read_source(find_game(folder.name))).game
-    digests = {policy.name: policy_digest(policy) for policy in game.policies}
+    digests = {policy.name: policy_hash(policy) for policy in game.policies}
     assert {part["name"]: part["players"][0]["digest"] for part in stored["policies"]} == digests
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sjdsl.files import read_json
+from sjdsl.stored_hashes import current_hash
 
 from .run_errors import RunError
 
@@ -62,7 +63,7 @@ class _Manifest(_Part):
 
 
 def read_manifest(run_dir: Path) -> dict[str, Any]:
-    """Returns the manifest of a run, each field of which is of its kind, or is not there.
+    """Returns the manifest of a run, each field of which is of its kind, or is not there; the hash of its game as it is now.
 
     Raises:
       RunError: there is none that can be read, or a field is of another kind.
@@ -78,4 +79,6 @@ def read_manifest(run_dir: Path) -> dict[str, Any]:
         raise RunError(f"{run_dir} is not the folder of a training run, or is damaged: {what}") from None
     except (OSError, ValueError):
         raise RunError(f"{run_dir} is not the folder of a training run: there is no {MANIFEST} in it that can be read") from None
+    if "hash" in manifest["game"]:
+        manifest["game"]["hash"] = current_hash(manifest["game"]["hash"])
     return dict(manifest)

@@ -14,6 +14,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from sjdsl.files import parse_json, read_bytes, write_whole
+from sjdsl.stored_hashes import current_hash
 
 from .config import Config, ConfigError, require_code, stored_config
 from .digest import digest_of
@@ -151,6 +152,7 @@ def _read_description(path: Path, digest: str) -> Described:
     if not all(isinstance(text, str) for text in texts) or not all(isinstance(number, int) for number in numbers):
         raise ValueError(f"{path} does not describe a policy")
     config = stored_config(content["config"])
+    game["hash"] = current_hash(game["hash"])
     return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))
 
 

@@ -1,4 +1,4 @@
-sj 1.1
+sj 1
 game allelopathic_harvest_open "Allelopathic Harvest: Open" {
   cite "Koester et al. 2020; Agapiou et al. 2022; allelopathic_harvest of Melting Pot 2"
   about summary "Berries of three colours ripen, each the faster the more bushes of its colour there are. A field of one colour feeds"

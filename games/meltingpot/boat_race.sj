@@ -1,4 +1,4 @@
-sj 1.1
+sj 1
 game boat_race "Boat Race: Eight Races" {
   cite "Agapiou et al. 2022"
   about summary "Six players race across a river and back, two in a boat. A boat glides when both row at once; who rows while the other flails"

@@ -1,4 +1,4 @@
-sj 1.1
+sj 1
 game factory_commons "Factory of the Commons: Either Or" extends "shared/endings.sj" {
   about summary "Machines make apples of cubes. One sort gives the cube back beside one apple; the other gives two apples, and the cube is gone."
                 "Walking tires, and workers can hold, shove and pull each other."

@@ -1,4 +1,4 @@
-sj 1.1
+sj 1
 game fruit_market "Fruit Market: Concentric Rivers" {
   cite "Agapiou et al. 2022"
   about summary "Half of the players are good at picking apples and prefer bananas, the others the reverse. They can offer some fruit for"

@@ -1,4 +1,4 @@
-sj 1.1
+sj 1
 game hidden_agenda "Hidden Agenda" {
   cite "Agapiou et al. 2022"
   about summary "Crewmates carry gems to a grate, and an impostor among them freezes them one by one. After a while, or when somebody sees"

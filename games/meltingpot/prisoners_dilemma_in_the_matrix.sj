@@ -1,4 +1,4 @@
-sj 1.1
+sj 1
 game prisoners_dilemma_in_the_matrix "Prisoner's Dilemma in the Matrix" extends "shared/endings.sj" {
   cite "Vezhnevets et al. 2020; Agapiou et al. 2022; the_matrix of Melting Pot 2"
   about summary "Players gather resources, one for each strategy, and challenge each other with a beam: the mixture that each of the"

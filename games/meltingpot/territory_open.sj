@@ -1,4 +1,4 @@
-sj 1.1
+sj 1
 game territory_open "Territory: Open" extends "shared/endings.sj" {
   cite "Agapiou et al. 2022; territory of Melting Pot 2"
   about summary "Bricks are walls and riches at once: who touches one or paints it owns it, and later it pays. Two zaps break a brick"

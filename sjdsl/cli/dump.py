@@ -10,10 +10,9 @@ from sjdsl.compiler.ast import printer as ast_printer
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.emit.listing import listing
 from sjdsl.compiler.ir import printer as ir_printer
-from sjdsl.compiler.optimise import optimise
 from sjdsl.compiler.syntax.parse import parse
 
-STAGES = ("ast", "ir", "optimised", "program", "python")
+STAGES = ("ast", "ir", "program", "python")
 
 
 @click.command("dump")
@@ -28,7 +27,7 @@ def command(file: str, stage: str, variant: str | None, no_positions: bool) -> N
 
 
 def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True) -> Iterator[str]:
-    """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir` and `optimised`."""
+    """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir`."""
     if stage == "ast":
         yield from ast_printer.lines(parse(source))
         return
@@ -36,8 +35,6 @@ def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bo
     match stage:
         case "ir":
             yield from ir_printer.game(made.game, positions).splitlines()
-        case "optimised":
-            yield from ir_printer.game(optimise(made.game), positions).splitlines()
         case "program":
             yield from listing(lower_build(made, source))
         case "python":

@@ -17,7 +17,7 @@ EXAMPLES = {
         "sjdsl evaluate cooperator --scenario all --game coins",
     ),
     "explain": ("sjdsl explain SJ401",),
-    "fmt": ("sjdsl fmt my_game.sj", "sjdsl fmt --check games", "sjdsl fmt --upgrade games"),
+    "fmt": ("sjdsl fmt my_game.sj", "sjdsl fmt --check games"),
     "list": ("sjdsl list", "sjdsl list clean_up my_game.sj"),
     "lsp": ("sjdsl lsp",),
     "new": ("sjdsl new my_game", "sjdsl new my_game -o games", "sjdsl new --package my_games"),

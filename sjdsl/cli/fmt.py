@@ -12,7 +12,6 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import decode, read_source
 from sjdsl.files import write_whole
 from sjdsl.format import format_source
-from sjdsl.format.upgrade import upgrade
 
 STDIN = "-"
 STDIN_NAME = "standard input"
@@ -21,8 +20,7 @@ STDIN_NAME = "standard input"
 @click.command("fmt")
 @click.argument("paths", nargs=-1, required=True, metavar="FILE|FOLDER|-...")
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that would be reformatted.")
-@click.option("--upgrade", "raises", is_flag=True, help="Also raise the first line, such as `sj 1`, to the language that the file needs.")
-def command(paths: tuple[str, ...], only_check: bool, raises: bool) -> int:
+def command(paths: tuple[str, ...], only_check: bool) -> int:
     """Formats `.sj` files: spaces, line ends and columns. Comments stay, and so do line ends between statements.
 
     A FOLDER stands for all `.sj` files in it and below, hidden folders left out. `-` reads a game from standard input and writes it
@@ -31,11 +29,11 @@ def command(paths: tuple[str, ...], only_check: bool, raises: bool) -> int:
     if STDIN in paths:
         if len(paths) > 1:
             raise click.UsageError("`-` reads the standard input: name no files beside it", click.get_current_context())
-        return _format_stdin(only_check, raises)
+        return _format_stdin(only_check)
     changed, unchanged, problems = 0, 0, 0
     for path in files_of(paths):
         try:
-            text, raised = _laid_out(read_source(path), raises)
+            text = format_source(read_source(path))
         except CompileError as error:
             print_diagnostics(error.diagnostics, err=True)
             problems += 1
@@ -45,20 +43,12 @@ def command(paths: tuple[str, ...], only_check: bool, raises: bool) -> int:
             continue
         changed += 1
         if only_check:
-            click.echo(f"{path} would be reformatted{raised}")
+            click.echo(f"{path} would be reformatted")
         else:
             write_whole(path.resolve(), text)  # a link to the file stays
-            click.echo(f"{path} was reformatted{raised}")
+            click.echo(f"{path} was reformatted")
     click.echo(_summary(changed, unchanged, problems, only_check))
     return int(problems > 0 or (only_check and changed > 0))
-
-
-def _laid_out(source: Source, raises: bool) -> tuple[str, str]:
-    """Returns the text of a file as it should be, and what is to be said of a new first line, if there is one. Raises CompileError."""
-    raised = upgrade(source) if raises else None
-    if raised is None:
-        return format_source(source), ""
-    return format_source(raised.source), f", and its first line is `sj {raised.version}`: line {raised.line} has {raised.reason}"
 
 
 def files_of(paths: Iterable[str]) -> list[Path]:
@@ -82,12 +72,12 @@ def _is_hidden(path: Path) -> bool:
     return any(part.startswith(".") for part in path.parts)
 
 
-def _format_stdin(only_check: bool, raises: bool) -> int:
+def _format_stdin(only_check: bool) -> int:
     data = sys.stdin.buffer.read()
     source = Source(STDIN_NAME, "")
     try:
         source = decode(data, STDIN_NAME)
-        text, _ = _laid_out(source, raises)
+        text = format_source(source)
     except CompileError as error:
         print_diagnostics(error.diagnostics, {STDIN_NAME: source}, err=True)
         return 1

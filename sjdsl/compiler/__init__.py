@@ -25,10 +25,8 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.elaborate.declaration_labels import with_declaration_labels
-from sjdsl.compiler.ir.game import BESIDE_THE_RULES
 from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.lower import NotSupported, lower
-from sjdsl.compiler.optimise import PASSES, Pass, optimise
 from sjdsl.compiler.program import Program
 
 TRIED = 5  # conflicts for which changes are tried, which are compiled
@@ -71,21 +69,20 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
     return Build(game, tuple(found), composition.sources)
 
 
-def lower_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> Program:
+def lower_build(made: Build, source: Source) -> Program:
     """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
     try:
-        rules = made.game.model_copy(update=dict.fromkeys(BESIDE_THE_RULES, ()))
-        return lower(optimise(rules, passes), Path(source.name).name, made.game)
+        return lower(made.game.rules, Path(source.name).name)
     except NotSupported as refused:
         found = errors.Unsupported(refused.origin, what=refused.what, help=refused.instead)  # type: ignore[arg-type]
         raise CompileError([found]) from None
 
 
-def compile_build(made: Build, source: Source, passes: tuple[Pass, ...] = PASSES) -> str:
+def compile_build(made: Build, source: Source) -> str:
     """Returns the Python module of a checked game."""
     from sjdsl.compiler.emit.module import render
 
-    return render(lower_build(made, source, passes))
+    return render(lower_build(made, source))
 
 
 def compile_rules(made: Build) -> str:

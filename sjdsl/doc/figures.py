@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.hash import printed_digest
+from sjdsl.compiler.ir.hash import picture_hash
 from sjdsl.compiler.ir.queries import counts_of
 
 EPISODES = 200
@@ -87,12 +87,7 @@ def draw_picture(name: str, path: Path) -> None:
     env = make(name)
     *_, last = play(env, random_policy(env), PICTURE_STEPS, SEED, every=PICTURE_STEPS)
     path.parent.mkdir(parents=True, exist_ok=True)
-    save_png(make_painter(env).draw(last), path, {SHOWN: picture_digest(env.game)})
-
-
-def picture_digest(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits of what a picture shows: the rules and the looks."""
-    return printed_digest(game.model_copy(update={"cites": (), "about": (), "policies": (), "policy_shapes": (), "scenarios": ()}))
+    save_png(make_painter(env).draw(last), path, {SHOWN: picture_hash(env.game)})
 
 
 def is_picture_of(path: Path, game: ir.Game) -> bool:
@@ -100,4 +95,4 @@ def is_picture_of(path: Path, game: ir.Game) -> bool:
     from PIL import Image
 
     with Image.open(path) as image:
-        return image.info.get(SHOWN) == picture_digest(game)
+        return image.info.get(SHOWN) == picture_hash(game)

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from sjdsl.compiler import ir
-from sjdsl.doc.figures import SHOWN, picture_digest
+from sjdsl.compiler.ir.hash import picture_hash
+from sjdsl.doc.figures import SHOWN
 from sjdsl.doc.wording import code, plain, table
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.substrates import Substrate
@@ -104,4 +105,4 @@ def draw_start(e: Substrate, path: Path) -> None:
         returns = returns + np.asarray(outcome.reward)
     state = compiled_state(env, jax.device_get(env.module.initial_state()), world)
     path.parent.mkdir(parents=True, exist_ok=True)
-    save_png(make_painter(env).draw(take_snapshot(env, state, returns)), path, {SHOWN: picture_digest(env.game)})
+    save_png(make_painter(env).draw(take_snapshot(env, state, returns)), path, {SHOWN: picture_hash(env.game)})

@@ -9,9 +9,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from sjdsl.compiler.ir.hash import policy_hash
 from sjdsl.experiments.program_digest import program_digest
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.policies.declared import declared_policies, policy_digest
+from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.config import Config
 from sjdsl.trainers.environment import Environment
@@ -102,7 +103,7 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     name = str(policy)
     declared = declared_policies(env)
     if name in declared:
-        scripted = replace(_untrained(name, find_policy(name, env)), digest=policy_digest(declared[name]))
+        scripted = replace(_untrained(name, find_policy(name, env)), digest=policy_hash(declared[name]))
         return Pool(name, (scripted,))
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():

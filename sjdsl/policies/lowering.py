@@ -14,7 +14,6 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.emit.expressions import text
 from sjdsl.compiler.emit.statements import function_lines
-from sjdsl.compiler.ir.game import BESIDE_THE_RULES
 from sjdsl.compiler.ir.names import KERNELS
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.lower import NotSupported, new_module, state_reads
@@ -23,7 +22,6 @@ from sjdsl.compiler.lower.chosen import action_number
 from sjdsl.compiler.lower.domains import enter, is_empty
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
-from sjdsl.compiler.optimise import optimise
 from sjdsl.compiler.program import Function
 from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal, Name, Sequence
 from sjdsl.runtime import geometry
@@ -68,8 +66,7 @@ class LoweredPolicy:
 
 def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
     """Returns the functions of a policy. Raises NotSupported for what the compiler cannot say exactly."""
-    rules = optimise(game.model_copy(update=dict.fromkeys(BESIDE_THE_RULES, ())))
-    module = new_module(rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}))
+    module = new_module(game.rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}))
     texts: list[str] = []
     waiting: list[tuple[ir.PolicyRule, Any, str]] = []
 

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sjdsl.files import LARGEST_JSON, read_bytes, write_whole
+from sjdsl.stored_hashes import current_hash
 
 
 class RecordingError(Exception):
@@ -72,7 +73,7 @@ def read_recording(path: Path) -> Recording:
 
 def check_rules(recording: Recording, game_hash: str, name: str) -> None:
     """Raises RecordingError where the rules of a game, by their hash, are not those of the recording."""
-    if game_hash != recording.hash:
+    if game_hash != current_hash(recording.hash):
         raise RecordingError(
             f"the rules of {name} have changed since the episode was recorded: its hash was {recording.hash}, it is {game_hash}"
         )

@@ -1,7 +1,9 @@
 """Reads the folders and files that a report is made of: finds out what each is, and has its reader read it."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from sjdsl.report.evidence import Evidence, merged
 from sjdsl.report.evidence_files import is_evidence, read_evidence
@@ -11,6 +13,7 @@ from sjdsl.report.reading_random import is_random, read_random
 from sjdsl.report.reading_runs import is_run, read_run
 from sjdsl.report.reading_sweeps import is_cell, is_sweep, read_cell, read_sweep
 from sjdsl.report.refusals import ReportError
+from sjdsl.stored_hashes import current_hash
 
 Reader = tuple[Callable[[Path], bool], Callable[[Path], Evidence]]
 READERS: tuple[Reader, ...] = (
@@ -35,7 +38,14 @@ def read_folders(paths: Sequence[Path]) -> Evidence:
     Raises:
       ReportError: one is not there, or is of no known kind; or cannot be read.
     """
-    return merged(_read(path) for path in paths)
+    return merged(_with_current_hashes(_read(path)) for path in paths)
+
+
+def _with_current_hashes(found: Evidence) -> Evidence:
+    def renewed(row: Any) -> Any:
+        return replace(row, hash=current_hash(row.hash)) if hasattr(row, "hash") else row
+
+    return replace(found, **{name: tuple(map(renewed, rows)) for name, rows in found.rows().items()})
 
 
 def _read(path: Path) -> Evidence:

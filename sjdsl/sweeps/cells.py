@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.stored_hashes import current_hash
 from sjdsl.sweeps.axes import PARAM, VARIANT, as_configured, as_number, with_number
 from sjdsl.sweeps.protocols import Point
 from sjdsl.trainers.config import Config, make_config, require_code, stored_config
@@ -54,8 +55,8 @@ class Cell:
 
     @staticmethod
     def read(name: str, described: Mapping[str, Any]) -> "Cell":
-        """Returns the cell that `described` said."""
-        return Cell(name=name, **described)
+        """Returns the cell that `described` said, with the hash that its game has now."""
+        return Cell(name=name, **{**described, "hash": current_hash(described["hash"])})
 
 
 @dataclass(frozen=True)

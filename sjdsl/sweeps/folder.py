@@ -151,7 +151,7 @@ def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[st
     if before["versions"] != wanted["versions"]:
         yield f"it was made with other versions: {'; '.join(differences(before['versions'], wanted['versions']))}"
     for name, cell in wanted["cells"].items():
-        there = before["cells"].get(name)
+        there = Cell.read(name, before["cells"][name]).described() if name in before["cells"] else None
         if there is not None and there != cell:
             what = "; ".join(differences(_flat(there), _flat(cell)))
             yield f"its cell {name} has {what}"

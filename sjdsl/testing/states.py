@@ -8,7 +8,6 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import all_fields, contains, mover_sort, phases_of
 from sjdsl.compiler.lower.relocation import all_pools
-from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Away, Facing, Pool, World
 from sjdsl.interpreter.stored import stored_values
@@ -45,7 +44,7 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
 
 
 _numbered: list[tuple[ir.Game, dict[Pool, int]]] = []
-KEPT = 8  # games whose numbers are kept: to find them takes as long as to optimise the game
+KEPT = 8  # games whose numbers are kept: to find them takes a walk over the game
 
 
 def pool_numbers(game: ir.Game) -> dict[Pool, int]:
@@ -53,7 +52,7 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
     for known, numbers in _numbered:
         if known is game:
             return numbers
-    numbers = {Pool(phase, pool.send.pool): pool.number for phase, pools in all_pools(optimise(game)).items() for pool in pools}
+    numbers = {Pool(phase, pool.send.pool): pool.number for phase, pools in all_pools(game).items() for pool in pools}
     _numbered[:] = [(game, numbers), *_numbered[: KEPT - 1]]
     return numbers
 

@@ -1,4 +1,4 @@
-sj 1.2
+sj 1
 game whole_numbers "Whole numbers, conditions on all members, what is shown beside fields, checks of steps" {
   param pace : number      = 1.5 in 0 .. 4
   param pay  : reward      = 1

@@ -28,7 +28,7 @@ from sjdsl.cli import check, run
         ("compile orchard.sj -o x --check", 2, "--check"),
         ("compile orchard.sj --map none.txt", 1, "none.txt"),
         ("compile orchard.sj -o orchard.sj/x.py", 1, "orchard.sj"),
-        ("dump orchard.sj --after irr", 2, "'optimised'"),
+        ("dump orchard.sj --after irr", 2, "'program'"),
         ("render orchard.sj -o film.mpeg", 2, "film.mpeg"),
         ("render orchard.sj --policy clever", 1, "random, stay"),
         ("render orchard.sj --param aple=3", 1, "did you mean `apple`?"),

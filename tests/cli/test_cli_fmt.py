@@ -120,19 +120,3 @@ def test_standard_input(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch, text: str
 def test_formatting_needs_no_jax(folder: Path) -> None:
     program = "import sys; from sjdsl.cli import run; run(['fmt', 'orchard.sj']); sys.exit(int('jax' in sys.modules))"
     assert subprocess.run([sys.executable, "-c", program], cwd=folder, check=False).returncode == 0
-
-
-def test_the_first_line_is_raised_only_when_asked(sjdsl: Sjdsl, folder: Path) -> None:
-    later = GAME.replace("  map {", "  map wraps {")
-    (folder / "ring.sj").write_text(later)
-    sjdsl("fmt", "ring.sj")
-    assert (folder / "ring.sj").read_text().startswith("sj 1\n")
-    formatted = (folder / "ring.sj").read_text()
-    looked = sjdsl("fmt", "--upgrade", "--check", "ring.sj", "orchard.sj")
-    line = 1 + formatted.splitlines().index(next(line for line in formatted.splitlines() if "wraps" in line))
-    assert looked.status == 1
-    assert f"ring.sj would be reformatted, and its first line is `sj 1.1`: line {line} has `map wraps`\n" in looked.out
-    assert (folder / "ring.sj").read_text() == formatted
-    assert sjdsl("fmt", "--upgrade", "ring.sj").status == 0
-    assert (folder / "ring.sj").read_text() == formatted.replace("sj 1\n", "sj 1.1\n", 1)
-    assert sjdsl("fmt", "--upgrade", "--check", "ring.sj").status == 0

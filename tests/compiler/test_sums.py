@@ -17,7 +17,7 @@ from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
 from sjdsl.compiler.ir.implications import facts, narrowed
 from sjdsl.compiler.ir.types import integer, interval, rounded
 
-GAME = """sj 1.2
+GAME = """sj 1
 game frame "Sums" {{
   episode 9
   param p : probability = 0.2

@@ -11,7 +11,6 @@ import pytest
 
 import sjdsl
 from sjdsl.compiler import build
-from sjdsl.compiler.optimise import optimise
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.numbers import real
 from tests.differential.compare import Report, run
@@ -53,7 +52,7 @@ def test_every_construct(path: Path) -> None:
     game = build(read_source(path)).game
     play = quick.random_play(game, seed=0, steps=30)
     history = quick.interpret(game, play)
-    report, _ = quick.run(quick.on_numpy(game, optimise(game)), play, history)
+    report = quick.run(quick.on_numpy(game), play, history)
     assert not report.differences, report.differences
     assert report.near or report.steps == 30
 

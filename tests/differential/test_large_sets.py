@@ -10,7 +10,6 @@ import sjdsl
 from sjdsl.compiler import build
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.queries import all_fields
-from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.state import World, default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.stored import held_values
@@ -31,9 +30,8 @@ def test_compiled_and_interpreted_agree(agents: int) -> None:
     """Every operation of sets, on NumPy, step by step; and the shapes and dtypes of the same module under JAX's strict rules."""
     game = build(Source("large_sets.sj", GAME.read_text("utf-8").replace("= 40 in", f"= {agents} in"))).game
     play = random_play(game, seed=agents, steps=8)
-    rules = optimise(game)
-    text = module_text(rules)
-    report, _ = run(of_text(game, text, rules), play, interpret(game, play))
+    text = module_text(game)
+    report = run(of_text(game, text), play, interpret(game, play))
     assert not report.differences, report.differences
     assert (report.steps, report.near) == (8, 0)
     if agents == 33:  # tracing takes longer than all else

@@ -5,7 +5,6 @@ import pytest
 
 import sjdsl
 from sjdsl.compiler import build
-from sjdsl.compiler.optimise import optimise
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
 from tests.differential.compare import run
@@ -22,7 +21,7 @@ def test_twenty_agents_on_numpy(name: str) -> None:
     game = build(read_source(find_game(name)), ("crowd",)).game
     assert game.agents.number == 20
     play = quick.random_play(game, seed=3, steps=20)
-    report, _ = quick.run(quick.on_numpy(game, optimise(game)), play, quick.interpret(game, play))
+    report = quick.run(quick.on_numpy(game), play, quick.interpret(game, play))
     assert not report.differences, report.differences
     assert (report.steps, report.near) == (20, 0)
 

@@ -1,4 +1,4 @@
-sj 1.2
+sj 1
 game states "`before` where there is one state, and `all` of nothing" {
   episode 5
   kind grass "."

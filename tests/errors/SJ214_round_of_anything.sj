@@ -1,4 +1,4 @@
-sj 1.2
+sj 1
 game rounding "A whole number near to one that may be anything" {
   param pace  : number = 1.5
   param speed : number = 1.5 in 0 .. 100

@@ -1,4 +1,4 @@
-sj 1.2
+sj 1
 game away "Where somebody was who may have been away" {
   episode 5
   kind grass "."

@@ -14,8 +14,6 @@ from sjdsl.compiler import Build, build, ir, lower_build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.verify import verify
-from sjdsl.compiler.lower import NotSupported
-from sjdsl.compiler.optimise import PASSES, optimise
 from sjdsl.factory import load_module
 from sjdsl.runtime.env import Environment
 from tests.fuzz.policies import different_choice
@@ -33,7 +31,6 @@ from tests.fuzz.together import (
     of_text,
     random_play,
     run,
-    same_trajectory,
 )
 
 # What a generated text may be refused for: things its generator does not look at closely.
@@ -63,18 +60,16 @@ FORESEEN = {
 ONLY_IN_VARIANTS = {"SJ213"}
 IN_VARIANTS = 15  # steps that are played in each variant
 TRACED = 3  # one program in so many is traced: it takes as long as all else
-SETS = {"all": PASSES, "none": (), **{p.__name__: (p,) for p in PASSES}, "reversed": PASSES[::-1]}
 
 
 @dataclass(frozen=True)
 class Manner:
-    """How a program is played. `sets`: with which passes; see `judge`."""
+    """How a program is played; see `judge`."""
 
     seed: int
     steps: int
     jit: bool = False
     strict: bool = False
-    sets: tuple[str, ...] = tuple(SETS)
 
 
 @dataclass
@@ -87,7 +82,6 @@ class Verdict:
     fault: str = ""
     steps: int = 0
     near: int = 0
-    programs: int = 0
     game: ir.Game | None = None
 
     @property
@@ -121,7 +115,7 @@ def judge(program: Program, seed: int, steps: int = 50, jit: bool = False, stric
     strict = strict and seed % TRACED == 0
     with written(program) as source:
         plain = _judge_one(source, (), Manner(seed, steps, jit, strict))
-        brief = Manner(seed, min(steps, IN_VARIANTS), sets=("all", "none"))
+        brief = Manner(seed, min(steps, IN_VARIANTS))
         others = [_judge_one(source, (name,), brief) for name in program.variants]
         if plain.accepted and plain.game is not None and not plain.fault:
             plain.fault = changed_by_layout(program, source, plain.game)
@@ -157,36 +151,18 @@ def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
     play = random_play(game, manner.seed, manner.steps)
     history = interpret(game, play)
     verdict.near = history.near
-    texts: list[str] = []
-    trajectory: list[Any] = []
-    for name in manner.sets:
-        rules = verify(optimise(game, SETS[name]))
-        try:
-            text = module_text(rules)
-        except NotSupported:
-            if not texts:
-                raise
-            continue  # only a pass makes it lowerable: there is nothing to compare
-        if text in texts:
-            continue
-        texts.append(text)
-        verdict.programs = len(texts)
-        if len(texts) == 1:
-            report, trajectory = run(of_text(game, text, rules), play, history)
-            verdict.steps = report.steps
-            verdict.fault = report.differences[0] if report.differences else ""
-            if manner.strict and not verdict.fault and game.policies:
-                verdict.fault = _choices(game, of_text(game, text, rules), play, history)
-        else:
-            differs = same_trajectory(of_text(game, text, rules), play, trajectory)
-            verdict.fault = f"passes {name}: {differs}" if differs else ""
-        if manner.strict and not verdict.fault and name in ("all", "none"):
-            changed = forms(on_jax(game, text))
-            verdict.fault = f"the state changes its form: {changed[0]}" if changed else ""
-        if verdict.fault:
-            return
-    if manner.jit:
-        verdict.fault = _on_jax(made, play, history)
+    text = module_text(game)
+    env = of_text(game, text)
+    report = run(env, play, history)
+    verdict.steps = report.steps
+    verdict.fault = report.differences[0] if report.differences else ""
+    if manner.strict and not verdict.fault and game.policies:
+        verdict.fault = _choices(game, env, play, history)
+    if manner.strict and not verdict.fault:
+        changed = forms(on_jax(game, text))
+        verdict.fault = f"the state changes its form: {changed[0]}" if changed else ""
+    if manner.jit and not verdict.fault:
+        verdict.fault = _on_jax(game, text, play, history)
 
 
 def _choices(game: ir.Game, env: OnNumPy, play: Play, history: History) -> str:
@@ -196,11 +172,10 @@ def _choices(game: ir.Game, env: OnNumPy, play: Play, history: History) -> str:
     return different_choice(game, env, [states[i + 1] for i in at], [history.moments[i].ended for i in at], play.start[0])
 
 
-def _on_jax(made: Build, play: Any, history: Any) -> str:
-    game = made.game
+def _on_jax(game: ir.Game, text: str, play: Any, history: Any) -> str:
     other = random_play(game, 1 + play.start[0] % 1000, len(play.keys))
     plays, histories = [play, other], [history, interpret(game, other)]
-    differences = jitted(on_jax(game, module_text(optimise(game))), plays, histories)
+    differences = jitted(on_jax(game, text), plays, histories)
     return f"on JAX, {differences[0]}" if differences else ""
 
 
@@ -220,4 +195,4 @@ def _told(error: Exception) -> str:
     return f"{type(error).__name__}{where}: {str(error)[:300]}"
 
 
-__all__ = ["FORESEEN", "SETS", "Verdict", "field", "judge"]
+__all__ = ["FORESEEN", "Verdict", "field", "judge"]

@@ -108,9 +108,9 @@ def _reals(values: Any) -> Iterator[Any]:
 class OnNumPy(Environment):
     """A compiled game whose module runs on NumPy: steps and resets, with keys as two words."""
 
-    def __init__(self, game: ir.Game, module: ModuleType, rules: ir.Game):  # nothing is jitted
+    def __init__(self, game: ir.Game, module: ModuleType):  # nothing is jitted
         self.game, self.module, self.observation = game, module, "tokens"
-        self.pools = [f"{pool.phase} {pool.send.pool}" for pools in all_pools(rules).values() for pool in pools]
+        self.pools = [f"{pool.phase} {pool.send.pool}" for pools in all_pools(game).values() for pool in pools]
         self.params = module.default_params()
         self._tokens = module.observe
 
@@ -130,25 +130,25 @@ def key_of(words: Words) -> Any:
     return numpy_jax.as_array(words, np.uint32)
 
 
-def module_text(rules: ir.Game) -> str:
-    return render(lower(rules, f"{rules.name}.sj"))
+def module_text(game: ir.Game) -> str:
+    return render(lower(game, f"{game.name}.sj"))
 
 
-def on_numpy(game: ir.Game, rules: ir.Game) -> OnNumPy:
-    """Returns the environment of a game, its module compiled from `rules` (the game after some passes)."""
-    return of_text(game, module_text(rules), rules)
+def on_numpy(game: ir.Game) -> OnNumPy:
+    """Returns the environment of a game, compiled."""
+    return of_text(game, module_text(game))
 
 
-def of_text(game: ir.Game, text: str, rules: ir.Game) -> OnNumPy:
-    """Returns the environment of a game with this module, compiled from `rules`."""
-    return OnNumPy(game, numpy_jax.load(text, game.name), rules)
+def of_text(game: ir.Game, text: str) -> OnNumPy:
+    """Returns the environment of a game with this module."""
+    return OnNumPy(game, numpy_jax.load(text, game.name))
 
 
-def run(env: OnNumPy, play: Play, history: History) -> tuple[Report, list[Any]]:
-    """Returns how far the module on NumPy and the interpreter went together, and all the module gave, step by step."""
-    report, trajectory = Report(near=history.near), []
+def run(env: OnNumPy, play: Play, history: History) -> Report:
+    """Returns how far the module on NumPy and the interpreter went together."""
+    report = Report(near=history.near)
     if history.near and not history.moments:
-        return report, trajectory
+        return report
     for number, (state, observation, mask, step_) in enumerate(moments(env, play, len(history.moments))):
         if step_ is None:
             compare(env, state, observation, history.first, report, ROUNDED)
@@ -158,15 +158,14 @@ def run(env: OnNumPy, play: Play, history: History) -> tuple[Report, list[Any]]:
             compare(env, state, observation, moment.ended, report, ROUNDED)
             compare_outcome(env, *step_, moment.outcome, report, ROUNDED)
             report.steps += 1
-        trajectory.append((plain(env, state), observation, mask, step_))
         if report.differences:
             report.differences = [f"step {report.steps - 1}: {d}" for d in report.differences]
             break
-    return report, trajectory
+    return report
 
 
 def plain(env: OnNumPy, state: Any) -> dict[str, Any]:
-    """Returns a state by name, without numbers that depend on what passes leave.
+    """Returns a state by name, without numbers that depend on what other rules there are.
 
     Places are rows and columns, as the numbers of cells depend on how far the shapes that are used reach. Who comes back has the phase and
     number of its destination, as destinations are counted through the game.
@@ -192,20 +191,6 @@ def moments(env: OnNumPy, play: Play, steps: int) -> Iterator[Any]:
             ended, reward, done, info = env.advance(words, state, actions)
             yield ended, env._observe(ended), mask, (reward, done, info)
             state = env.begin(words) if done else ended
-
-
-def same_trajectory(env: OnNumPy, play: Play, trajectory: list[Any]) -> str:
-    """Returns where a module of other passes leaves the (first part of the) trajectory of the first; every number must be the same."""
-    trajectory = trajectory[:20]
-    for number, (wanted, (state, *rest)) in enumerate(zip(trajectory, moments(env, play, len(trajectory) - 1), strict=True)):
-        given = (plain(env, state), *rest)
-        kept = wanted[0].keys() & given[0].keys()  # what no rule reads may be left out
-        left, right = ([{n: x[0][n] for n in sorted(kept)}, *x[1:]] for x in (wanted, given))
-        left, right = (jax.tree_util.tree_leaves_with_path(x) for x in (left, right))
-        for (path, a), (_, b) in zip(left, right, strict=True):
-            if not np.array_equal(np.asarray(a), np.asarray(b)):
-                return f"step {number - 1}: {jax.tree_util.keystr(path)}: {np.asarray(a).tolist()} / {np.asarray(b).tolist()}"
-    return ""
 
 
 def jitted(env: Environment, plays: list[Play], histories: list[History]) -> list[str]:

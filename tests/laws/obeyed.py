@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import action_mask, reset, step
@@ -126,7 +125,7 @@ def _of(words: Table, stream: int, numbers: np.ndarray) -> Any:
 
 @lru_cache(maxsize=16)
 def _environment(game: ir.Game) -> OnNumPy:
-    return on_numpy(game, optimise(game))
+    return on_numpy(game)
 
 
 def trials(games: Iterable[tuple[Any, ir.Game]], look: Callable[[ir.Game, Random], Symmetry], steps: int, compiled: bool) -> Tried:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.optimise import optimise
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.testing.engines import QUICK
 from tests.fuzz.judge import on_jax
@@ -30,8 +29,8 @@ CLOSE = {"rtol": 1e-6, "atol": 1e-6}
 
 def parts(game: ir.Game, random: Random) -> str:
     """Returns where an environment of a batch and the same one alone differ; nothing if they do not."""
-    alone = on_numpy(game, optimise(game))
-    env = on_jax(game, module_text(optimise(game)))
+    alone = on_numpy(game)
+    env = on_jax(game, module_text(game))
     batch = jax.jit(jax.vmap(env._step), compiler_options=QUICK)
     states = [numpy_state(alone, crowded(game, random)) for _ in range(TOGETHER)]
     last = alone.module.episode_length(alone.params) - 2

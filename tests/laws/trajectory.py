@@ -8,7 +8,6 @@ import jax
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.state import World
 from tests.fuzz import numpy_jax
 from tests.fuzz.together import OnNumPy, on_numpy, plain
@@ -34,7 +33,7 @@ def start_of(game: ir.Game, random: Random, steps: int) -> Start:
 
 def trajectory(game: ir.Game, start: Start, world: World | None = None) -> list[Any]:
     """Returns what is seen, kept, given and allowed, step by step. `world`: the same beginning as this game has it."""
-    env = on_numpy(game, optimise(game))
+    env = on_numpy(game)
     if start.lively:
         _enliven(env)
     seen = []

@@ -10,7 +10,6 @@ import pytest
 
 import sjdsl
 from sjdsl.compiler import build
-from sjdsl.compiler.optimise import optimise
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.policies.compiled import Chooser
 from sjdsl.policies.interpreted import choose
@@ -51,7 +50,7 @@ def test_compiled_equals_interpreted(path: Path) -> None:
     """In states that random agents lead to; the choices alone are compiled by XLA, and the steps run on NumPy."""
     game = build(read_source(path)).game
     play = random_play(game, seed=1, steps=STEPS)
-    history, env = interpret(game, play), on_numpy(game, optimise(game))
+    history, env = interpret(game, play), on_numpy(game)
     states = [state for state, *_ in moments(env, play, len(history.moments))]
     assert len(states) == STEPS + 1
     assert not different_choice(game, env, states[1:], [moment.ended for moment in history.moments], seed=0)

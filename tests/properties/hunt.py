@@ -127,7 +127,7 @@ def _hunt_states(game: ir.Game, numbers: Sequence[int], random: Random, many: in
         return
     values = [game.checks[n].values if game.checks[n].sort == "monotone" else game.checks[n].values[-1:] for n in numbers]
     lowered = lower_checks(game, [e for some in values for e in some], [])
-    env = on_numpy(game, game)
+    env = on_numpy(game)
     worlds = random_worlds(env, game, random, many)
     table = _computed(lowered.values, worlds.state, worlds.params)
     hunted.worlds += many
@@ -159,7 +159,7 @@ def _hunt_conserved(game: ir.Game, numbers: Sequence[int], random: Random, hunte
     if not numbers:
         return
     lowered = lower_checks(game, [game.checks[n].values[0] for n in numbers], [])
-    env = on_numpy(game, game)
+    env = on_numpy(game)
     params = [encoded(game, random_params(game, random)) for _ in range(PLAYS)]
     trajectories = [_played(env, given, random) for given in params]
     states = {name: np.stack([np.asarray(getattr(s, name)) for t in trajectories for s in t]) for name in vars(trajectories[0][0])}

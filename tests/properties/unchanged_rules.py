@@ -4,7 +4,6 @@ from dataclasses import replace
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.optimise import optimise
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import step
@@ -31,7 +30,7 @@ def asymmetry(game: ir.Game, check: ir.Check, random: Random) -> tuple[int, str]
     for _ in range(TRIES):
         s = renamed(game, random) if what == "agents" else _mirror(game)
         changed = game if what == "agents" else game.model_copy(update={"rows": s.rows(game.rows), "checks": ()})
-        env = on_numpy(changed, optimise(changed))
+        env = on_numpy(changed)
         params = random_params(game, random)
         env.params = replace(env.params, **{name: as_array(value) for name, value in encoded(game, params).items()})
         world = replace(crowded(game, random), params=as_interpreted(game, params))

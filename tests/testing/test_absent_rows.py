@@ -24,7 +24,7 @@ game bare "A kind that is not on the map" {
 
 def test_rows_of_no_cells() -> None:
     game = build(Source("bare.sj", GAME)).game
-    env = on_numpy(game, game)
+    env = on_numpy(game)
     blank = env.module.initial_state()
     state = compiled_state(env, blank, reset(game, default_params(game), Threefry(0, 1)))
     assert state.crate_held.shape == blank.crate_held.shape == (0, 2)

@@ -311,7 +311,7 @@ class Scenario(Node):
 
 
 class Game(Node):
-    """A whole game, one variant of it: what the passes rewrite, the interpreter runs and the lowering reads.
+    """A whole game, one variant of it: what the interpreter runs and the lowering reads.
 
     `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
     """
@@ -351,5 +351,7 @@ class Game(Node):
         """Whether the map goes on at its other side."""
         return self.edges == "joined"
 
-
-BESIDE_THE_RULES = ("looks", "policies", "policy_shapes", "scenarios")  # parts of a game that no rule reads
+    @property
+    def rules(self) -> "Game":
+        """The game without the parts that no rule reads."""
+        return self.model_copy(update=dict.fromkeys(("cites", "about", "looks", "policies", "policy_shapes", "scenarios"), ()))

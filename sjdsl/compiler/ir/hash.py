@@ -1,23 +1,182 @@
-"""The hash of a game: of its printed rules, positions aside."""
+"""The hash of a game: of what its rules say, in words of this file alone.
 
-import hashlib
+What is hashed is JSON: a node of the IR is a list, its tag and then what the rules say of it by name:
+
+    set soil.fruit = ripe   ->   ["set", {"target": ["read", {"name": "fruit", "owner": …}], "value": ["word", {"value": "ripe"}]}]
+
+Tags and names stand in `SAID`, so that classes and fields of the IR can be renamed: then the left side of a line changes, or `name=field`
+says what the field is called now. Types that are inferred, their intervals among them, are not hashed. Of an optional field only what is
+not its default is: a new one leaves the hashes of games without it as they are.
+"""
+
+import json
+from functools import cache
+from hashlib import sha256
+from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.game import BESIDE_THE_RULES
 from sjdsl.compiler.ir.printer import game as ir_text
 
-# What nodes and fields are called in the text that is hashed: the names they once had, so that hashes of stored runs stay valid.
-HASHED = {"observable": "sight", "observables": "sights", "held_by": "place", "restriction": "place"}
+SAID: dict[type[ir.Node | ir.Type], str] = {
+    # expressions
+    ir.Number: "number value",
+    ir.Word: "word value",
+    ir.Truth: "truth value",
+    ir.Nobody: "nobody",
+    ir.Nowhere: "nowhere",
+    ir.ParamRef: "param name",
+    ir.Member: "member name who kinds",
+    ir.Local: "local name",
+    ir.FieldRead: "read name owner",
+    ir.Attribute: "attribute name owner",
+    ir.Distance: "distance left right",
+    ir.At: "at row key",
+    ir.Step: "step",
+    ir.Arithmetic: "arithmetic fn args",
+    ir.Compare: "compare fn left right",
+    ir.Same: "same left right",
+    ir.InRange: "in_range value low high",
+    ir.InWords: "in_words value words",
+    ir.InSet: "in_set value container",
+    ir.IsEmpty: "is_empty container",
+    ir.Chose: "chose agent action",
+    ir.ChoseWith: "chose_with agent action given",
+    ir.Given: "given name value",
+    ir.ArgumentOf: "argument_of agent action number",
+    ir.Unoccupied: "unoccupied cell",
+    ir.StandsOn: "stands_on agent kinds",
+    ir.Not: "not value",
+    ir.Logic: "logic fn args",
+    ir.Count: "count domain",
+    ir.Sum: "sum value domain",
+    ir.SumRow: "of_row row fn",
+    ir.ShiftRow: "shift_row row by filler",
+    ir.Extreme: "extreme fn value domain otherwise",
+    ir.Case: "case subject arms",
+    ir.Arm: "arm low high words value",
+    ir.Lowest: "lowest row last",
+    ir.Mix: "mix row",
+    ir.Ramp: "ramp value zero_at one_at",
+    ir.MatrixClass: "matrix_class name table",
+    # domains
+    ir.Domain: "domain var on restriction where",
+    ir.Near: "near shape anchor",
+    ir.InAgents: "in_agents value",
+    ir.InCell: "in_cell value",
+    ir.Among: "among members",
+    ir.Shape: "shape name lanes see_through directed",
+    # statements
+    ir.Let: "let name value",
+    ir.Draw: "draw name low high words numbers weights stream",
+    ir.Each: "each domain body",
+    ir.Pick: "pick number most domain body otherwise stream",
+    ir.First: "first domain body otherwise",
+    ir.Match: "match left right first body stream",
+    ir.When: "when branches otherwise",
+    ir.Chance: "chance branches otherwise stream",
+    ir.Branch: "branch test body",
+    ir.Set: "set target value lot",
+    ir.Add: "add target value",
+    ir.Give: "give value receiver but",
+    ir.Tally: "tally event word amount receiver",
+    ir.Send: "send who domain after facing stay order_stream heading_stream",
+    ir.Shift: "shift who to steps heading other quarters facing stream heading_stream",
+    ir.Remove: "remove who",
+    ir.Move: "move domain course stream",
+    ir.Wander: "wander goal away avoided stream",
+    ir.Along: "along heading",
+    ir.Mark: "mark shape anchor",
+    ir.End: "end",
+    # declarations
+    ir.Type: "type kind words kinds unit low high by",
+    ir.Param: "param name type value",
+    ir.VarField: "field name type capped timer start",
+    ir.Block: "block what condition",
+    ir.Kind: "kind name glyph fields blocks",
+    ir.GlyphMeaning: "glyph glyph kind starts",
+    ir.ActionArgument: "argument name type",
+    ir.ActionWithArguments: "action name arguments",
+    ir.Forbid: "forbid actions condition",
+    ir.Agents: "agents number actions relative fields forbids blocks with_arguments",
+    ir.Movers: "movers name number glyph fields",
+    ir.Phase: "phase label body marks",
+    ir.Tick: "tick",
+    ir.Event: "event name by",
+    ir.Measure: "measure name mean value",
+    ir.Label: "label name condition",
+    ir.Observable: "observable what kind field word type value labels hidden_when shown_when",
+    ir.Hidden: "hidden what on name kinds when",
+    ir.Window: "window ahead behind left right views",
+    ir.View: "view ahead behind left right condition",
+    ir.Check: "check sort values",
+    # beside the rules
+    ir.Paint: "paint colour sprite",
+    ir.Look: "look what name kinds condition body badge",
+    ir.ScriptedPolicy: "policy name rules",
+    ir.Act: "act condition action given",
+    ir.Go: "go domain avoided",
+    ir.Aim: "aim shape domain avoided action given",
+}
+RULES = (
+    *("name", "params", "episode", "kinds", "rows", "edges", "glyphs", "fields", "agents", "movers", "shapes", "start", "schedule"),
+    *("window", "observables", "hidden", "events", "measures"),
+)
 
 
 def game_hash(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits that two games share if and only if their IR is equal.
+    """Returns 16 hexadecimal digits that two games share if and only if their rules say the same.
 
-    Positions, `cite`, `about`, `look`, policies and scenarios are left out: they change nothing that happens.
+    Left out is what changes nothing that happens: positions, the title, `cite`, `about`, names of sizes, groups, defines and variants,
+    looks, policies, scenarios, and checks other than `require`, which says what parameters there can be.
     """
-    return printed_digest(game.model_copy(update={"cites": (), "about": (), **dict.fromkeys(BESIDE_THE_RULES, ())}))
+    return _digest(_rules(game))
+
+
+def picture_hash(game: ir.Game) -> str:
+    """Returns 16 hexadecimal digits of what a picture of a game shows: the rules and the looks."""
+    return _digest({**_rules(game), "looks": _said(game.looks)})
+
+
+def policy_hash(policy: ir.ScriptedPolicy) -> str:
+    """Returns 64 hexadecimal digits of the rules of a policy."""
+    return sha256(_text(_said(policy)).encode()).hexdigest()
 
 
 def printed_digest(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits of the printed IR, positions aside."""
-    return hashlib.sha256(ir_text(game, names=HASHED).encode()).hexdigest()[:16]
+    """Returns 16 hexadecimal digits of the printed IR, positions aside: for caches, since another version of the compiler prints other text."""
+    return sha256(ir_text(game).encode()).hexdigest()[:16]
+
+
+def _rules(game: ir.Game) -> dict[str, Any]:
+    required = tuple(check for check in game.checks if check.sort == "require")
+    return {"requires": _said(required), **{name: _said(getattr(game, name)) for name in RULES}}
+
+
+def _said(value: object) -> Any:
+    match value:
+        case ir.Named() | ir.Narrowed():  # what a define or a guard has made of an expression says nothing more
+            return _said(value.value)
+        case ir.Node() | ir.Type():
+            tag, fields = _form(type(value))
+            said = ((name, getattr(value, field), default) for name, field, default in fields)
+            return [tag, {name: _said(found) for name, found, default in said if found != default}]
+        case tuple():
+            return [_said(item) for item in value]
+        case _:
+            return value
+
+
+@cache
+def _form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, str, object], ...]]:
+    """Returns the tag of a class, and what is said of it: by which name, the field, and the default that need not be said."""
+    tag, *names = SAID[kind].split()
+    pairs = [(name.partition("=")[0], name.rpartition("=")[2]) for name in names]
+    return tag, tuple((name, field, kind.model_fields[field].default) for name, field in pairs)
+
+
+def _text(said: object) -> str:
+    return json.dumps(said, sort_keys=True, separators=(",", ":"))
+
+
+def _digest(said: object) -> str:
+    return sha256(_text(said).encode()).hexdigest()[:16]

@@ -1,6 +1,6 @@
 """Prints the IR as stable text: expressions as an author would write them, whole games for `dump`."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import assert_never
 
 from sjdsl.compiler import ir
@@ -158,42 +158,33 @@ def domain(d: ir.Domain) -> str:
     return " ".join(parts)
 
 
-def game(g: ir.Game, positions: bool = False, names: Mapping[str, str] | None = None) -> str:
-    """Returns the whole IR as indented text, one node or value a line; two games are equal if and only if their texts are.
-
-    `names`: what some nodes and fields are called instead.
-    """
-    return "\n".join(_lines(g, "game", 0, positions, names or {})) + "\n"
+def game(g: ir.Game, positions: bool = False) -> str:
+    """Returns the whole IR as indented text, one node or value a line; two games are equal if and only if their texts are."""
+    return "\n".join(_lines(g, "game", 0, positions)) + "\n"
 
 
-def node(value: ir.Node) -> str:
-    """Returns any part of the IR as text; two parts of one class are equal if and only if their texts are."""
-    return "\n".join(_lines(value, "node", 0, positions=False, names={})) + "\n"
-
-
-def _lines(value: object, label: str, depth: int, positions: bool, names: Mapping[str, str]) -> Iterator[str]:
+def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[str]:
     pad = "  " * depth
     match value:
         case ir.Game():
             yield f"{pad}{label}"
             for name in ir.Game.model_fields:
                 if name != "origin":
-                    yield from _lines(getattr(value, name), names.get(name, name), depth + 1, positions, names)
+                    yield from _lines(getattr(value, name), name, depth + 1, positions)
         case ir.Node() if ir.is_expression(value):
             yield f"{pad}{label}: {expression(value)}  : {_type(value.type)}{_at(value, positions)}"
         case ir.Domain():
             yield f"{pad}{label}: {domain(value)}{_at(value, positions)}"
         case ir.Node():
-            head = type(value).__name__.lower()
-            yield f"{pad}{label}: {names.get(head, head)}{_at(value, positions)}"
+            yield f"{pad}{label}: {type(value).__name__.lower()}{_at(value, positions)}"
             for name in type(value).model_fields:
                 if name != "origin":
-                    yield from _lines(getattr(value, name), names.get(name, name), depth + 1, positions, names)
+                    yield from _lines(getattr(value, name), name, depth + 1, positions)
         case ir.Type():
             yield f"{pad}{label}: {_type(value)}"
         case tuple() if any(isinstance(v, ir.Node) for v in value):
             for index, item in enumerate(value):
-                yield from _lines(item, f"{label}[{index}]", depth, positions, names)
+                yield from _lines(item, f"{label}[{index}]", depth, positions)
         case None | () | "":
             return
         case _:

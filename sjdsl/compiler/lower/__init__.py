@@ -43,23 +43,22 @@ def new_module(game: ir.Game) -> Module:
     return Module(game, Layout(game), expressions.lower)
 
 
-def lower(game: ir.Game, source: str, written: ir.Game | None = None) -> Program:
+def lower(game: ir.Game, source: str) -> Program:
     """Returns the array program of a game. Raises NotSupported, with a place, for what it cannot say exactly.
 
     Args:
       game: its rules; source: the name of the file they come from.
-      written: the rules before any pass changed them, if one did: the hash is theirs, and what observations hold.
     """
     module = new_module(game)
     try:
-        return _program(game, source, written or game, module)
+        return _program(game, source, module)
     except NotSupported as refused:
         around = None if module.writer is None else module.writer.origin
         refused.origin = refused.origin or around or game.agents.origin
         raise
 
 
-def _program(game: ir.Game, source: str, written: ir.Game, module: Module) -> Program:
+def _program(game: ir.Game, source: str, module: Module) -> Program:
     pools = all_pools(game)
     start = _phase(game.start, pools[game.start.name], module)
     turns = [_tick(pools, module) if isinstance(t, ir.Tick) else _phase(t, pools[t.name], module) for t in game.schedule]
@@ -74,7 +73,7 @@ def _program(game: ir.Game, source: str, written: ir.Game, module: Module) -> Pr
     ]
     functions = (*made, _reset(), _step(turns, module), start, *turns, *others)
     constants, numbers = _used(functions, module)
-    hash_ = game_hash(written)
+    hash_ = game_hash(game)
     return Program(
         name=game.name,
         title=game.title,
@@ -82,7 +81,7 @@ def _program(game: ir.Game, source: str, written: ir.Game, module: Module) -> Pr
         hash=hash_,
         facts=_facts(game, hash_, module),
         map=game.rows,
-        planes=token_planes(written),
+        planes=token_planes(game),
         numbers=numbers,
         constants=constants,
         state=tuple(state),

@@ -27,9 +27,10 @@ from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
 from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names, can_come
 from sjdsl.compiler.syntax.tokens import Scan, scan
-from sjdsl.compiler.syntax.versions import NEWEST, OLDEST, VERSIONS
 
 HERE = Path(__file__).parent
+VERSION = "1"  # of the language
+ALSO_READ = ("1.1", "1.2")  # which files said before the first release; they mean the same
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
 
@@ -108,18 +109,18 @@ def _check_version(source: Source) -> list[Diagnostic]:
     first = FIRST_LINE.search(source.text)
     if first is None:
         but = ": it holds only comments" if "#" in source.text else ": it is empty"
-        return [errors.NoVersion(source.span(0, 0), known=OLDEST, but=but)]
+        return [errors.NoVersion(source.span(0, 0), known=VERSION, but=but)]
     line, start = first.group(1), first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
-    if number and number.group(1) not in VERSIONS:
+    if number and number.group(1) not in (VERSION, *ALSO_READ):
         span = source.span(start, start + number.end())
-        return [errors.NewerLanguage(span, version=number.group(1)[:20], oldest=OLDEST, newest=NEWEST)]
+        return [errors.NewerLanguage(span, version=number.group(1)[:20], known=VERSION)]
     if number or re.match(r"sj\b", line):
         return []
     word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
     span = source.span(start, start + len(word))
-    fix = Fix(source.span(start, start), f"sj {OLDEST}\n") if word in ("game", "agents", "kind") else None
-    return [errors.NoVersion(span, known=OLDEST, but=f": it begins with `{word}`", fix=fix)]
+    fix = Fix(source.span(start, start), f"sj {VERSION}\n") if word in ("game", "agents", "kind") else None
+    return [errors.NoVersion(span, known=VERSION, but=f": it begins with `{word}`", fix=fix)]
 
 
 def _skip_to_game(found: Scan) -> bool:

@@ -1,4 +1,4 @@
-sj 1.2
+sj 1
 game whole "Whole numbers: `quotient`, `round`, weighted numbers; `any` and `all`; `step` and defines that are shown" {
   param scale : number      = 1.5 in -4 .. 4
   param odds  : probability = 0.2 in 0 .. 0.5

@@ -1,5 +1,5 @@
 # A cell written to every entry of a row was taken for a row by the interpreter.
-sj 1.1
+sj 1
 game found "Found" {
   episode 20
   kind grass "."

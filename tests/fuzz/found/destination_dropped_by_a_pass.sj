@@ -1,5 +1,5 @@
 # Where the carts come back was compared by a number that counts destinations, and a pass drops one before it.
-sj 1.1
+sj 1
 game found {
   episode 20
   kind pond "."

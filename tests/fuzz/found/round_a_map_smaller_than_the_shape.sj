@@ -1,5 +1,5 @@
 # Round a map, a shape of more cells than the map has held everybody who is away.
-sj 1.1
+sj 1
 game found {
   episode 20
   kind gate "."

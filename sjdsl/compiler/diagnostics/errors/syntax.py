@@ -6,12 +6,11 @@ from sjdsl.compiler.diagnostics.source import Span
 
 
 class NewerLanguage(Diagnostic, code="SJ001", title="A file for another version of the language"):
-    says = "this file is for `sj {version}`, and this compiler reads `sj {oldest}` to `sj {newest}`"
-    hints = ("get a newer compiler (`pip install --upgrade sjdsl`), or write the file for `sj {newest}`",)
-    instead = ("sj {newest}",)
+    says = "this file is for `sj {version}`, and this compiler reads `sj {known}`"
+    hints = ("get a newer compiler (`pip install --upgrade sjdsl`), or write the file for `sj {known}`",)
+    instead = ("sj {known}",)
     version: str
-    oldest: str
-    newest: str
+    known: str
 
 
 class Unexpected(Diagnostic, code="SJ002", title="Something unexpected"):
