@@ -23,7 +23,7 @@ CONSTRUCTS: dict[str, Callable[[ir.Node], bool]] = {
     "`when`": lambda n: isinstance(n, ir.When),
     "`chance`": lambda n: isinstance(n, ir.Chance),
     "`draw` of numbers with weights": lambda n: isinstance(n, ir.Draw) and bool(n.numbers),
-    "`quotient`, `round`": lambda n: isinstance(n, ir.Arithmetic) and n.fn in ("//", "round"),
+    "`quotient`, `round`": lambda n: isinstance(n, ir.Arithmetic) and n.fn in ("quotient", "round"),
     "`before` in checks": lambda n: isinstance(n, ir.Before),
     "`show` of `step` and of defines": lambda n: isinstance(n, ir.Observable) and n.value is not None,
     "`draw` of words or whole numbers": lambda n: isinstance(n, ir.Draw) and (bool(n.words) or (n.low is not None and not _real(n))),

@@ -4,9 +4,9 @@ from math import inf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import sort_of
-from sjdsl.compiler.ir.types import element, hull, interval
+from sjdsl.compiler.ir.types import element, hull
 from tests.fuzz.reading import Scope, Typed
-from tests.fuzz.typed_numbers import combined, ends_of, fitted, real_type, whole_type
+from tests.fuzz.typed_numbers import combined, ends_of, fitted, interval, real_type, whole_type
 
 LARGE = 1e6  # beyond this nothing is multiplied: whole numbers have 32 bits
 
@@ -42,7 +42,7 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
         case "quotient":
             left, divisor = integer(scope, unit, depth - 1), w.random.choice((2, 3, -2))
             below = whole_type(divisor, divisor, "number")
-            return f"quotient({left[0]}, {divisor})", whole_type(*interval("//", left[1], below), left[1].unit)
+            return f"quotient({left[0]}, {divisor})", whole_type(*interval("quotient", left[1], below), left[1].unit)
         case "round":
             text = fitted(real(scope, "number", depth - 1), -9, 9)
             return f"round({text})", whole_type(-9, 9, "number")

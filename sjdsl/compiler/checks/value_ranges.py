@@ -13,8 +13,9 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
 from sjdsl.compiler.ir.equivalence import Form, form
-from sjdsl.compiler.ir.implications import MIRROR, conjuncts, interval_of_parts, limits_of
+from sjdsl.compiler.ir.implications import MIRROR, conjuncts, limits_of
 from sjdsl.compiler.ir.members import most_members
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import times
 
@@ -217,7 +218,7 @@ _VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
     ir.At: _entry,
     ir.Step: lambda _, here: (0, here.played.steps),
     ir.EventTotal: lambda e, here: (0, here.played.totals.get(e.name, 0)),
-    ir.Arithmetic: lambda e, here: interval_of_parts(e, [interval_of(a, here) for a in e.args]),
+    ir.Arithmetic: lambda e, here: CALCULATIONS[e.fn].interval(*[interval_of(a, here) for a in e.args]),
     ir.Sum: _sum,
     ir.SumRow: _of_row,
     ir.ShiftRow: lambda e, here: _hull([interval_of(e.row, here), interval_of(e.filler, here)]),

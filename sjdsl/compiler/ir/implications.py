@@ -9,8 +9,8 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
-from sjdsl.compiler.ir.linear import LINEAR, narrowed_sum
-from sjdsl.compiler.ir.types import interval, rounded
+from sjdsl.compiler.ir.linear import narrowed_sum
+from sjdsl.compiler.ir.operations import CALCULATIONS
 
 MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
@@ -226,7 +226,7 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
     low, high = _narrowed(e, known)
-    if known and isinstance(e, ir.Arithmetic) and e.fn in LINEAR and not e.type.by:
+    if known and isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
         return narrowed_sum(e, (low, high), (f.condition for f in known))
     return low, high
 
@@ -236,7 +236,7 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     if not known:
         return low, high
     if isinstance(e, ir.Arithmetic) and not e.type.by:
-        by_parts = interval_of_parts(e, [narrowed(a, known) for a in e.args])
+        by_parts = CALCULATIONS[e.fn].interval(*(narrowed(a, known) for a in e.args))
         low, high = max(low, by_parts[0]), min(high, by_parts[1])
     elif isinstance(e, ir.Named):
         low, high = narrowed(e.value, known)
@@ -247,19 +247,3 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
                 if bounds is not None:
                     low, high = max(low, bounds[0]), min(high, bounds[1])
     return low, high
-
-
-def interval_of_parts(e: ir.Arithmetic, parts: list[tuple[float, float]]) -> tuple[float, float]:
-    """Returns the interval of an operation from those of its operands."""
-    match e.fn:
-        case "neg":
-            return -parts[0][1], -parts[0][0]
-        case "min":
-            return min(p[0] for p in parts), min(p[1] for p in parts)
-        case "max":
-            return max(p[0] for p in parts), max(p[1] for p in parts)
-        case "round":
-            return rounded(*parts[0])
-        case _:
-            left, right = (a.type.model_copy(update={"low": p[0], "high": p[1]}) for a, p in zip(e.args, parts, strict=True))
-            return interval(e.fn, left, right)

@@ -6,7 +6,7 @@ when 3 < 5 and agent.index < 2 { … }   ->   when agent.index < 2 { … }
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.evaluate_constant import fold
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.traverse import rewrite
 
 
@@ -17,8 +17,8 @@ def fold_constants(game: ir.Game) -> ir.Game:
 
 def _fold(node: Any) -> Any:
     match node:
-        case ir.Arithmetic(fn="+" | "-" | "*" | "//" | "%" as fn, args=(ir.Number(value=int(a)), ir.Number(value=int(b)))):
-            value = int(fold(fn, a, b))
+        case ir.Arithmetic(fn="+" | "-" | "*" | "quotient" | "%" as fn, args=(ir.Number(value=int(a)), ir.Number(value=int(b)))):
+            value = int(CALCULATIONS[fn].fold(a, b))
             return ir.Number(type=node.type.model_copy(update={"low": value, "high": value}), value=value, origin=node.origin)
         case ir.Compare(fn=fn, left=ir.Number(value=a), right=ir.Number(value=b)):
             truth = {"<": a < b, "<=": a <= b, ">": a > b, ">=": a >= b, "==": a == b, "!=": a != b}[fn]
