@@ -5,7 +5,7 @@ from typing import TypeGuard, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables
-from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES
+from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES, REDUCTIONS
 from sjdsl.compiler.ir.sorts import entry_name, place_of, sort_of
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, number, table_value, variable
@@ -91,8 +91,7 @@ def _of_row(e: ir.Lowest | ir.Mix | ir.SumRow | ir.ShiftRow, v: Vocabulary) -> s
         case ir.Mix():
             return f"the shares of {value(e.row, v)}"
         case ir.SumRow():
-            which = {"sum": "the sum of all entries", "min": "the smallest entry", "max": "the largest entry"}[e.fn]
-            return f"{which} of {value(e.row, v)}"
+            return f"{REDUCTIONS[e.fn].english} of {value(e.row, v)}"
         case ir.ShiftRow():
             where = f"{abs(e.by)} {'place' if abs(e.by) == 1 else 'places'} {'further on' if e.by >= 0 else 'further back'}"
             return f"{value(e.row, v)} with every entry {where}, and {operand(e.filler, v)} where none comes from"
@@ -110,9 +109,8 @@ def _lowest(e: ir.Lowest, v: Vocabulary) -> str:
 
 
 def _extreme(e: ir.Extreme, v: Vocabulary) -> str:
-    which = "smallest" if e.fn == "min" else "largest"
     otherwise = "" if e.otherwise is None else f", or {operand(e.otherwise, v)} if there are none"
-    return f"the {which} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
+    return f"the {REDUCTIONS[e.fn].over} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
 
 
 def operand(e: ir.Expr, v: Vocabulary) -> str:

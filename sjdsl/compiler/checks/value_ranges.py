@@ -15,7 +15,7 @@ from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
 from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.implications import MIRROR, conjuncts, limits_of
 from sjdsl.compiler.ir.members import most_members
-from sjdsl.compiler.ir.operations import CALCULATIONS
+from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS
 from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import times
 
@@ -180,7 +180,7 @@ def _sum(e: ir.Sum, here: Here) -> Interval:
 
 def _of_row(e: ir.SumRow, here: Here) -> Interval:
     low, high = interval_of(e.row, here)
-    number = len(e.row.type.by[0]) if e.fn == "sum" else 1
+    number = len(e.row.type.by[0]) if REDUCTIONS[e.fn].adds else 1
     return times(low, number), times(high, number)
 
 

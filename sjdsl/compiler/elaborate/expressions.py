@@ -31,6 +31,7 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.row_functions import beyond_one, extreme_of_row, lowest, mix, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
 from sjdsl.compiler.ir.operations import FUNCTIONS, INFIX, PREFIX, Calculation, Function
 from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
@@ -91,9 +92,9 @@ def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
         same = identity(e, left, right, scope)
         return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
     left, right = scope.expressions((e.left, e.right))
-    if e.op in INFIX:
-        return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
-    return compare(e, left, right, scope)
+    if e.op in COMPARISONS:
+        return compare(e, left, right, scope)
+    return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
 
 
 def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
@@ -260,7 +261,7 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
     if row is None:
         found = [row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks]
         raise scope.problems.unknown(e.name, [*found, *scope.static.defines], "the functions and defines", guesses.FUNCTIONS)
-    if row.of_row and len(e.arguments) == 1:
+    if row.reduces is not None and len(e.arguments) == 1:
         return extreme_of_row(e, scope.expression(e.arguments[0]), scope)
     arity(e, row, scope)
     return BUILDERS[row.builds](row, e, scope)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES
+from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES, REDUCTIONS
 from sjdsl.compiler.ir.sorts import place_of
 
 COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
@@ -37,8 +37,7 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
         case ir.At():
             return _value(e.row, params)[place_of(e.row.type.by[0], _value(e.key, params))]
         case ir.SumRow():
-            row = _value(e.row, params)
-            return sum(row) if e.fn == "sum" else min(row) if e.fn == "min" else max(row)
+            return REDUCTIONS[e.fn].fold(_value(e.row, params))
         case ir.Arithmetic():
             return CALCULATIONS[e.fn].fold(*(_value(a, params) for a in e.args))
         case ir.Compare():

@@ -5,7 +5,7 @@ interpreter, the oracle, does not read this table: it has its own meaning of eac
 """
 
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import KW_ONLY
 from math import inf
 from typing import Literal, NamedTuple
@@ -35,11 +35,27 @@ class Rounding(NamedTuple):
     once: bool = True
 
 
+class Reduction(Record):
+    """What makes one number of all entries of a row, or of a number for each member of a domain.
+
+    fold: its value for Python's numbers. adds: it is a sum; else it is one of the numbers. array: the function of NumPy and JAX.
+    nothing: what changes no result. kept: what generated code calls it. english: of all entries of a row. over: of what there is over a domain.
+    """
+
+    fold: Callable[[Iterable[float]], float]
+    adds: bool
+    array: Literal["sum", "min", "max"]
+    nothing: float
+    kept: str
+    english: str
+    over: str
+
+
 class Function(Record):
     """What authors write with brackets behind a name, and all that is the same for every row.
 
     uses: each way to write it, and what that gives; the cheat sheet and editors show them.
-    builds: the class of its node in the IR. least, most: how many arguments it takes. of_row: with one argument, a row, it is about its entries.
+    builds: the class of its node in the IR. least, most: how many arguments it takes. reduces: what it makes of a row, or over a domain.
     word: it is a word of the grammar, which has rules of its own for it. yields: a file's own `define` of this name is meant instead.
     checks: those in which alone it stands. last: see `ir.Lowest`.
     """
@@ -49,7 +65,7 @@ class Function(Record):
     builds: type[ir.Node]
     least: int = 1
     most: int = 1
-    of_row: bool = False
+    reduces: Reduction | None = None
     word: bool = False
     yields: bool = False
     checks: tuple[str, ...] = ()
@@ -229,7 +245,13 @@ def _one_of(two: str, more: str) -> Callable[..., str]:
 
 OPERATIONS: tuple[Function, ...] = (
     Function("count", (("count(D)", "how many members a domain has"),), ir.Count, word=True),
-    Function("sum", (("sum(e over D)", "the sum of e over a domain"), ("sum(row)", "the sum of the entries")), ir.Sum, word=True),
+    Function(
+        "sum",
+        (("sum(e over D)", "the sum of e over a domain"), ("sum(row)", "the sum of the entries")),
+        ir.Sum,
+        word=True,
+        reduces=Reduction(sum, True, "sum", 0, "total", "the sum of all entries", "sum"),
+    ),
     Calculation(
         name="min",
         uses=(
@@ -239,7 +261,7 @@ OPERATIONS: tuple[Function, ...] = (
         ),
         least=2,
         most=8,
-        of_row=True,
+        reduces=Reduction(min, False, "min", inf, "least", "the smallest entry", "smallest"),
         keeps_unit=True,
         fold=min,
         interval=lambda *of: (min(low for low, _ in of), min(high for _, high in of)),
@@ -256,7 +278,7 @@ OPERATIONS: tuple[Function, ...] = (
         ),
         least=2,
         most=8,
-        of_row=True,
+        reduces=Reduction(max, False, "max", -inf, "greatest", "the largest entry", "largest"),
         keeps_unit=True,
         fold=max,
         interval=lambda *of: (max(low for low, _ in of), max(high for _, high in of)),
@@ -455,6 +477,7 @@ OPERATIONS: tuple[Function, ...] = (
 )
 FUNCTIONS = {row.name: row for row in OPERATIONS if not (isinstance(row, Calculation) and row.sign)}
 CALCULATIONS = {row.name: row for row in OPERATIONS if isinstance(row, Calculation)}
+REDUCTIONS = {row.name: row.reduces for row in OPERATIONS if row.reduces is not None}
 PAYOFF_CLASSES = {row.name: row for row in OPERATIONS if isinstance(row, PayoffClass)}
 INFIX = {row.sign: row for row in CALCULATIONS.values() if row.sign and row.most == 2}
 PREFIX = {row.sign: row for row in CALCULATIONS.values() if row.sign and row.most == 1}

@@ -6,7 +6,7 @@ from functools import reduce
 from math import inf
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.operations import CALCULATIONS, Calculation
+from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
 from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, anything, as_compared, disjoint, ends, given, real, rounded, whole
 from sjdsl.compiler.ir.types import without_zero
 
@@ -26,7 +26,7 @@ def range_of(e: ir.Expr) -> Range:
             return range_of(e.row)
         case ir.Arithmetic():
             return _calculated(e)
-        case ir.SumRow(fn="sum"):
+        case ir.SumRow() if REDUCTIONS[e.fn].adds:
             entry, many = range_of(e.row), len(e.row.type.by[0])
             return _sum(entry, many, many)
         case ir.SumRow():

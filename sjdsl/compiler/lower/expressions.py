@@ -7,7 +7,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
-from sjdsl.compiler.ir.operations import CALCULATIONS, Calculation
+from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
 from sjdsl.compiler.lower import cell_values, chosen, state_reads
 from sjdsl.compiler.lower.aggregates import extreme, total
 from sjdsl.compiler.lower.axes import (
@@ -137,10 +137,10 @@ def nobody(w: Writer) -> Value:
 def of_row(e: ir.SumRow | ir.Lowest | ir.Mix, row: Value) -> Value:
     """Returns what is made of a whole row: its sum, the word of its lowest or highest entry, or the shares of its entries."""
     match e:
-        case ir.SumRow(fn="sum"):
+        case ir.SumRow() if REDUCTIONS[e.fn].adds:
             return replace(row, node=array.Reduce("sum", summed(row.node, row.dtype), (-1,), row.dtype), levels=0)
         case ir.SumRow():
-            return replace(row, node=array.Reduce(e.fn, row.node, (-1,), None), levels=0)
+            return replace(row, node=array.Reduce(REDUCTIONS[e.fn].array, row.node, (-1,), None), levels=0)
         case ir.Lowest():
             return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
         case ir.Mix():

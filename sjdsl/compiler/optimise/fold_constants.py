@@ -17,7 +17,7 @@ def fold_constants(game: ir.Game) -> ir.Game:
 
 def _fold(node: Any) -> Any:
     match node:
-        case ir.Arithmetic(fn="+" | "-" | "*" | "quotient" | "%" as fn, args=(ir.Number(value=int(a)), ir.Number(value=int(b)))):
+        case ir.Arithmetic(fn=fn, args=(ir.Number(value=int(a)), ir.Number(value=int(b)))) if node.type.kind == "int":
             value = int(CALCULATIONS[fn].fold(a, b))
             return ir.Number(type=node.type.model_copy(update={"low": value, "high": value}), value=value, origin=node.origin)
         case ir.Compare(fn=fn, left=ir.Number(value=a), right=ir.Number(value=b)):
