@@ -303,7 +303,7 @@ OPERATIONS: tuple[Function, ...] = (
     ),
     Function(
         "distance",
-        (("distance(a, b)", "steps along rows and columns, whatever stands between"),),
+        (("distance(a, b)", "steps along rows and columns, whatever stands between; where the map wraps, the shorter way round"),),
         ir.Distance,
         least=2,
         most=2,
