@@ -193,11 +193,11 @@ def quotient(scope: Scope, unit: str, depth: int) -> Typed:
     return f"({left[0]}) / {divisor[0]}", real_type(low, high, left[1].unit)
 
 
-# Functions of any numbers; the others want something of theirs, and are made one by one.
+# Functions of any numbers; those that want more of them, and reals alone, are made one by one.
 PLAIN = [
     row
     for row in CALCULATIONS.values()
-    if not (row.sign or row.whole_only or row.bounded or row.apart or row.divisor is not None) and row.kind == "joined"
+    if not (row.sign or row.whole_only or row.bounded or row.apart or row.divisor is not None or row.kind == "real")
 ]
 
 
@@ -206,8 +206,10 @@ def plain(scope: Scope, parts: list[Typed], kind: str) -> Typed:
     row = scope.world.random.choice(PLAIN)
     parts = parts[: row.most]
     low, high = interval(row.name, *(p[1] for p in parts))
-    unit = next((p[1].unit for p in parts if p[1].unit != "number"), "number")
-    return f"{row.name}({', '.join(p[0] for p in parts)})", ir.Type(kind=kind, unit=unit, low=low, high=high)
+    unit = row.unit(*(p[1].unit for p in parts))
+    assert unit is not None
+    type_ = ir.Type(kind="int" if row.kind == "whole" else kind, unit=unit, low=low, high=high)
+    return f"{row.name}({', '.join(p[0] for p in parts)})", type_
 
 
 def case(scope: Scope, value, depth: int) -> Typed:
