@@ -96,6 +96,7 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "min": min,
     "max": max,
     "ramp": ramp,
+    "abs": abs,
 }
 
 

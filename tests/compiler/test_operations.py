@@ -213,6 +213,16 @@ def test_classes_of_games_are_the_interpreters() -> None:
         assert [row.holds(r, s, t, p) for row in PAYOFF_CLASSES.values()] == [is_of_class(name, table) for name in PAYOFF_CLASSES]  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("row", [row for row in FUNCTIONS.values() if row.yields], ids=lambda row: row.name)
+def test_a_define_of_a_games_own_keeps_its_meaning(row: Function) -> None:
+    """A function that came later has a name that games may have used before."""
+    text = GAME.format(fields="", rules=f"give pay * {row.name}(agent.held) to agent")
+    game = build(Source("table.sj", text.replace("  phase start", f"  define {row.name}(number) = number + 100\n  phase start"))).game
+    (given,) = [n for n in ir.walk(game) if isinstance(n, ir.Give)]
+    assert english(given.value, vocabulary(game)).startswith(f"`pay` × `{row.name}`")
+    assert any(isinstance(n, ir.Named) and n.name == row.name for n in ir.walk(given))
+
+
 # ---- nobody else knows an operation
 
 
