@@ -6,10 +6,8 @@ from typing import Any, assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.operations import REDUCTIONS
+from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.sorts import place_of
-
-COMPARE = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "==": np.equal, "!=": np.not_equal}
 
 
 def holds(condition: ir.Expr, fields: Mapping[str, np.ndarray], count: int) -> np.ndarray:
@@ -41,7 +39,7 @@ def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
         case ir.SumRow():
             return getattr(np, REDUCTIONS[e.fn].array)(_value(e.row, fields), axis=1)
         case ir.Compare():
-            return COMPARE[e.fn](_value(e.left, fields), _value(e.right, fields))
+            return COMPARISONS[e.fn].holds(_value(e.left, fields), _value(e.right, fields))
         case ir.Same():
             return np.equal(_value(e.left, fields), _value(e.right, fields))
         case ir.InRange():

@@ -18,6 +18,7 @@ from sjdsl.compiler.ir import evaluate_constant
 from sjdsl.compiler.ir.implications import facts, narrowed
 from sjdsl.compiler.ir.operations import (
     CALCULATIONS,
+    COMPARISONS,
     FUNCTIONS,
     INFIX,
     OPERATIONS,
@@ -205,6 +206,12 @@ def test_no_two_rows_read_the_same() -> None:
     ]
     assert len(set(said)) == len(said)
     assert all(variable(name) in phrase for phrase, row in zip(said, CALCULATIONS.values(), strict=True) for name in "abc"[: row.most])
+
+
+def test_comparisons_are_the_interpreters_and_fit_together() -> None:
+    for (sign, row), a, b in product(COMPARISONS.items(), WHOLE, (*WHOLE, *REAL)):
+        assert row.holds(a, b) == numbers.compare(sign, a, b) == COMPARISONS[row.mirror].holds(b, a)
+        assert row.holds(a, b) != COMPARISONS[row.opposite].holds(a, b)
 
 
 def test_classes_of_games_are_the_interpreters() -> None:

@@ -10,10 +10,9 @@ from sjdsl.compiler.checks.start_values import Place, holds_at_start, places, re
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.implications import conjuncts
-from sjdsl.compiler.ir.operations import CALCULATIONS
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.queries import mover_sort, phases_of
 
@@ -120,7 +119,7 @@ def _decide_one(test: ir.Expr, agent: Body) -> bool | None:
             left, right = _number(test.left, agent), _number(test.right, agent)
             if left is None or right is None:
                 return None
-            return COMPARISONS[test.fn](left, right)
+            return bool(COMPARISONS[test.fn].holds(left, right))
         case ir.Truth():
             return test.value
         case _:

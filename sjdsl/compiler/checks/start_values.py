@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
-from sjdsl.compiler.ir.operations import CALCULATIONS
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.queries import glyphs_of, movers_named, starts_of
 
 
@@ -116,7 +115,7 @@ def _condition(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> b
         case ir.Same():
             return bool(_value(e.left, names, game) == _value(e.right, names, game))
         case ir.Compare():
-            return bool(COMPARISONS[e.fn](_value(e.left, names, game), _value(e.right, names, game)))
+            return bool(COMPARISONS[e.fn].holds(_value(e.left, names, game), _value(e.right, names, game)))
         case ir.InRange():
             return bool(_value(e.low, names, game) <= _value(e.value, names, game) <= _value(e.high, names, game))
         case ir.InWords():

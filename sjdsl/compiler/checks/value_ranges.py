@@ -13,9 +13,9 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
 from sjdsl.compiler.ir.equivalence import Form, form
-from sjdsl.compiler.ir.implications import MIRROR, conjuncts, limits_of
+from sjdsl.compiler.ir.implications import conjuncts, limits_of
 from sjdsl.compiler.ir.members import most_members
-from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import times
 
@@ -78,7 +78,7 @@ def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, i
     """Yields what a condition says of whole numbers; beside a real they are rounded, and then it says less."""
     match condition:
         case ir.Compare(fn=fn, left=left, right=right):
-            found: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = [(left, fn, right), (right, MIRROR[fn], left)]
+            found: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = [(left, fn, right), (right, COMPARISONS[fn].mirror, left)]
         case ir.InRange(value=value, low=low, high=high):
             found = [(value, ">=", low), (value, "<=", high)]
         case _:

@@ -31,8 +31,7 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.row_functions import beyond_one, extreme_of_row, lowest, mix, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
-from sjdsl.compiler.ir.operations import FUNCTIONS, INFIX, PREFIX, Calculation, Function
+from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, Calculation, Function
 from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
 
 

@@ -1,21 +1,12 @@
 """Evaluates conditions on the numbers of a game, such as those of `require`, for given parameters."""
 
-import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES, REDUCTIONS
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, PAYOFF_CLASSES, REDUCTIONS
 from sjdsl.compiler.ir.sorts import place_of
 
-COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
 TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
 
@@ -60,17 +51,6 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
 
 
 def _compare(fn: str, a: float, b: float) -> bool:
+    """Returns whether a comparison holds, where numbers that are as good as equal are."""
     equal = abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b))
-    match fn:
-        case "==":
-            return equal
-        case "!=":
-            return not equal
-        case "<":
-            return a < b and not equal
-        case "<=":
-            return a < b or equal
-        case ">":
-            return a > b and not equal
-        case _:
-            return a > b or equal
+    return bool(COMPARISONS[fn].holds(a, a if equal else b))

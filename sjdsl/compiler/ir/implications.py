@@ -10,10 +10,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
 from sjdsl.compiler.ir.linear import narrowed_sum
-from sjdsl.compiler.ir.operations import CALCULATIONS
-
-MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
-_OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 
 
 def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
@@ -29,7 +26,7 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
             for part in condition.args:
                 yield from conjuncts(part, holds)
         case ir.Compare() if not holds:
-            yield condition.model_copy(update={"fn": _OPPOSITE[condition.fn]})
+            yield condition.model_copy(update={"fn": COMPARISONS[condition.fn].opposite})
         case _:
             yield condition if holds else ir.Not(value=condition, origin=condition.origin)
 
@@ -113,7 +110,7 @@ def compares(left: ir.Expr, fn: Comparison, right: ir.Expr | float, known: Itera
 def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
     if isinstance(condition, ir.Compare):
         fn, left, right = condition.fn, condition.left, condition.right
-        fn, left, right = (MIRROR[fn], right, left) if fn in ("<", "<=") else (fn, left, right)
+        fn, left, right = (COMPARISONS[fn].mirror, right, left) if fn in ("<", "<=") else (fn, left, right)
         return (ir.Compare, fn, form(left, names), form(right, names))
     return form(condition, names)
 
@@ -170,7 +167,7 @@ def _said(condition: ir.Expr) -> Said:
         case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
             return Said(subject, limits_of(fn, subject, (value, value)))
         case ir.Compare(fn=fn, left=ir.Number(value=value), right=subject):
-            return Said(subject, limits_of(MIRROR[fn], subject, (value, value)))
+            return Said(subject, limits_of(COMPARISONS[fn].mirror, subject, (value, value)))
         case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if right.type.kind == "int":
             return Said(subject, reach=limits_of(fn, subject, (right.type.low, right.type.high)))
         case _:

@@ -8,7 +8,7 @@ import operator
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import KW_ONLY
 from math import inf
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -139,6 +139,19 @@ class PayoffClass(Function):
 
     _: KW_ONLY
     holds: Callable[[float, float, float, float], bool]
+    english: str
+
+
+class Comparison(Record):
+    """A sign that compares two numbers. english: what it says of the number before it, without the other one.
+
+    holds: for two numbers, or two arrays of them. mirror: the sign that says the same of the numbers exchanged. opposite: the one that holds
+    where this one does not.
+    """
+
+    holds: Callable[[Any, Any], Any]
+    mirror: ir.Comparison
+    opposite: ir.Comparison
     english: str
 
 
@@ -486,6 +499,14 @@ OPERATIONS: tuple[Function, ...] = (
         english=lambda a, b: f"the remainder of {a} divided by {b}",
     ),
 )
+COMPARISONS: dict[str, Comparison] = {
+    "<": Comparison(operator.lt, ">", ">=", "is less than"),
+    "<=": Comparison(operator.le, ">=", ">", "is at most"),
+    ">": Comparison(operator.gt, "<", "<=", "is more than"),
+    ">=": Comparison(operator.ge, "<=", "<", "is at least"),
+    "==": Comparison(operator.eq, "==", "!=", "equals"),
+    "!=": Comparison(operator.ne, "!=", "==", "does not equal"),
+}
 FUNCTIONS = {row.name: row for row in OPERATIONS if not (isinstance(row, Calculation) and row.sign)}
 CALCULATIONS = {row.name: row for row in OPERATIONS if isinstance(row, Calculation)}
 REDUCTIONS = {row.name: row.reduces for row in OPERATIONS if row.reduces is not None}
