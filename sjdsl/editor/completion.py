@@ -8,6 +8,7 @@ from lsprotocol import types
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analyses
 from sjdsl.editor.family import names_in
@@ -99,7 +100,9 @@ def _snippet(word: str, range_: types.Range) -> types.CompletionItem:
 
 
 def _declared(offer: Offer, names: Names, analyses: Analyses, uri: str) -> str:
-    """Returns the declaration of a name, on one line."""
+    """Returns the declaration of a name on one line, of a function what it gives."""
+    if offer.sort == "function":
+        return "; ".join(f"{written}: {gives}" for written, gives in FUNCTIONS[offer.word].uses)
     spaces = {"parameter": "name", "size": "name", "define": "name", "kind": "name", "group": "name", "phase": "phase", "shape": "shape"}
     node = names.nodes.get(Symbol(spaces.get(offer.sort, "local"), offer.word))  # type: ignore[arg-type]
     analysis = analyses.of(uri) if isinstance(node, ast.Name) else analyses.readable(uri)

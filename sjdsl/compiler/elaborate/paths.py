@@ -21,6 +21,7 @@ from sjdsl.compiler.elaborate.lookup import (
     unknown,
 )
 from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import describe, element, integer, words
@@ -149,7 +150,7 @@ def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: S
     return scope.problems.fail(errors.Unsupported(span, what=what, help=help_))
 
 
-def distance(e: ast.Call, scope: Scope) -> ir.Expr:
+def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
     said = f"distance({', '.join(map(_written, e.arguments))})"
     values = scope.expressions(e.arguments)
