@@ -3,15 +3,16 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.scope import Declared, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 
 
 def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
     """Writes a `define` out where it is used: its own names and its arguments, none of the variables around."""
     define = scope.static.defines[name.text]
-    scope.static.used.add(Declared(name.text))
+    scope.static.use(name, Symbol("name", name.text))
     if name.text in scope.defining:
         raise scope.problems.fail(errors.DefineCycle(name.span, name=name.text))
     if len(arguments) != len(define.parameters):
@@ -26,7 +27,8 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
             scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
         raise Poisoned
     values = scope.expressions(arguments)
-    variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
-    inner = replace(scope, variables=variables, defining=(*scope.defining, name.text), withheld={})
+    inner = replace(scope, variables={}, locals={}, defining=(*scope.defining, name.text), withheld={})
+    for parameter, given in zip(define.parameters, values, strict=True):
+        inner = inner.bind_named(parameter, given)
     value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)
