@@ -1,9 +1,7 @@
 """Expands `define`s: the expression replaces the name, with its free variables bound where it is used."""
 
-from dataclasses import replace
-
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.ast.names import Symbol
+from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.scope import Scope
@@ -27,8 +25,8 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
             scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
         raise Poisoned
     values = scope.expressions(arguments)
-    inner = replace(scope, variables={}, locals={}, defining=(*scope.defining, name.text), withheld={})
-    for parameter, given in zip(define.parameters, values, strict=True):
-        inner = inner.bind_named(parameter, given)
+    variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
+    named = {p.text: local_symbol(p) for p in define.parameters}
+    inner = scope.but(variables=variables, locals=named, defining=(*scope.defining, name.text), withheld={})
     value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

@@ -1,10 +1,9 @@
 """Elaborates the schedule: each use of a phase is built separately, with its arguments filled in."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.ast.names import Symbol
+from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.scope import Scope
@@ -113,10 +112,9 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
     return value
 
 
-def _use(phase: ast.Phase, label: str, name: str, values: Mapping[str, ir.Expr | str | None], scope: Scope) -> ir.Phase:
-    use, inner = PhaseUse(Streams(label, scope.static.sources)), scope
-    for parameter in phase.parameters:
-        inner = inner.bind_named(parameter, values[parameter.text]) if parameter.text in values else inner
+def _use(phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | str | None], scope: Scope) -> ir.Phase:
+    use = PhaseUse(Streams(label, scope.static.sources))
+    inner = replace(scope, variables=values, locals={p.text: local_symbol(p) for p in phase.parameters})
     body = block(phase.block, inner, use)
     marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
     return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
@@ -75,9 +75,9 @@ class Static:
         nodes = (node for phase in self.phases for node in walk(phase))
         return any(isinstance(node, ast.Remove) or (isinstance(node, ast.Send) and node.after is not None) for node in nodes)
 
-    def refer(self, name: ast.Name, *declared: Symbol) -> None:
+    def refer(self, name: ast.Name, declared: Symbol) -> None:
         """Records what a name of the text stands for."""
-        self.references += [(name.span, symbol) for symbol in declared]
+        self.references.append((name.span, declared))
 
     def use(self, name: ast.Name, declared: Symbol) -> None:
         """Records what a name stands for, and that it makes a difference to the game."""
@@ -176,13 +176,18 @@ class Scope(Record):
                 raise self.problems.fail(errors.ShapeParam(e.span, name=node.name, what=what))
         raise self.problems.fail(errors.NotFixed(e.span, what=what))
 
+    def but(self, **changes: Any) -> "Scope":
+        """Returns this scope with other values in some fields; `dataclasses.replace` would take several times as long."""
+        return Scope(*(self.__dict__ | changes).values())
+
     def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which has the name of its kind."""
-        return replace(self, variables={**self.variables, name: value}, locals={n: s for n, s in self.locals.items() if n != name})
+        known = {n: s for n, s in self.locals.items() if n != name} if name in self.locals else self.locals
+        return self.but(variables={**self.variables, name: value}, locals=known)
 
     def bind_named(self, name: ast.Name, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which the text names here."""
-        return replace(self, variables={**self.variables, name.text: value}, locals={**self.locals, name.text: local_symbol(name)})
+        return self.but(variables={**self.variables, name.text: value}, locals={**self.locals, name.text: local_symbol(name)})
 
     def refer(self, name: ast.Name) -> None:
         """Records which variable a name stands for; one that has the name of its kind stands for the kind."""
@@ -194,7 +199,7 @@ class Scope(Record):
 
     def knowing(self, conditions: "Iterable[ir.Expr]") -> "Scope":
         """Returns this scope in which the conditions are known to hold."""
-        return replace(self, facts=(*self.facts, *(f for condition in conditions for f in facts(condition))))
+        return self.but(facts=(*self.facts, *(f for condition in conditions for f in facts(condition))))
 
     @property
     def facts_and_requires(self) -> tuple[Fact, ...]:
@@ -203,7 +208,7 @@ class Scope(Record):
 
     def unsure(self) -> "Scope":
         """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""
-        return replace(self, problems=Problems(self.problems.found, errors.GUARDABLE))
+        return self.but(problems=Problems(self.problems.found, errors.GUARDABLE))
 
     def near(self, name: str) -> str:
         """Returns the known name closest to `name`."""
