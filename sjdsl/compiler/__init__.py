@@ -98,8 +98,17 @@ def compile_rules(made: Build) -> str:
 def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
     """Returns every error and warning of a file, in file order; what compiles has no errors."""
     try:
-        made = build(source, variants, overrides)
-        _lowered(_Rules(made, source))
+        composition = compose(source, variants)
+    except CompileError as error:
+        return error.diagnostics
+    return check_composition(composition, overrides)
+
+
+def check_composition(composition: Composition, overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
+    """Returns every error and warning of a game that is put together, in file order; its `references` are then known."""
+    try:
+        made = build_composition(composition, overrides)
+        _lowered(_Rules(made, composition.sources[composition.file]))
     except CompileError as error:
         return error.diagnostics
     return CompileError(made.warnings).diagnostics

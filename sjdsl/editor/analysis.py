@@ -7,11 +7,13 @@ from pathlib import Path
 
 from lark import Token
 
-from sjdsl.compiler import Build, ast, build, check
+from sjdsl.compiler import Build, ast, build, check_composition
+from sjdsl.compiler.ast.names import Names, Occurrence, Symbol, names_of
 from sjdsl.compiler.compose import Composition, base_of, compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.limits import check_text
-from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.elaborate.occurrences import occurrences
 from sjdsl.compiler.syntax.parse import as_read, parse, parser
 from sjdsl.compiler.syntax.tokens import scan
 from sjdsl.editor.documents import Document, Documents
@@ -27,6 +29,7 @@ class Analysis:
         self._documents = documents
         self._seen: dict[Path, Stamp] = {}
         self._variants: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
+        self.resolved: list[tuple[Span, Symbol]] = []
         folder = None if document.path is None else document.path.parent
         self.source = Source(document.name, document.text, folder, self._over)
 
@@ -93,7 +96,12 @@ class Analysis:
     def problems(self, variants: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
         """Returns every error and warning of the game in a variant."""
         if variants not in self._variants:
-            self._variants[variants] = check(self.source, variants)
+            try:
+                composition = compose(self.source, variants)
+                self._variants[variants] = check_composition(composition)
+                self.resolved += composition.references
+            except CompileError as error:
+                self._variants[variants] = error.diagnostics
         return self._variants[variants]
 
     def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
@@ -101,6 +109,20 @@ class Analysis:
         yield (), self.problems()
         for name in self.variants:
             yield (name,), self.problems((name,))
+
+    @cached_property
+    def names(self) -> Names:
+        """What the game declares, with its bases."""
+        return names_of(file for _, file in self.chain)
+
+    @cached_property
+    def occurrences(self) -> tuple[Occurrence, ...]:
+        """The names of the text, each with what it stands for in the game as it is and in the variants of the text."""
+        if self.file is None:
+            return ()
+        for variant in ((), *((s.name.text,) for s in self.file.game.sections if isinstance(s, ast.Variant))):
+            self.problems(variant)
+        return tuple(occurrences(self.file, self.names, self.resolved))
 
 
 class Analyses:

@@ -7,14 +7,13 @@ from typing import NamedTuple
 from lsprotocol import types
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Names, Symbol
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analyses
-from sjdsl.editor.family import names_in
 from sjdsl.editor.fitting import fitting
 from sjdsl.editor.local_names import declared_in, joined, local_names
-from sjdsl.editor.names import Names, Symbol
 from sjdsl.editor.place import Place, place_at
 from sjdsl.editor.snippets import SNIPPETS
 
@@ -66,7 +65,7 @@ def known_names(uri: str, analyses: Analyses) -> Names:
     """Returns what a text declares, as it could be read last and as it is now."""
     analysis, readable = analyses.of(uri), analyses.readable(uri)
     now = Names() if analysis is None else declared_in(analysis.tokens, analysis.document.name)
-    return now if readable is None else joined(names_in(readable), now)
+    return now if readable is None else joined(readable.names, now)
 
 
 def _each_once(offers: Iterable[Offer]) -> Iterator[Offer]:

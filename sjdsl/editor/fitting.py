@@ -5,12 +5,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from lark import Token
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Names, Owners, Space, Symbol
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, MOVER_ATTRIBUTES, NOWHERE
 from sjdsl.compiler.elaborate.shapes import BUILT_IN as FORMS
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.editor.local_names import BEFORE_DOMAIN
-from sjdsl.editor.names import Names, Owners, Space, Symbol
 from sjdsl.editor.place import Place, head
 from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 

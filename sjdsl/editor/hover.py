@@ -9,6 +9,7 @@ from importlib.resources import files
 from lark import Token, UnexpectedCharacters
 from lsprotocol import types
 
+from sjdsl.compiler.ast.names import Occurrence
 from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics.explanations import explain
 from sjdsl.compiler.ir.operations import FUNCTIONS
@@ -16,7 +17,6 @@ from sjdsl.compiler.syntax.parse import automaton, parser
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.english import english
 from sjdsl.editor.family import declarations
-from sjdsl.editor.names import Occurrence
 from sjdsl.editor.navigation import symbol_at
 
 MOST_LINES = 14  # of a declaration

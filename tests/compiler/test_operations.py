@@ -132,7 +132,7 @@ def test_what_is_called_a_sum_is_one(row: Calculation) -> None:
         assert not row.factors or row.fold(*of) == sum(factor * x for factor, x in zip(row.factors, of, strict=True)), of
 
 
-GAME = """sj 1.2
+GAME = """sj 1
 game table "Table" {{
   episode 9
   param one : number = 1.5 in 1 .. 2

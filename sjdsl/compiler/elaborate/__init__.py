@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -20,7 +21,7 @@ from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, 
 from sjdsl.compiler.elaborate.observations import observables
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.schedule import schedule, start
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.windows import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 
@@ -101,7 +102,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         counted = events([p for p in (begin, *turns) if p is not None], scope)
     of_rules, known = set(static.used), set(static.shapes)
     played = policies(game, static, problems)
-    of_policies = {name for name in static.shapes if name not in known or Declared(name, among="shapes") in static.used - of_rules}
+    of_policies = {name for name in static.shapes if name not in known or Symbol("shape", name) in static.used - of_rules}
     lineups = scenarios(game, static, problems, own_number)
     if agents is None or begin is None or episode is None or game.schedule is None:
         return None

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import actions
@@ -176,6 +177,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
     """`nobody on soil` asks a cell variable; `x on grass` asks an agent and a kind or group."""
     if isinstance(e.who, ast.Nobody):
         cell = scope.variables.get(e.kind.text)
+        scope.refer(e.kind)
         if not (isinstance(cell, ir.Member) and cell.who == "cell"):
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
@@ -201,6 +203,7 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
         for name in e.container.names:
             if name.text not in value.type.words:
                 raise not_a_word(name.span, name.text, value, value.type.words, scope)
+            scope.static.refer(name, Symbol("word", name.text))
         return ir.InWords(value=value, words=names, origin=e.span)
     if e.high is not None:
         low, high = scope.expressions((e.container, e.high))
