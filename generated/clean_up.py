@@ -247,114 +247,141 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to gate."""
+    """phase start { each agent { send agent to gate } }"""
     sent = jnp.full(NUM_AGENTS, True)  # clean_up.sj:45
-    position, placed = place(  # clean_up.sj:45
+    position, placed = place(
         CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:45
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each orchard, by chance sets orchard.fruit to ripe."""
+    """phase grow {
+      each orchard where orchard.fruit is none and nobody on orchard { chance growth { set orchard.fruit = ripe } }
+    }
+    """
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:50
-    covered = occupied(orchard_under, NUM_ORCHARD)  # clean_up.sj:50
-    num_water = jnp.sum(state.water_state == WATER_DIRTY, dtype=jnp.int32)  # clean_up.sj:50
-    dirt = num_water.astype(jnp.float32) / 167.0  # clean_up.sj:50
-    growth = params.best_rate * ramp(dirt, params.spoiled_at, params.perfect_at)  # clean_up.sj:50
-    happens = (random_bits(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)  # clean_up.sj:50
-    orchard_fruit = jnp.where(  # clean_up.sj:50
+    covered = occupied(orchard_under, NUM_ORCHARD)
+    num_water = jnp.sum(state.water_state == WATER_DIRTY, dtype=jnp.int32)
+    dirt = num_water.astype(jnp.float32) / 167.0
+    growth = params.best_rate * ramp(dirt, params.spoiled_at, params.perfect_at)
+    happens = (random_bits(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)
+    orchard_fruit = jnp.where(
         (state.orchard_fruit == ORCHARD_NONE) & ~covered & happens, ORCHARD_RIPE, state.orchard_fruit
     )
     return state.replace(orchard_fruit=orchard_fruit), out
 
 
 def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `pollute`: by chance picks 1 water, sets water.state to dirty."""
+    """phase pollute {
+      when step >= grace {
+        chance pollution { pick 1 water where water.state is clean { set water.state = dirty } }
+      }
+    }
+    """
     happens = (random_bits(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # clean_up.sj:54
-    active = (state.step >= params.grace) & happens  # clean_up.sj:54
-    water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2, 1)[0])  # clean_up.sj:54
-    to_water = jnp.where(active & found, water, NUM_WATER)  # clean_up.sj:54
-    water_state = state.water_state.at[to_water].set(WATER_DIRTY, mode="drop")  # clean_up.sj:54
+    active = (state.step >= params.grace) & happens
+    water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2, 1)[0])
+    to_water = jnp.where(active & found, water, NUM_WATER)
+    water_state = state.water_state.at[to_water].set(WATER_DIRTY, mode="drop")
     return state.replace(water_state=water_state), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # clean_up.sj:57
-    stride = STEP_BY[actions]  # clean_up.sj:57
-    # clean_up.sj:57
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # clean_up.sj:57
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`: for each agent on orchard, sets orchard.fruit to none, gives a reward to agent, counts eaten."""
+    """phase eat {
+      each agent on orchard where orchard.fruit is ripe { set orchard.fruit = none  give apple to agent  tally eaten
+          for agent }
+    }
+    """
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:59
-    active = (orchard_under < NUM_ORCHARD) & (state.orchard_fruit[orchard_under] == ORCHARD_RIPE)  # clean_up.sj:59
-    to_orchard = jnp.where(active, orchard_under, NUM_ORCHARD)  # clean_up.sj:59
-    orchard_fruit = state.orchard_fruit.at[to_orchard].set(ORCHARD_NONE, mode="drop")  # clean_up.sj:59
-    reward = out.reward + jnp.where(active, params.apple, 0.0)  # clean_up.sj:59
-    event_eaten = out.event_eaten + active.astype(jnp.int32)  # clean_up.sj:59
+    on_orchard_and_is_ripe = (orchard_under < NUM_ORCHARD) & (state.orchard_fruit[orchard_under] == ORCHARD_RIPE)
+    to_orchard = jnp.where(on_orchard_and_is_ripe, orchard_under, NUM_ORCHARD)
+    orchard_fruit = state.orchard_fruit.at[to_orchard].set(ORCHARD_NONE, mode="drop")
+    reward = out.reward + jnp.where(on_orchard_and_is_ripe, params.apple, 0.0)
+    event_eaten = out.event_eaten + on_orchard_and_is_ripe.astype(jnp.int32)
     return state.replace(orchard_fruit=orchard_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
 def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `scrub`: for each cleaner, marks beam, for each water in beam of cleaner, adds cleaner to water.cleaners.
+    """phase scrub {  # all that is cleaned in a step is collected first ...
+      each agent as cleaner where cleaner chose clean {
+        mark beam of cleaner
+        each water in beam of cleaner where water.state is dirty { add cleaner to water.cleaners }
+      }
+    }
     """
-    active = actions == ACTION_CLEAN  # clean_up.sj:62
+    chose_clean = actions == ACTION_CLEAN  # clean_up.sj:62
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:63
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)  # clean_up.sj:63
+    marked = jnp.where(chose_clean[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
     beam_water = SITE_OF_WATER[beam_cells]  # clean_up.sj:64
-    to_water = jnp.where(  # clean_up.sj:64
-        active[:, None] & (beam_water < NUM_WATER) & (state.water_state[beam_water] == WATER_DIRTY),
+    to_water = jnp.where(
+        chose_clean[:, None] & (beam_water < NUM_WATER) & (state.water_state[beam_water] == WATER_DIRTY),
         beam_water,
         NUM_WATER,
     )
-    members = jnp.zeros((NUM_WATER, NUM_AGENTS), bool).at[  # clean_up.sj:64
+    members = jnp.zeros((NUM_WATER, NUM_AGENTS), bool).at[
         to_water, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
     ].set(True, mode="drop")
-    water_cleaners_joined = as_bits(members, jnp.uint8)  # clean_up.sj:64
+    water_cleaners_joined = as_bits(members, jnp.uint8)
     water_cleaners = state.water_cleaners | water_cleaners_joined
     return state.replace(water_cleaners=water_cleaners, mark_scrub=marked), out
 
 
 def rinse(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `rinse`: for each water, picks 1 cleaner in water.cleaners, counts cleaned, sets water.state to clean, sets
-    water.cleaners to nobody.
+    """phase rinse {  # ... and counts once: a cell that several clean is counted for one of them, by lot, so that
+        counts are whole
+      each water where water.cleaners is not nobody {
+        pick 1 agent as cleaner in water.cleaners { tally cleaned for cleaner }
+        set water.state = clean  set water.cleaners = nobody
+      }
+    }
     """
-    active = state.water_cleaners != 0  # clean_up.sj:68
+    has_cleaners = state.water_cleaners != 0  # clean_up.sj:68
     picked = pick_of_sets(  # clean_up.sj:69
-        jnp.where(active, state.water_cleaners, 0), key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER, 1)[:, 0]
+        jnp.where(has_cleaners, state.water_cleaners, 0),
+        key,
+        lambda key: random_bits(key, STREAM_RINSE, NUM_WATER, 1)[:, 0],
     )
-    times = times_in(picked, NUM_AGENTS)  # clean_up.sj:69
-    event_cleaned = out.event_cleaned + times  # clean_up.sj:69
-    water_state = jnp.where(active, WATER_CLEAN, state.water_state)  # clean_up.sj:70
-    water_cleaners = jnp.where(active, 0, state.water_cleaners)  # clean_up.sj:70
+    cleaned = times_in(picked, NUM_AGENTS)
+    event_cleaned = out.event_cleaned + cleaned
+    water_state = jnp.where(has_cleaners, WATER_CLEAN, state.water_state)  # clean_up.sj:70
+    water_cleaners = jnp.where(has_cleaners, 0, state.water_cleaners)
     return (
         state.replace(water_state=water_state, water_cleaners=water_cleaners), out.replace(event_cleaned=event_cleaned)
     )
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`: for each zapper, marks beam, for each victim in beam of zapper, sends victim to gate, counts hits.
+    """phase fire {
+      each agent as zapper where zapper chose zap {
+        mark beam of zapper
+        each agent as victim in beam of zapper { send victim to gate after respawn_delay  tally hits for zapper }
+      }
+    }
     """
-    active = actions == ACTION_ZAP  # clean_up.sj:74
+    chose_zap = actions == ACTION_ZAP  # clean_up.sj:74
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:75
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)  # clean_up.sj:75
+    marked = jnp.where(chose_zap[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:76
-    active_2 = active[:, None] & in_beam  # clean_up.sj:76
-    sent = jnp.any(active_2, axis=0)  # clean_up.sj:76
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # clean_up.sj:76
-    event_hits = out.event_hits + times  # clean_up.sj:76
-    gate_under = SITE_OF_GATE[state.position]  # clean_up.sj:76
-    others = jnp.where(sent, NUM_GATE, gate_under)  # clean_up.sj:76
-    free = ~occupied(others, NUM_GATE)  # clean_up.sj:76
-    # clean_up.sj:76
+    victim_in_beam = chose_zap[:, None] & in_beam
+    sent = jnp.any(victim_in_beam, axis=0)
+    hits = jnp.sum(victim_in_beam, axis=1, dtype=jnp.int32)
+    event_hits = out.event_hits + hits
+    gate_under = SITE_OF_GATE[state.position]
+    others = jnp.where(sent, NUM_GATE, gate_under)
+    free = ~occupied(others, NUM_GATE)
     position, placed = place(CELLS_GATE, free, random_bits(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # clean_up.sj:76
+    heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
@@ -385,10 +412,10 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # clean_up.sj:83
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    raw = seen_0 & CONTENT_MASK  # clean_up.sj:83
-    content = raw + (raw >= WATER_LOOK).astype(jnp.uint8)  # clean_up.sj:83
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # clean_up.sj:83
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # clean_up.sj:83
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # clean_up.sj:83
-    marks = (seen_0 >> MARK_SHIFT) & MARK_MASK  # clean_up.sj:83
+    raw = seen_0 & CONTENT_MASK
+    content = raw + (raw >= WATER_LOOK).astype(jnp.uint8)
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
+    marks = (seen_0 >> MARK_SHIFT) & MARK_MASK
     return planes_of(WINDOW, None, content, agents, marks)

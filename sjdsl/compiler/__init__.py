@@ -72,7 +72,7 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
 def lower_build(made: Build, source: Source) -> Program:
     """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
     try:
-        return lower(made.game.rules, Path(source.name).name)
+        return lower(made.game.rules, Path(source.name).name, made.sources)
     except NotSupported as refused:
         found = errors.Unsupported(refused.origin, what=refused.what, help=refused.instead)  # type: ignore[arg-type]
         raise CompileError([found]) from None
@@ -89,7 +89,7 @@ def compile_rules(made: Build) -> str:
     """Returns the Python module of a checked game without the files and lines of its text: games of the same rules have the same."""
     from sjdsl.compiler.emit.module import render
 
-    program = lower_build(made, Source(f"the rules of {made.game.name}", ""))
+    program = lower_build(replace(made, sources={}), Source(f"the rules of {made.game.name}", ""))
     functions = tuple(replace(f, body=tuple(replace(statement, origin=None) for statement in f.body)) for f in program.functions)
     numbers = tuple(replace(n, comment="") if n.group == "stream" else n for n in program.numbers)
     return render(replace(program, functions=functions, numbers=numbers))

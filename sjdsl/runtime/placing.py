@@ -1,4 +1,4 @@
-"""Random choices: picks members, places agents on free cells (spawn and respawn), and forms pairs."""
+"""Random choices: picks members, places agents on free cells (spawn and respawn), brings back who was away, and forms pairs."""
 
 from collections.abc import Callable
 from functools import reduce
@@ -9,8 +9,9 @@ from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime import bits
+from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.counting import in_rows, size_of_set
-from sjdsl.runtime.random_bits import below
+from sjdsl.runtime.random_bits import below, random_bits
 
 
 def pick(member: Array, word: Array) -> tuple[Array, Array]:
@@ -183,6 +184,36 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
 
     start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, start)[2:]
+
+
+def come_back(
+    cells: Array,
+    free: Array,
+    back: Array,
+    key: Array,
+    stream: int,
+    heading_stream: int,
+    position: Array,
+    heading: Array,
+    away_facing: Array,
+    own: Array | None = None,
+) -> tuple[Array, Array, Array]:
+    """Returns the positions and headings after some come back, in id order, each to one of the cells that are still free; and who did.
+
+    Args:
+      back: `[N]` bool, who is due; who finds no cell stays away.
+      key: two uint32 words; stream: that of the cells; heading_stream: that of the headings that are drawn.
+      heading: `[N]` integers; away_facing: `[N]` int32, the heading each will have, ANY_HEADING or SAME_HEADING.
+      cells, free, position: as of `place`; own: as of `place_fitting`, None if each cell fits everybody.
+    """
+    words, turns = (random_bits(key, number, position.shape[0]) for number in (stream, heading_stream))
+    if own is None:
+        position, placed = place(cells, free, words, position, back)
+    else:
+        position, placed = place_fitting(cells, free, own, words, position, back)
+    facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing).astype(heading.dtype)
+    facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
+    return position, jnp.where(placed, facing, heading), placed
 
 
 def _entry(values: Array, number: Array) -> Array:

@@ -5,9 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.bits import pack
 from sjdsl.runtime.placing import (
     choose,
+    come_back,
     member_of,
     pair,
     pair_reached,
@@ -91,6 +93,24 @@ def test_place_by_hand() -> None:
     found, placed = jax.jit(place)(cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True]))
     assert found.tolist() == [1, 30, 10, 4]
     assert placed.tolist() == [False, True, True, False]
+
+
+@pytest.mark.parametrize("dtype", [jnp.int32, jnp.uint8])
+def test_come_back(dtype: jnp.dtype) -> None:
+    """To the cells that `place` gives: with a drawn heading, the one it had, or one that was given; who finds none stays away."""
+    cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([0, 0, 0, 0, 7], jnp.int32)
+    back, free, key = jnp.array([True, True, True, True, False]), jnp.ones(3, bool), jnp.array([3, 4], jnp.uint32)
+    facing = jnp.array([ANY_HEADING, SAME_HEADING, 2, 2, 2], jnp.int32)
+    where = (key, 8, 9, position, jnp.full(5, 1, dtype), facing)
+    drawn = int(random_bits(key, 9, 5)[0] >> 30)
+    assert drawn != 1
+    new, heading, placed = jax.jit(come_back, static_argnums=(4, 5))(cells, free, back, *where)
+    assert new.tolist() == place(cells, free, random_bits(key, 8, 5), position, back)[0].tolist()
+    assert (heading.tolist(), placed.tolist()) == ([drawn, 1, 2, 1, 1], [True, True, True, False, False])
+    assert heading.dtype == dtype
+    own = jnp.eye(5, 3, dtype=bool)[jnp.array([2, 0, 3, 1, 0])]
+    new, _, placed = jax.jit(come_back, static_argnums=(4, 5))(cells, free, back, *where, own)
+    assert (new.tolist(), placed.tolist()) == ([30, 10, 0, 20, 7], [True, True, False, True, False])
 
 
 @pytest.mark.parametrize("members", [1, 33, 600, *(pytest.param(size, marks=pytest.mark.thorough) for size in (2, 6, 32, 147))])

@@ -26,6 +26,7 @@ from sjdsl.compiler.lower.axes import (
     summed,
     union,
 )
+from sjdsl.compiler.lower.condition_names import condition_name
 from sjdsl.compiler.lower.entries import aligned_row, entry, to_words, words_first, words_last
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
@@ -346,7 +347,8 @@ def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, scope: IterationScope
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
     """Returns nested selections, the last arm for all that is left."""
-    subject = w.keep("subject", lower(e.subject, scope, w))
+    name = condition_name(e.subject, w.module.game)
+    subject = w.keep(name or "subject", lower(e.subject, scope, w))
     dtypes: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
     values = []
     for arm in e.arms:
