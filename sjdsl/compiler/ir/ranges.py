@@ -182,6 +182,9 @@ def _arithmetic(e: ir.Arithmetic) -> Range:
             return _whole(-parts[0].high, -parts[0].low, *parts)
         case "neg":
             return replace(parts[0], low=-parts[0].high, high=-parts[0].low)
+        case "round" if parts[0].sound and parts[0].largest <= -INT32[0]:
+            value = _rounded(parts[0]) if parts[0].literal else parts[0]
+            return _whole(round(value.low), round(value.high), parts[0])
         case "/" if e.type.unit == "fraction" and all(isinstance(a, ir.Count) for a in e.args):  # of all, some
             return Range(0.0, 1.0, terms=1.0, given=False)
         case "+" | "-" | "*" | "/" | "%":
