@@ -55,13 +55,25 @@ def _forward(kernel: Array, tokens: Array, planes: Planes) -> tuple[Array, tuple
 
 def _backward(planes: Planes, inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, None]:
     kernel, tokens = inputs
-    of_kernel: Array = jax.lax.platform_dependent(
-        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes)
-    )
-    return of_kernel.astype(kernel.dtype), None
+    return weigh_gradient(gradient, tokens, planes).astype(kernel.dtype), None
 
 
 weigh.defvjp(_forward, _backward)
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(2,))
+def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
+    """Returns the kernel's gradient `[C * V * V, K]` float32 of that of the result `[M, K]`: the transpose of `weigh`, as that is of this."""
+    result: Array = jax.lax.platform_dependent(
+        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes)
+    )
+    return result
+
+
+weigh_gradient.defvjp(
+    lambda gradient, tokens, planes: (weigh_gradient(gradient, tokens, planes), (gradient, tokens)),
+    lambda planes, inputs, of_kernel: (weigh(of_kernel.astype(inputs[0].dtype), inputs[1], planes), None),
+)
 
 
 def _multiply(kernel: Array, tokens: Array, planes: Planes) -> Array:

@@ -52,14 +52,15 @@ def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
     """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
-    problems = Problems(list(composition.warnings))
-    game, declarations = elaborate(composition, overrides or Overrides(), problems)
+    problems, overrides = Problems(list(composition.warnings)), overrides or Overrides()
+    game, declarations = elaborate(composition, overrides, problems)
     if game is not None:
         check_state_names(game, problems)
         check_timers(game, composition, problems)
         check_conflicts(game, problems)
     if game is not None and game.rows and not problems.failed:
-        check_placement(game, composition.sources, problems)
+        if not overrides.placed_by_hand:
+            check_placement(game, composition.sources, problems)
         check_whole_numbers(game, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)

@@ -12,7 +12,7 @@ import numpy as np
 from sjdsl.experiments.bundled_rules import is_usual, other_numbers
 from sjdsl.files import read_json
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
-from sjdsl.trainers.config import MOST_SEEDS, ConfigError, make_config
+from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.manifest import MANIFEST, read_manifest
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
@@ -65,7 +65,7 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward, angles = str(config["reward"]), config.get("svo_angle", [])
     return Run(
-        run=f"{game['name']}-{config['algorithm']}-{Path(reward).stem}-{digest}",
+        run=f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
         game=game["name"],
         hash=game["hash"],
         variant=made.get("variant") or "",
@@ -87,7 +87,7 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
 
 def _settings(way: Mapping[str, Any]) -> str:
     """Returns the settings of a way of training that are not the defaults of its algorithm, but for those with columns of their own."""
-    usual = make_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
+    usual = stored_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
     own = {key: value for key, value in sorted(way.items()) if key not in COLUMNS and value != usual.get(key)}
     return json.dumps(own, separators=(",", ":"))
 

@@ -27,12 +27,16 @@ from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_ta
 
 
 class Overrides(Record):
-    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand."""
+    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand.
+
+    placed_by_hand: a test puts agents and movers on the map, which needs no cells to send them to.
+    """
 
     sizes: Mapping[str, Any] | None = None
     num_agents: int | None = None
     rows: tuple[str, ...] | None = None
     row_spans: tuple[Span, ...] = ()
+    placed_by_hand: bool = False
 
 
 def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tuple[ir.Game | None, Static]:
