@@ -48,7 +48,7 @@ class Ours(nn.Module):
 
 def draw_windows(seed: int, *lead: int) -> Array:
     high = np.array(VALUES)[:, None, None]
-    return jnp.asarray(np.random.default_rng(seed).integers(0, high, (*lead, len(PLANES), 4, 4)), jnp.uint8)
+    return jnp.asarray(np.random.default_rng(seed).integers(0, high, (*lead, len(PLANES), 5, 5)), jnp.uint8)
 
 
 @pytest.fixture(params=["multiplied", 1, 12, 256])
@@ -133,9 +133,9 @@ def test_planes_share_a_table_where_that_is_less_work() -> None:
     assert groups_of((PLANES[2],), 10**6) == ()
 
 
-@pytest.mark.parametrize(("windows", "groups"), [(79, ((0,), (1,), (3,))), (81, ((0, 1), (3,))), (337, ((0, 1, 3),))])
+@pytest.mark.parametrize(("windows", "groups"), [(19, ((0,), (1,), (3,))), (21, ((0, 1), (3,))), (85, ((0, 1, 3),))])
 def test_tables_of_few_windows_are_small(windows: int, groups: tuple[tuple[int, ...], ...]) -> None:
-    """Planes of 3, 4 and 3 values: 10 rows and three lookups a window, 15 and two, or 36 and one; a row costs 16 lookups."""
+    """Planes of 3, 4 and 3 values: 10 rows and three lookups a window, 15 and two, or 36 and one; a row costs 4 lookups."""
     assert groups_of(PLANES[:4], windows) == groups
 
 
