@@ -193,7 +193,7 @@ def test_each_row_is_read_printed_compiled_and_interpreted_alike() -> None:
         said = in_the_language(row, names)
         assert text(node(row, [local(name, (1, 2), True) for name in names], True)) == (f"({said})" if row.sign else said)
     play = random_play(built.game, 1, 8)
-    report, _ = run(on_numpy(built.game, built.game), play, interpret(built.game, play))
+    report = run(on_numpy(built.game), play, interpret(built.game, play))
     assert report.steps == 8
     assert report.differences == []
 

@@ -65,7 +65,8 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
 
 def _named(branch: ir.Branch, what: str) -> str:
     """Returns a name for a fact about one of several branches, after its probability if that has a name."""
-    return f"{value_name(branch.test)}_{what}".strip("_")
+    name = "" if isinstance(branch.test, ir.Number) else value_name(branch.test)
+    return f"{name}_{what}".strip("_")
 
 
 def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
