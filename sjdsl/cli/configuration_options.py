@@ -34,7 +34,7 @@ def configuration_options(command: Command) -> Command:
         click.option(
             "--preset",
             metavar="P",
-            help="Values to begin with: paper, released, two_cores, quick, or a .toml file, which may name the game.",
+            help="Values to begin with: paper, released, two_cores, overnight, quick, or a .toml file, which may name the game.",
         ),
         click.option(
             "--set",
