@@ -315,7 +315,7 @@ def loss_of(config: PPOConfig) -> Loss:
     def checked(*given: Any) -> tuple[Array, Metrics]:
         result = own(*given)
         match result:
-            case (value, dict(parts)) if all(jnp.ndim(number) == 0 for number in (value, *parts.values())):
+            case (value, dict() as parts) if all(jnp.ndim(number) == 0 for number in (value, *parts.values())):
                 return value, parts
             case _:
                 shapes = jax.tree.map(jnp.shape, result)

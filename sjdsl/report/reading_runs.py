@@ -25,6 +25,8 @@ RETURN = "collective return"  # its name in an evaluation
 # What does not make a way of training another: which seeds, and what is written when.
 NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
 NOT_A_WAY_EITHER = "checkpoint_"
+# Settings that runs of earlier versions lack, with what these did: runs that have them so are of the same way.
+AS_EVER = {"own": {}, "loss": "ppo"}
 # What has a column of its own in the table of runs.
 COLUMNS = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle", "network", "total_timesteps")
 
@@ -61,6 +63,7 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
     game, config = manifest["game"], manifest["config"]
     made = manifest.get("provenance") or {}
     way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith(NOT_A_WAY_EITHER)}
+    way = {key: value for key, value in way.items() if key not in AS_EVER or value != AS_EVER[key]}
     everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": way, "stage": stage}
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward, angles = str(config["reward"]), config.get("svo_angle", [])
