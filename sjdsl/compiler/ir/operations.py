@@ -1,7 +1,7 @@
 """The functions and operators of the language: a row for each, with all that compiler, pages and editors know of it.
 
-Who computes an operation, bounds it, prints it or speaks of it reads its row; none of them asks for an operation by its name. Only the
-interpreter, the oracle, does not read this table: it has its own meaning of each, and `tests/compiler/test_operations.py` compares the two.
+Whatever elaborates, folds, bounds, lowers, prints or describes an operation reads its row, and asks for none by its name. The interpreter
+is the oracle and does not read this table: it has its own meaning of each, and `tests/compiler/test_operations.py` compares the two.
 """
 
 import operator
@@ -27,6 +27,11 @@ class Moving(NamedTuple):
     range: Range
 
 
+# The direction of a calculation from those of its arguments, None if it is not known. The second parameter of a rule says whether one
+# argument is known to be less than another, both by their places.
+SlopeRule = Callable[[Sequence[Moving], Callable[[int, int], bool]], Slope | None]
+
+
 class Rounding(NamedTuple):
     """How float32 rounds a result: `terms` and `steady` as in `Range`; `once`: no more than once, if the arguments are exact."""
 
@@ -36,44 +41,34 @@ class Rounding(NamedTuple):
 
 
 class Reduction(Record):
-    """What makes one number of all entries of a row, or of a number for each member of a domain.
+    """What makes one number of all entries of a row, or of a number for each member of a domain."""
 
-    fold: its value for Python's numbers. adds: it is a sum; else it is one of the numbers. array: the function of NumPy and JAX.
-    nothing: what changes no result. kept: what generated code calls it. english: of all entries of a row. over: of what there is over a domain.
-    """
-
-    fold: Callable[[Iterable[float]], float]
-    adds: bool
-    array: Literal["sum", "min", "max"]
-    nothing: float
-    kept: str
-    english: str
-    over: str
+    fold: Callable[[Iterable[float]], float]  # its value for Python's numbers
+    adds: bool  # it is a sum; otherwise it is one of the numbers
+    array: Literal["sum", "min", "max"]  # the function of NumPy and JAX
+    nothing: float  # the number that changes no result
+    kept: str  # the name of the result in generated code
+    english: str  # of the entries of a row
+    over: str  # of a number over a domain: `the smallest of … over all trees`
 
 
 class Function(Record):
-    """What authors write with brackets behind a name, and all that is the same for every row.
-
-    uses: each way to write it, and what that gives; the cheat sheet and editors show them.
-    builds: the class of its node in the IR. least, most: how many arguments it takes. reduces: what it makes of a row, or over a domain.
-    word: it is a word of the grammar, which has rules of its own for it. yields: a file's own `define` of this name is meant instead.
-    checks: those in which alone it stands. last: see `ir.Lowest`.
-    """
+    """What authors write as a name with brackets behind it."""
 
     name: str
-    uses: tuple[tuple[str, str], ...]
-    builds: type[ir.Node]
-    least: int = 1
+    uses: tuple[tuple[str, str], ...]  # each way to write it, and what that gives: for the cheat sheet and editors
+    builds: type[ir.Node]  # the class of its node in the IR
+    least: int = 1  # number of arguments
     most: int = 1
-    reduces: Reduction | None = None
-    word: bool = False
-    yields: bool = False
-    checks: tuple[str, ...] = ()
-    last: bool = False
+    reduces: Reduction | None = None  # what it does with a row, or over a domain
+    word: bool = False  # the grammar has a word and a rule for it
+    yields: bool = False  # a `define` of the same name in a file is meant instead: games may be older than the function
+    checks: tuple[str, ...] = ()  # the only checks that it stands in; empty: it stands everywhere
+    last: bool = False  # `ir.Lowest.last`
 
 
 def _joined(*units: ir.Unit) -> ir.Unit | None:
-    """Returns the one unit of numbers that are added or compared; None: they do not mix."""
+    """Returns the unit of numbers that are added or compared; None if they do not mix."""
     found: ir.Unit | None = units[0]
     for unit in units[1:]:
         found = None if found is None else join_units(found, unit)
@@ -81,56 +76,42 @@ def _joined(*units: ir.Unit) -> ir.Unit | None:
 
 
 class Calculation(Function):
-    """What makes one number of others, an `ir.Arithmetic`.
-
-    Of its arguments:
-      sign: of an operator, what authors write instead of the name.
-      verb: of an operation on two, what a message says cannot be done with them; of others they cannot be compared.
-      rows: two rows of numbers are calculated with entry by entry. whole_only: the arguments are whole numbers.
-      divisor: the place of an argument that must not be 0. apart: the places of two that must not be equal. bounded: the argument must
-        be known to stay within the limits of numbers.
-    Of its result:
-      unit: from those of its arguments; None where they do not mix. keeps_unit: though it leaves the limits of
-        that unit. kind: `whole` or `real`, or `joined`, which is whole where all arguments are. unchanged: of a whole number it is that number.
-      share: of two counts, where one counts some of the other, it is a fraction.
-    What it is:
-      fold: its value for Python's numbers.
-      interval: the ends of all it can be, from those of each argument, as exact numbers.
-      factors: it is the sum of its arguments, each times one of these.
-      slope: the direction it goes in, from those of its arguments (`Moving`); the second parameter says whether one place is known to be below
-        another. None: not known.
-      rounding: from the ranges of two arguments that are reals; None: its result is exact. range: all that it can be in float32, where this
-        does not follow from the rest.
-      array: an operator of Python, or a function; one of two arguments is applied to one after another.
-      english: the phrase, from those of its arguments.
-    """
+    """What makes one number of others. Its node is an `ir.Arithmetic` whose `fn` is its name."""
 
     _: KW_ONLY
     builds: type[ir.Node] = ir.Arithmetic
-    sign: str = ""
-    verb: str = ""
-    rows: bool = False
-    whole_only: bool = False
-    divisor: int | None = None
-    apart: tuple[int, int] | None = None
-    bounded: bool = False
-    unit: Callable[..., ir.Unit | None] = _joined
-    keeps_unit: bool = False
-    kind: Literal["joined", "whole", "real"] = "joined"
-    unchanged: bool = False
-    share: bool = False
-    fold: Callable[..., float]
-    interval: Callable[..., Interval]
-    factors: tuple[int, ...] = ()
-    slope: Callable[[Sequence[Moving], Callable[[int, int], bool]], Slope | None]
-    rounding: Callable[[Range, Range], Rounding] | None = None
-    range: Callable[[Sequence[Range]], Range] | None = None
-    array: str
-    english: Callable[..., str]
+    sign: str = ""  # what authors write instead of the name: it is an operator
+
+    # what it takes
+    verb: str = ""  # of an operation on two numbers: `cannot {verb} steps and rewards`; otherwise they cannot be compared
+    rows: bool = False  # also two rows of numbers, entry by entry
+    whole_only: bool = False  # whole numbers only
+    divisor: int | None = None  # the argument that must not be 0
+    apart: tuple[int, int] | None = None  # two arguments that must differ
+    bounded: bool = False  # the argument must be known to stay within the limits of numbers
+
+    # the type of its result
+    unit: Callable[..., ir.Unit | None] = _joined  # from the units of its arguments; None if they do not mix
+    keeps_unit: bool = False  # also where the result leaves the limits of that unit; otherwise it becomes a bare number there
+    kind: Literal["joined", "whole", "real"] = "joined"  # joined: whole if all arguments are
+    unchanged: bool = False  # a whole argument is the result itself
+    share: bool = False  # `count(some of them) / count(them)` is a fraction
+
+    # its value
+    fold: Callable[..., float]  # for Python's numbers
+    interval: Callable[..., Interval]  # all that it can be, from the interval of each argument; as exact numbers
+    factors: tuple[int, ...] = ()  # it is the sum of its arguments, each times one of these
+    slope: SlopeRule
+    rounding: Callable[[Range, Range], Rounding] | None = None  # of two reals in float32; None: the result is exact
+    range: Callable[[Sequence[Range]], Range] | None = None  # all that it can be in float32; None: as `interval` and `rounding` say
+
+    # its texts
+    array: str  # an operator of Python, or a function of arrays; one of two arrays is applied to one argument after another
+    english: Callable[..., str]  # from the English of its arguments
 
 
 class PayoffClass(Function):
-    """A class of 2 x 2 games. holds: of the payoffs R, S, T and P of the row player. english: which it is, after `is`.
+    """A class of 2 x 2 games.
 
     Source: Macy and Flache 2002, the orders of R, S, T, P: prisoner's dilemma T > R > P > S and 2R > T + S;
     stag hunt R > T >= P > S; chicken T > R > S > P. Their 2R > T + S is not asked of a chicken game: taking turns
@@ -138,21 +119,17 @@ class PayoffClass(Function):
     """
 
     _: KW_ONLY
-    holds: Callable[[float, float, float, float], bool]
-    english: str
+    holds: Callable[[float, float, float, float], bool]  # for the payoffs R, S, T and P of the row player
+    english: str  # behind `the table is`
 
 
 class Comparison(Record):
-    """A sign that compares two numbers. english: what it says of the number before it, without the other one.
+    """A sign that compares two numbers."""
 
-    holds: for two numbers, or two arrays of them. mirror: the sign that says the same of the numbers exchanged. opposite: the one that holds
-    where this one does not.
-    """
-
-    holds: Callable[[Any, Any], Any]
-    mirror: ir.Comparison
-    opposite: ir.Comparison
-    english: str
+    holds: Callable[[Any, Any], Any]  # for two numbers, or two arrays of them
+    mirror: ir.Comparison  # the sign that says the same of the two exchanged
+    opposite: ir.Comparison  # the sign that holds where this one does not
+    english: str  # between the two numbers
 
 
 # ---- intervals
