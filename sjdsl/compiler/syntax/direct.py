@@ -1,6 +1,6 @@
-"""Reads a text without mistakes straight to its AST, several times as fast as by way of the grammar's own tree.
+"""Reads a text straight to its AST, several times as fast as by way of the grammar's own tree.
 
-Source -> ast.File, or None for a text that `parse.read_tree` has to read: one with a mistake, or near a limit of the compiler
+Source -> ast.File, or None for a text with a mistake, or beyond a limit of the compiler
 """
 
 import re
@@ -13,15 +13,15 @@ from lark import Lark
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
+from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.build_ast import AS_WRITTEN, RULES
 from sjdsl.compiler.syntax.node_builders import Part, unquote
 from sjdsl.compiler.syntax.recovery.automaton import END
+from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
+from sjdsl.compiler.syntax.tokens import BRACKETS, PREFIX, is_too_large
 
 WRONG = "WRONG"  # the kind of a character that begins no word or sign
-LONG = len(str(MAX_INTEGER))  # whole numbers of so many digits are left to `read_tree`
 NOTHING = (None, None)  # what the table has for a token that cannot come
 
 
@@ -92,16 +92,17 @@ def _rule(rule: Any) -> Rule:
 
 
 def read_directly(source: Source, parser: Lark) -> ast.File | None:
-    """Returns the tree of a text whose version line is right; None if it has a mistake, or may be beyond a limit of the compiler."""
+    """Returns the tree of a text whose version line is right; None if it has a mistake, or is beyond a limit of the compiler."""
     known = tables(parser)
     words = cut(source.text, known)
     return None if words is None else Reader(words, source, known).file()
 
 
 def cut(text: str, known: Tables) -> Words | None:
-    """Returns the words and signs of a text; None if a character is wrong, a number too long, or the text."""
+    """Returns the words and signs of a text; None if a character is wrong, a number too large, or the text too long or nested too deeply."""
     words = Words([], [], [], [])
     starts, ends, kinds, texts = words.starts, words.ends, words.kinds, words.texts
+    brackets = prefixes = 0
     for match in known.sign.finditer(text):
         kind = match.lastgroup
         if kind is None:  # only what is between, at the end of the text
@@ -110,7 +111,11 @@ def cut(text: str, known: Tables) -> Words | None:
         said = text[start:end]
         if kind == "NAME":
             kind = known.words.get(said, kind)
-        elif kind == WRONG or (kind == "INT" and len(said) >= LONG) or (kind == "DEC" and len(said) > MAX_DIGITS):
+        elif kind == WRONG or (kind == "INT" and is_too_large(said)) or (kind == "DEC" and len(said) > MAX_DIGITS):
+            return None
+        brackets += BRACKETS.get(kind, 0)
+        prefixes = prefixes + 1 if kind in PREFIX else 0
+        if brackets + prefixes > MAX_DEPTH:
             return None
         starts.append(start)
         ends.append(end)
@@ -148,7 +153,7 @@ class Reader:
                     firsts.append(number)
                     heights.append(0)
                     break
-                if to is None or len(stack) > MAX_DEPTH:
+                if to is None:
                     return None
                 rule = rules[id(to)]
                 width = rule.width
