@@ -16,7 +16,7 @@ from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax import rules
 from sjdsl.compiler.syntax.direct import read_directly
 from sjdsl.compiler.syntax.node_builders import Part, unquote
-from sjdsl.compiler.syntax.parse import parse, parser, tree_of
+from sjdsl.compiler.syntax.parse import mistakes, parse, parser, tree_of
 from sjdsl.compiler.syntax.soft_words import SOFT
 from sjdsl.compiler.syntax.tokens import scan
 from tests.damage import edits
@@ -56,7 +56,8 @@ def leaf(token: Token) -> ast.Name | ast.String | str:
 
 
 def directly(text: str) -> ast.File | None:
-    return read_directly(Source("game.sj", text), parser())
+    found = read_directly(Source("game.sj", text), parser())
+    return found if isinstance(found, ast.File) else None
 
 
 @pytest.mark.parametrize("name", GAMES)
@@ -81,6 +82,17 @@ def test_edited_words(game: str, kind: str, seed: int) -> None:
     """A text with a mistake is left to the careful reading; one that is still a game is read as that reads it."""
     edited = edits.edit(game, kind, Random(seed)).text
     assert directly(edited) == with_care(edited)
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.sampled_from(SMALL), st.sampled_from(["}", "(", "}}", "not", "at", "+= 1", "for each agent {", "any"]), st.floats(0, 1))
+def test_mistakes_are_those_found_from_the_beginning(text: str, inserted: str, where: float) -> None:
+    """The search for mistakes begins a little before the first, with the stack that the direct reading hands over."""
+    at = round(where * len(text))
+    source = Source("game.sj", f"{text[:at]} {inserted} {text[at:]}")
+    so_far = read_directly(source, parser())
+    if not isinstance(so_far, ast.File):
+        assert mistakes(source, [], so_far) == mistakes(source, [], None)
 
 
 def game(inside: str) -> str:

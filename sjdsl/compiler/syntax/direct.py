@@ -1,11 +1,11 @@
 """Reads a text straight to its AST, several times as fast as by way of the grammar's own tree.
 
-Source -> ast.File, or None for a text with a mistake, or beyond a limit of the compiler
+Source -> ast.File; how far it was read, for a text with a mistake; None for wrong characters and texts beyond a limit of the compiler
 """
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -16,12 +16,14 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.node_builders import Part, unquote
-from sjdsl.compiler.syntax.recovery.automaton import END
+from sjdsl.compiler.syntax.recovery.automaton import END, Stack
+from sjdsl.compiler.syntax.recovery.idioms import FARTHEST
 from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
 from sjdsl.compiler.syntax.tokens import BRACKETS, PREFIX, is_too_large
 
 WRONG = "WRONG"  # the kind of a character that begins no word or sign
+EVERY = 64  # words after which the stack is kept
 NOTHING = (None, None)  # what the table has for a token that cannot come
 
 
@@ -67,6 +69,14 @@ class Words(Record, eq=False):
     texts: list[str]
 
 
+class ReadSoFar(Record, eq=False):
+    """The kinds of all words of a text, of those before the mistake as they were read; and the stack before word `at`, a little before it."""
+
+    kinds: list[str]
+    at: int
+    stack: Stack
+
+
 @cache
 def tables(parser: Lark) -> Tables:
     """Returns the tables of a parser's grammar."""
@@ -91,8 +101,11 @@ def _rule(rule: Any) -> Rule:
     return Rule(len(symbols), str(rule.origin.name), tuple(kept), str(name), passes, RULES.get(name))
 
 
-def read_directly(source: Source, parser: Lark) -> ast.File | None:
-    """Returns the tree of a text whose version line is right; None if it has a mistake, or is beyond a limit of the compiler."""
+def read_directly(source: Source, parser: Lark) -> ast.File | ReadSoFar | None:
+    """Returns the tree of a text whose version line is right; how far it was read if the words are not those of a game.
+
+    None: a character is wrong, or the text is beyond a limit of the compiler.
+    """
     known = tables(parser)
     words = cut(source.text, known)
     return None if words is None else Reader(words, source, known).file()
@@ -129,6 +142,14 @@ def cut(text: str, known: Tables) -> Words | None:
     return words
 
 
+def _so_far(kinds: list[str], at: int, states: Sequence[int], firsts: Sequence[int]) -> ReadSoFar:
+    """Returns the stack before a word, in the form in which mistakes are searched for. `firsts`: the word with which each level begins."""
+    stack = Stack(states[0], None)
+    for state, first in zip(states[1:], firsts, strict=True):
+        stack = Stack(state, stack, first)
+    return ReadSoFar(kinds, at, stack)
+
+
 class Reader:
     """One run of the table over the words of a text. Values are nodes, lists of them, or the numbers of words."""
 
@@ -137,12 +158,15 @@ class Reader:
         self._lines = [0, *(match.end() for match in re.finditer("\n", source.text))]
         self._statements = 0
 
-    def file(self) -> ast.File | None:
-        """Returns the file that the words are; None if they are none, or it is nested too deeply or has too many statements."""
+    def file(self) -> ast.File | ReadSoFar | None:
+        """Returns the file that the words are, or how far they were read; None if it is nested too deeply or has too many statements."""
         known, kinds = self._known, self._words.kinds
         states, rules, passed, end = known.states, known.rules, known.passed, known.end
         stack, values, firsts, heights = [known.start], list[Any](), list[int](), list[int]()
+        earlier = kept = (0, list[int](), list[int]())
         for number, kind in enumerate(kinds):
+            if not number % EVERY:
+                earlier, kept = kept, (number, stack[:], firsts[:])
             if kind in SOFT and not can_come(states, stack, kind) and can_come(states, stack, "NAME"):
                 kind = kinds[number] = "NAME"
             while True:
@@ -154,7 +178,7 @@ class Reader:
                     heights.append(0)
                     break
                 if to is None:
-                    return None
+                    return _so_far(kinds, *(kept if kept[0] <= max(0, number - FARTHEST) else earlier))
                 rule = rules[id(to)]
                 width = rule.width
                 if width > 1 or not rule.passes:
@@ -171,7 +195,7 @@ class Reader:
                 if kind == END and stack[-1] == end:
                     fits = heights[-1] <= MAX_TREE and self._statements <= MAX_STATEMENTS
                     return values[-1] if fits and isinstance(values[-1], ast.File) else None
-        return None
+        raise AssertionError("the end of a text is read or refused")
 
     def _passed(self, below: int, state: int, kind: str) -> int:
         """Returns the state after all rules, one after the other, for which a single child stands: `(a)` is read as a dozen of them."""

@@ -19,7 +19,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text, check_tree
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import CONTROL
-from sjdsl.compiler.syntax.direct import read_directly
+from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton, open_marks, read
 from sjdsl.compiler.syntax.recovery.idioms import Idiom, find_idiom, idiom_error
 from sjdsl.compiler.syntax.recovery.messages import word_error
@@ -46,21 +46,27 @@ def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     problems = check_text(source)
     if not problems:
         wrong = _check_version(source)
-        file = None if wrong or CONTROL.search(source.text) else read_directly(source, parser())
-        if file is not None:
-            return file
-        problems = _mistakes(source, wrong)
+        found = None if wrong or CONTROL.search(source.text) else read_directly(source, parser())
+        if isinstance(found, ast.File):
+            return found
+        problems = mistakes(source, wrong, found)
     return CompileError(problems).diagnostics
 
 
-def _mistakes(source: Source, wrong: list[Diagnostic]) -> list[Diagnostic]:
-    """Returns what is wrong with a text that is not read. `wrong`: what is wrong with its version line."""
+def mistakes(source: Source, wrong: list[Diagnostic], so_far: ReadSoFar | None) -> list[Diagnostic]:
+    """Returns what is wrong with a text that is not read. `wrong`: what is wrong with its version line; `so_far`: what is right."""
     if wrong and isinstance(wrong[0], errors.NewerLanguage):
         return wrong
     found = scan(source, parser())
     if wrong and not _skip_to_game(found):
         return wrong
-    problems = wrong + found.problems + (_find_errors(found, not wrong) if found.complete else [])
+    at, stack = 0, _beginning(automaton(), not wrong)
+    if so_far is not None:
+        at, stack = so_far.at, so_far.stack
+        for number, kind in enumerate(so_far.kinds[:at]):
+            if found.tokens[number].type != kind:  # a soft word that is a name
+                found.tokens[number] = Token.new_borrow_pos(kind, found.tokens[number], found.tokens[number])
+    problems = wrong + found.problems + (_find_errors(found, at, stack) if found.complete else [])
     return problems or check_tree(tree_of(found.tokens)[1], source)
 
 
@@ -139,14 +145,14 @@ class Search:
     owed: int = 0
 
 
-def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
-    """Runs the table over the tokens; at each error a repair is chosen, and reading goes on behind it."""
+def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
+    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading goes on behind it."""
     table = automaton()
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]
     closing = closing_braces(kinds)
-    stack, before = _beginning(table, begun), None
-    search, at, repairs = Search(), 0, 0
+    before: Stack | None = None
+    search, repairs = Search(), 0
     trail: dict[int, Stack] = {}
     while repairs < MAX_PROBLEMS:
         if kinds[at] in SOFT:
