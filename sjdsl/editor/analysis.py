@@ -1,6 +1,6 @@
 """What is known of one text: its words, its tree, the games it stands on, its mistakes. Kept until a text or a file changes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +12,9 @@ from sjdsl.compiler.ast.names import Names, Occurrence, Symbol, names_of
 from sjdsl.compiler.compose import Composition, base_of, compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.limits import check_text
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.elaborate.occurrences import occurrences
 from sjdsl.compiler.syntax.parse import as_read, parse, parser
 from sjdsl.compiler.syntax.tokens import scan
@@ -29,7 +31,7 @@ class Analysis:
         self._documents = documents
         self._seen: dict[Path, Stamp] = {}
         self._variants: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
-        self.resolved: list[tuple[Span, Symbol]] = []
+        self._resolved: list[tuple[Span, Symbol]] = []
         folder = None if document.path is None else document.path.parent
         self.source = Source(document.name, document.text, folder, self._over)
 
@@ -99,7 +101,7 @@ class Analysis:
             try:
                 composition = compose(self.source, variants)
                 self._variants[variants] = check_composition(composition)
-                self.resolved += composition.references
+                self._resolved += composition.references
             except CompileError as error:
                 self._variants[variants] = error.diagnostics
         return self._variants[variants]
@@ -116,13 +118,25 @@ class Analysis:
         return names_of(file for _, file in self.chain)
 
     @cached_property
-    def occurrences(self) -> tuple[Occurrence, ...]:
-        """The names of the text, each with what it stands for in the game as it is and in the variants of the text."""
-        if self.file is None:
-            return ()
-        for variant in ((), *((s.name.text,) for s in self.file.game.sections if isinstance(s, ast.Variant))):
-            self.problems(variant)
-        return tuple(occurrences(self.file, self.names, self.resolved))
+    def resolved(self) -> tuple[tuple[Span, Symbol], ...]:
+        """What elaboration found names to stand for, of the text and of its bases, in the game as it is and in the variants of the text."""
+        own = [] if self.file is None else [s.name.text for s in self.file.game.sections if isinstance(s, ast.Variant)]
+        found = list(self._resolved)
+        for variants in {(), *((name,) for name in own)} - self._variants.keys():  # not checked yet, which takes several times as long
+            with suppress(CompileError):
+                composition = compose(self.source, variants)
+                elaborate(composition, Overrides(), Problems())
+                found += composition.references
+        return tuple(found)
+
+    @cached_property
+    def occurrences(self) -> list[Occurrence]:
+        """The names of the text, each with what it stands for."""
+        return self.occurrences_with(self.resolved)
+
+    def occurrences_with(self, resolved: Iterable[tuple[Span, Symbol]]) -> list[Occurrence]:
+        """Returns the names of the text, each with what elaboration found it to stand for, perhaps in games that stand on this one."""
+        return [] if self.file is None else occurrences(self.file, self.names, resolved)
 
 
 class Analyses:

@@ -1,10 +1,12 @@
 """The files in which a name of one of them may stand: its own, those it extends, and all that extend one of these."""
 
 import os
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from sjdsl.compiler.ast.names import Occurrence, Symbol
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.editor.analysis import Analyses, Analysis
 
 MOST_FILES = 2000  # of the folders that are looked through for games that extend another
@@ -59,7 +61,10 @@ def everywhere(
     texts = {analysis.document.uri: analysis} | bases(analysis, analyses)
     texts = all_texts(analyses, folders) | texts
     family = [made for made in texts.values() if own & {source.name for source, _ in made.chain}]
-    read = [(made, made.occurrences) for made in family]
+    resolved = defaultdict[str, list[tuple[Span, Symbol]]](list)  # a define of a base may be used for other kinds by games that stand on it
+    for span, symbol in (pair for made in family for pair in made.resolved):
+        resolved[span.file].append((span, symbol))
+    read = [(made, made.occurrences_with(resolved[made.document.name])) for made in family]
     known = 0
     while known < len(wanted):
         known = len(wanted)

@@ -107,7 +107,7 @@ class _Reader:
         """Adds what a name stands for, if anything; returns it. What elaboration resolved is what it means."""
         symbols = self.resolved.get(name.span, symbols)
         if symbols:
-            self.found.setdefault(name.span, Occurrence(name.span, symbols))
+            self.found.setdefault(name.span, Occurrence(name.span, symbols, False))
         return symbols
 
     def _find(self, name: ast.Name, spaces: Iterable[Space], scope: Scope, owner: str = "") -> tuple[Symbol, ...]:
