@@ -11,6 +11,7 @@ from jax.custom_batching import custom_vmap
 from sjdsl.runtime import bits
 from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.counting import in_rows, size_of_set
+from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.random_bits import below, random_bits
 
 
@@ -136,6 +137,14 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
     """
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
+    if _is_long(cells, position):
+        return _place_one_by_one(cells, free, words, position, sent)
+    result: tuple[Array, Array] = by_platform(_place_one_by_one, _place_unrolled, cells, free, words, position, sent)
+    return result
+
+
+def _place_one_by_one(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place` for CPUs: a loop with a turn for each agent that is sent."""
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
 
     def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
@@ -166,6 +175,14 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
     """
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
+    if _is_long(cells, position):
+        return _place_fitting_one_by_one(cells, free, own, words, position, sent)
+    result: tuple[Array, Array] = by_platform(_place_fitting_one_by_one, _place_fitting_unrolled, cells, free, own, words, position, sent)
+    return result
+
+
+def _place_fitting_one_by_one(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place_fitting` for CPUs."""
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
     fitting = bits.pack(own)
 
@@ -184,6 +201,54 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
 
     start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, start)[2:]
+
+
+LONG = 16_384  # agents times cells
+
+
+def _is_long(cells: Array, position: Array) -> bool:
+    """Returns whether placing would be too long a program if it were unrolled."""
+    return position.shape[0] > bits.WIDTH or position.shape[0] * cells.shape[0] > LONG
+
+
+def _place_unrolled(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place` for GPUs: one agent after the other, on scalars, none of which is written to memory."""
+    return _unrolled(cells, free, None, words, position, sent)
+
+
+def _place_fitting_unrolled(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place_fitting` for GPUs."""
+    return _unrolled(cells, free, bits.pack(own), words, position, sent)
+
+
+def _unrolled(cells: Array, free: Array, fitting: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """Places agents as `place` does. fitting: `[N, W]` uint32, the cells that fit each agent as bits; None: all fit all."""
+    agents = position.shape[0]
+    index = jnp.arange(agents, dtype=jnp.int32)
+    left = _scalars(lax.optimization_barrier(bits.pack(free)))
+    going = lax.optimization_barrier(bits.as_bits(sent, jnp.uint32))
+    site, placed = jnp.zeros_like(position), jnp.zeros_like(sent)
+    for who in range(agents):
+        among = left if fitting is None else [one & fit for one, fit in zip(left, _scalars(fitting[who]), strict=True)]
+        counts = [lax.population_count(one).astype(jnp.int32) for one in among]
+        total = reduce(lax.add, counts)
+        rank = below(words[who], total)
+        chosen, before, number, passed = among[0], jnp.zeros_like(rank), jnp.zeros_like(rank), counts[0]
+        for place, (one, count) in enumerate(zip(among[1:], counts[1:], strict=True), 1):
+            later = rank >= passed
+            chosen, before = jnp.where(later, one, chosen), jnp.where(later, passed, before)
+            number, passed = jnp.where(later, place, number), passed + count
+        bit = bits.nth_bit(chosen, rank - before)
+        there = (((going >> who) & 1) != 0) & (total > 0)
+        taken = jnp.where(there, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
+        left = [jnp.where(number == place, one & ~taken, one) for place, one in enumerate(left)]
+        here = (index == who) & there
+        site, placed = jnp.where(here, number * bits.WIDTH + bit, site), placed | here
+    return jnp.where(placed, _entry(cells, site), position), placed
+
+
+def _scalars(words: Array) -> list[Array]:
+    return [words[place] for place in range(words.shape[0])]
 
 
 def come_back(

@@ -234,6 +234,11 @@ def _vmap(function: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *arrays: as_array(np.stack([function(*row) for row in zip(*arrays, strict=True)]))
 
 
+def _on_cpu(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: Any) -> Any:
+    del gpu
+    return cpu(*arguments)
+
+
 def _dataclass(cls: type) -> type:
     made = dataclasses.dataclass(frozen=True)(cls)
     made.replace = dataclasses.replace  # type: ignore[attr-defined]
@@ -270,6 +275,7 @@ STANDING_IN = {
     "jax.numpy": JNP,
     "jax.custom_batching": SimpleNamespace(custom_vmap=_CustomVmap),
     "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass)),
+    "sjdsl.runtime.forms": SimpleNamespace(by_platform=_on_cpu),
 }
 
 

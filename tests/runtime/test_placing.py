@@ -1,5 +1,8 @@
 """Sending, choosing and pairing against sorted lists."""
 
+from collections.abc import Callable
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,6 +10,7 @@ import pytest
 
 from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.bits import pack
+from sjdsl.runtime.forms import forced
 from sjdsl.runtime.placing import (
     choose,
     come_back,
@@ -27,6 +31,15 @@ from . import references
 PLACE = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0, 0)))
 PLACE_FITTING = jax.jit(jax.vmap(place_fitting, in_axes=(None, 0, 0, 0, 0, 0)))
 CHOOSE = jax.jit(jax.vmap(choose))
+
+
+def same_in_both_forms(kernel: Callable[..., Any], *arrays: Any) -> list[np.ndarray]:
+    """Returns what a kernel gives in the form for CPUs, and compares that for GPUs with it."""
+    found = [np.asarray(array) for array in kernel(*arrays)]
+    with forced("gpu"):
+        for array, expected in zip(kernel(*arrays), found, strict=True):
+            np.testing.assert_array_equal(array, expected)
+    return found
 
 
 def sizes(usual: list[tuple], more: list[tuple]) -> list:
@@ -51,7 +64,7 @@ def test_place(cells: int, agents: int) -> None:
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < random.choice([0, 0.5, 1], (cases, 1))
     arrays = jnp.asarray(free), jnp.asarray(word, jnp.uint32), jnp.asarray(position, jnp.int32), jnp.asarray(sent)
-    found, placed = map(np.asarray, PLACE(jnp.asarray(site, jnp.int32), *arrays))
+    found, placed = same_in_both_forms(PLACE, jnp.asarray(site, jnp.int32), *arrays)
     assert (found.dtype, placed.dtype) == (jnp.int32, jnp.bool_)
     for case in range(cases):
         expected = references.place(site.tolist(), *(x[case].tolist() for x in (free, word, position, sent)))
@@ -72,7 +85,7 @@ def test_place_fitting(cells: int, agents: int) -> None:
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < 0.7
     arrays = [jnp.asarray(x) for x in (free, own, word.astype(np.uint32), position.astype(np.int32), sent)]
-    found, placed = map(np.asarray, PLACE_FITTING(jnp.asarray(site, jnp.int32), *arrays))
+    found, placed = same_in_both_forms(PLACE_FITTING, jnp.asarray(site, jnp.int32), *arrays)
     for case in range(cases):
         left, expected, done = free[case].copy(), position[case].tolist(), [False] * agents
         for agent in np.flatnonzero(sent[case]):
