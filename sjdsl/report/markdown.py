@@ -14,8 +14,9 @@ FIGURES, TABLES = "figures", "tables"
 
 
 def page_text(title: str, opening: Sequence[str], sections: Sequence[str], notes: Sequence[str]) -> str:
-    """Returns the page: its heading and opening paragraphs, the texts of its sections, and notes."""
-    parts = [f"# {title}", *opening, *sections]
+    """Returns the page: its heading and what made it, the texts of its sections, how they are to be read, and notes."""
+    made, *method = opening
+    parts = [f"# {title}", made, *sections, "## Method", *method]
     if notes:
         parts += ["## Notes", "\n".join(f"* {inert(_sentence(note))}" for note in notes)]
     return "\n\n".join(parts) + "\n"

@@ -1,4 +1,4 @@
-"""The first paragraphs of a report: how its tables are read, how long was trained, and what common reward is in it."""
+"""What made a report, and the paragraphs of its method: how its tables are read, how long was trained, and what common reward is in it."""
 
 import json
 from collections import defaultdict

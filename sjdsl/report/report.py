@@ -12,6 +12,7 @@ from sjdsl.report.marl_eval import marl_eval
 from sjdsl.report.opening import opening
 from sjdsl.report.page import Picture
 from sjdsl.report.sections import SECTIONS
+from sjdsl.report.sections.findings import findings
 
 DATA = "data"
 
@@ -46,7 +47,7 @@ def make_report(evidence: Evidence, command: str, folder: str = "", whole_suite:
       earlier: the page that is there, of which sections stay that need an extra, where it is missing here and nothing has changed.
     """
     contents = contents_of(evidence, whole_suite)
-    sections = [make(contents) for make in SECTIONS]
+    sections = [make(contents) for make in ((findings, *SECTIONS) if whole_suite else SECTIONS)]
     nested, unequal = marl_eval(contents)
     notes = [*_notes_of_seeds(contents), *notes_of_rules(contents), *contents.index.notes, *evidence.notes]
     stay = {section.title: text for section in sections if section.lacks and (text := earlier_section(earlier, section)) is not None}

@@ -113,13 +113,53 @@ def test_of_several_ways_of_training_the_longer_is_shown_and_the_other_named(tmp
 def test_the_opening_says_how_long_was_trained_and_what_common_reward_is(tmp_path: Path) -> None:
     short = write_run(tmp_path / "short", "coins", (10.0, 12.0), reward="common", common_reward="mean")
     long = write_run(tmp_path / "long", "harvest_open", (10.0, 12.0), reward="common", algorithm="mappo", total_timesteps=800, num_envs=20)
-    opening = report_of(short, long).page.split("\n## ")[0]
+    opening = report_of(short, long).page.split("## Method")[1]
     assert "learnt from 400 to 800 environment steps, one of the paper from 300M" in opening
     assert "rewards: their mean in IPPO; their sum in MAPPO; in the paper their sum." in opening
     both = write_run(tmp_path / "both", "pd_arena", (10.0, 12.0), reward="common")
     assert "their mean in some runs of IPPO; their sum in some runs of IPPO, MAPPO;" in report_of(short, long, both).page
     nothing = report_of(write_run(tmp_path / "other", "orchard", (10.0, 12.0), reward="individual")).page
-    assert "learnt from" not in nothing.split("\n## ")[0] and "Common reward" not in nothing.split("\n## ")[0]
+    assert "learnt from" not in nothing.split("## Method")[1] and "Common reward is" not in nothing
+
+
+def test_the_suite_begins_with_which_claims_hold(tmp_path: Path) -> None:
+    returns = {
+        ("coins", "individual"): (10.0, 12.0, 11.0),
+        ("coins", "common"): (150.0, 160.0, 155.0),  # as published: more
+        ("mushrooms", "individual"): (300.0, 301.0, 302.0),
+        ("mushrooms", "common"): (100.0, 101.0, 102.0),  # the other way round
+        ("pd_arena", "individual"): (100.0, 300.0),
+        ("pd_arena", "common"): (110.0, 310.0),  # too near to each other
+        ("clean_up", "common"): (900.0, 901.0),  # with nothing to compare it with
+    }
+    runs = [write_run(tmp_path / f"{game}_{reward}", game, found, reward=reward, **PAPERS) for (game, reward), found in returns.items()]
+    contrasts = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 11.0), "fear": (40.0, 30.0, 50.0), "greed": (2.0, -3.0, 7.0)}
+    write_diagram(tmp_path / "d", "coins", contrasts, "dilemma", rules="c02")
+    report = report_of(*runs, tmp_path / "d", whole_suite=True)
+    assert report.page.split("\n## ")[1].startswith("Findings\n")
+    found = {(row["claim"], row["game"]): row["verdict"] for row in records(report, "findings")}
+    claim = "common reward earns more than individual reward"
+    verdicts = {game: found[claim, game] for game in ("coins", "mushrooms", "pd_arena", "clean_up", "harvest_open")}
+    assert verdicts == dict(zip(verdicts, ("holds", "does not hold", "undecided", "not run", "not run"), strict=True))
+    assert line(report, claim)[1:] == [
+        "in 9 games",
+        "holds: coins; does not hold: mushrooms; undecided: pd_arena; "
+        "not run: harvest_open, harvest_closed, harvest_partnership, clean_up, coop_mining, gift_refinement",
+        "1 of 9",
+    ]
+    assert found["exchange 0.5 earns more than common reward", "clean_up"] == "not run"  # and more in the paper
+    (diagrams,) = {claim for claim, _ in found if "diagram" in claim}
+    assert [found[diagrams, game] for game in ("coins", "clean_up")] == ["holds", "not run"]
+
+
+def test_ways_are_alike_where_their_difference_is_small(tmp_path: Path) -> None:
+    shared = {"coins": (100.0, 101.0, 102.0), "pd_arena": (100.0, 101.0, 102.0), "mushrooms": (100.0, 150.0)}
+    apart = {"coins": (101.0, 102.0, 103.0), "pd_arena": (150.0, 151.0, 152.0), "mushrooms": (120.0, 180.0)}
+    for sharing, returns in (("shared", shared), ("per_agent", apart)):
+        for game, found in returns.items():
+            write_run(tmp_path / f"{game}_{sharing}", game, found, sharing=sharing, reward="individual", **PAPERS)
+    table = {row["game"]: row["verdict"] for row in records(report_of(tmp_path, whole_suite=True), "findings") if "alike" in row["claim"]}
+    assert [table[game] for game in ("coins", "pd_arena", "mushrooms", "clean_up")] == ["holds", "does not hold", "undecided", "not run"]
 
 
 def test_cells_below_a_random_policy_are_named(tmp_path: Path) -> None:
