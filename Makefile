@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12, 3.13 or 3.14, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page tree-sitter playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page tree-sitter playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page gpu-model damage fuzz golden docs results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.14 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' 2>/dev/null; \
@@ -20,6 +20,7 @@ PAGE := --markdown docs/performance.md
 # A Python whose JAX sees a GPU, with the packages of pyproject.toml.
 GPU_PYTHON ?= python3
 GPU_MINUTES ?= 9
+GPU_MODEL := build/gpu-model/.venv/bin/python -W ignore bench/gpu_model.py --json bench/gpu_model.json
 TREE_SITTER ?= tree-sitter
 # Some shells look for the first name alone that `command -v` is given.
 CHROMIUM := command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || \
@@ -150,6 +151,24 @@ gpu:
 # The tables of docs/performance.md from the figures that `make gpu` has left, on any machine.
 gpu-page: .venv/ready
 	$(BENCH) --from runs/gpu --plots docs/plots $(PAGE)
+
+# What a step costs on a GPU that is not there, counted in what XLA compiles for a described one: needs 6 GB of packages and no GPU, and
+# compiles for two hours on one core, or as long as it takes for what has changed. SUITE=CHECKOUT: also the suite's own environments.
+gpu-model: build/gpu-model/ready
+	$(GPU_MODEL) nine --envs 1024,4096,65536 --observation tokens,onehot
+	$(GPU_MODEL) ten --envs 1024,4096,65536 --observation tokens,onehot
+	$(GPU_MODEL) nine --envs 4096 --gpu a100
+	$(if $(SUITE),$(GPU_MODEL) nine --envs 1024,4096,65536 --only-suite --suite $(SUITE))
+	$(if $(SUITE),$(GPU_MODEL) nine --envs 4096 --gpu a100 --only-suite --suite $(SUITE))
+	$(GPU_MODEL) coins harvest_open --update mlp,cnn
+	$(GPU_MODEL) --markdown docs/performance.md
+
+build/gpu-model/ready: requirements.txt
+	$(PYTHON) -m venv build/gpu-model/.venv
+	build/gpu-model/.venv/bin/python -m pip install --quiet --disable-pip-version-check -r requirements.txt "jax[cuda12]==$$(sed -n 's/^jax==//p' requirements.txt)"
+	build/gpu-model/.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps chex==0.1.92 toolz==1.2.0 # of the suite
+	build/gpu-model/.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
 
 # What becomes of damaged games, thousands of them: docs/proof.md.
 damage: .venv/ready

@@ -59,8 +59,8 @@ def load(checkout: Path, game: str) -> Any:
     return getattr(importlib.import_module(f"socialjax.environments.{module}"), name)
 
 
-def loop(env: Any, num_envs: int, num_steps: int) -> Any:
-    """Returns a function of a key that plays so many steps in each of the environments and sums what comes out."""
+def stepping(env: Any) -> Any:
+    """Returns a step of one environment, which begins anew at the end of an episode: (key, state, actions) to (state, rewards, observed)."""
 
     def step(key: jax.Array, state: Any, actions: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
         """As `step` of SocialJax's MultiAgentEnv: both the next state and a fresh one are computed, and one of them is selected."""
@@ -73,6 +73,13 @@ def loop(env: Any, num_envs: int, num_steps: int) -> Any:
             (state, observed),
         )
         return state, reward, observed
+
+    return step
+
+
+def loop(env: Any, num_envs: int, num_steps: int) -> Any:
+    """Returns a function of a key that plays so many steps in each of the environments and sums what comes out."""
+    step = stepping(env)
 
     def run(key: jax.Array) -> jax.Array:
         first, key = jax.random.split(key)

@@ -1,16 +1,19 @@
-"""Writes what the VS Code extension takes from the language itself: its TextMate grammar and its snippets.
+"""Writes what is taken from the language itself: TextMate grammar and snippets of the VS Code extension, functions on the cheat sheet.
 
 python editors/generate.py
 """
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.editor.highlighting import patterns
 from sjdsl.editor.snippets import SNIPPETS
 
 FOLDER = Path(__file__).parent / "vscode"
+SHEET = Path(__file__).parents[1] / "docs" / "cheatsheet.md"
 
 
 def grammar() -> dict[str, Any]:
@@ -29,10 +32,17 @@ def snippets() -> dict[str, Any]:
     return {word: {"prefix": word, "body": text.split("\n"), "description": text.split("\n")[0]} for word, text in SNIPPETS.items()}
 
 
+def cheat_sheet() -> str:
+    """Returns the cheat sheet as it stands, with all functions of the language."""
+    before, _, after = re.split(r"(?<=## Functions\n\n```text\n)(.*?)(?=```)", SHEET.read_text("utf-8"), maxsplit=1, flags=re.DOTALL)
+    uses = [use for function in FUNCTIONS.values() for use in function.uses]
+    return before + "".join(f"{written:<39}{gives}\n" for written, gives in uses) + after
+
+
 def files() -> dict[Path, str]:
     """Returns what is written where."""
     made = {FOLDER / "syntaxes" / "sj.tmLanguage.json": grammar(), FOLDER / "snippets" / "sj.json": snippets()}
-    return {path: json.dumps(content, indent=2, ensure_ascii=False) + "\n" for path, content in made.items()}
+    return {SHEET: cheat_sheet()} | {path: json.dumps(content, indent=2, ensure_ascii=False) + "\n" for path, content in made.items()}
 
 
 if __name__ == "__main__":

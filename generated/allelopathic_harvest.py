@@ -23,9 +23,10 @@ from sjdsl.runtime.geometry import (
     values_of,
 )
 from sjdsl.runtime.movement import resolve
-from sjdsl.runtime.placing import pair_reached, place
+from sjdsl.runtime.placing import come_back, pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.line_of_sight import nearest_in_lanes
+from sjdsl.runtime.egocentric_windows import fill, look_number, paint, planes_of, windows
 
 NAME = "allelopathic_harvest"
 TITLE = "Allelopathic Harvest"
@@ -157,10 +158,9 @@ AGENT_RED = 0
 AGENT_BLUE = 2
 AGENT_NONE = 0
 NOWHERE = 0  # the cell of agents that are not on the map
-ANY_HEADING = 4
-SAME_HEADING = 5
 NO_STEP = 4
 NUM_SEEDS_CELLS = 3  # cells of the shape
+ANY_HEADING = 4
 FRAME_CELLS = 2256
 BUSH_LOOK = 2  # as it is painted
 MARK_SOW_SOW_RED_RED_BIT = 1
@@ -205,7 +205,6 @@ SEEDS_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), 
 ZAP_OFFSETS = jnp.asarray(  # cells of zap from an agent's cell, for each heading
     shape_offsets(MAP, PAD, ((1, 0), (2, 0), (3, 0), (0, -1), (1, -1), (2, -1), (0, 1), (1, 1), (2, 1)))
 )
-LANES_OF_ZAP = jnp.asarray([[0, 1, 2], [3, 4, 5], [6, 7, 8]], jnp.int32)  # cells of each lane of zap, nearest first
 # actions a `forbid` is about
 FORBIDS = jnp.asarray([True, True, True, True, True, True, False, True, True, True, True], bool)
 # actions a `forbid` is about
@@ -350,9 +349,12 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
     state, out = ripen(state, out, params, actions, key)
     state, out = walk(state, out, params, actions, key)
     state, out = eat(state, out, params, actions, key)
-    state, out = sow_sow_red_red(state, out, params, actions, key)
-    state, out = sow_sow_green_green(state, out, params, actions, key)
-    state, out = sow_sow_blue_blue(state, out, params, actions, key)
+    state, out, marked = sow(state, out, params, actions, key, ACTION_SOW_RED, AGENT_RED)
+    state = state.replace(mark_sow_sow_red_red=marked)
+    state, out, marked = sow(state, out, params, actions, key, ACTION_SOW_GREEN, AGENT_GREEN)
+    state = state.replace(mark_sow_sow_green_green=marked)
+    state, out, marked = sow(state, out, params, actions, key, ACTION_SOW_BLUE, AGENT_BLUE)
+    state = state.replace(mark_sow_sow_blue_blue=marked)
     state, out = plant(state, out, params, actions, key)
     state, out = fire(state, out, params, actions, key)
     state, out = judge(state, out, params, actions, key)
@@ -360,19 +362,19 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to floor, sets agent.taste to green; for each
-    bush, sets bush.young to patience.
+    """phase start {
+      each agent { send agent to floor  when agent.index % 2 == 1 { set agent.taste = green } }  # Melting Pot
+      each bush { set bush.young = patience }
+    }
     """
     sent = jnp.full(NUM_AGENTS, True)  # allelopathic_harvest.sj:49
-    # allelopathic_harvest.sj:49
     agent_taste = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) % 2 == 1, AGENT_GREEN, state.agent_taste)
     bush_young = jnp.full_like(state.bush_young, params.patience)  # allelopathic_harvest.sj:50
     position, placed = place(  # allelopathic_harvest.sj:49
         CELLS_FLOOR, jnp.full(NUM_FLOOR, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    # allelopathic_harvest.sj:49
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
-    away = jnp.where(placed, 0, state.away)  # allelopathic_harvest.sj:49
+    away = jnp.where(placed, 0, state.away)
     return (
         state.replace(agent_taste=agent_taste, bush_young=bush_young, position=position, heading=heading, away=away),
         out,
@@ -384,7 +386,7 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     bush_young = jnp.maximum(state.bush_young, 1) - 1  # allelopathic_harvest.sj:27
     agent_recovering = jnp.maximum(state.agent_recovering, 1) - 1  # allelopathic_harvest.sj:38
     agent_stunned = jnp.maximum(state.agent_stunned, 1) - 1  # allelopathic_harvest.sj:39
-    agent_hot = jnp.maximum(state.agent_hot, 1) - 1  # allelopathic_harvest.sj:39
+    agent_hot = jnp.maximum(state.agent_hot, 1) - 1
     agent_empty = jnp.maximum(state.agent_empty, 1) - 1  # allelopathic_harvest.sj:40
     state = state.replace(
         bush_young=bush_young,
@@ -396,147 +398,122 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     due = (state.position == NOWHERE) & (state.away == 1)
     state = state.replace(away=state.away - ((state.position == NOWHERE) & (state.away > 1)).astype(jnp.int32))
     back = due & (state.away_pool == 1)  # allelopathic_harvest.sj:78
-    floor_under = SITE_OF_FLOOR[state.position]  # allelopathic_harvest.sj:78
-    free = ~occupied(floor_under, NUM_FLOOR)  # allelopathic_harvest.sj:78
-    # allelopathic_harvest.sj:78
-    position, placed = place(CELLS_FLOOR, free, random_bits(key, STREAM_TICK, NUM_AGENTS), state.position, back)
-    facing = jnp.where(  # allelopathic_harvest.sj:78
-        state.away_facing == ANY_HEADING, below(random_bits(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
+    floor_under = SITE_OF_FLOOR[state.position]
+    free = ~occupied(floor_under, NUM_FLOOR)
+    position, heading, placed = come_back(
+        CELLS_FLOOR, free, back, key, STREAM_TICK, STREAM_TICK_2, state.position, state.heading, state.away_facing
     )
-    facing = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing)  # allelopathic_harvest.sj:78
-    heading = jnp.where(placed, facing, state.heading)  # allelopathic_harvest.sj:78
-    away = jnp.where(placed, 0, state.away)  # allelopathic_harvest.sj:78
-    state = state.replace(position=position, heading=heading, away=away)  # allelopathic_harvest.sj:78
+    state = state.replace(position=position, heading=heading, away=jnp.where(placed, 0, state.away))
     return state, out
 
 
 def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `ripen`: for each bush (b), by chance sets b.fruit to ripe."""
+    """phase ripen {
+      each bush as b where b.fruit is unripe and b.young == 0 and nobody on b { chance growth * alike(b) { set
+          b.fruit = ripe } }
+    }
+    """
     bush_under = SITE_OF_BUSH[state.position]  # allelopathic_harvest.sj:56
-    covered = occupied(bush_under, NUM_BUSH)  # allelopathic_harvest.sj:56
-    num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)  # allelopathic_harvest.sj:56
-    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)  # allelopathic_harvest.sj:56
-    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)  # allelopathic_harvest.sj:56
-    alike = jnp.where(  # allelopathic_harvest.sj:56
+    covered = occupied(bush_under, NUM_BUSH)
+    num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)
+    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)
+    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)
+    alike = jnp.where(
         state.bush_colour == BUSH_RED, num_bush, jnp.where(state.bush_colour == BUSH_GREEN, num_bush_2, num_bush_3)
     )
-    # allelopathic_harvest.sj:56
     happens = (random_bits(key, STREAM_RIPEN, NUM_BUSH) >> 1) < threshold(params.growth * alike.astype(jnp.float32))
-    bush_fruit = jnp.where(  # allelopathic_harvest.sj:56
+    bush_fruit = jnp.where(
         (state.bush_fruit == BUSH_UNRIPE) & (state.bush_young == 0) & ~covered & happens, BUSH_RIPE, state.bush_fruit
     )
     return state.replace(bush_fruit=bush_fruit), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     present = state.position != NOWHERE  # allelopathic_harvest.sj:58
-    chosen = jnp.where(present, actions, STAY)  # allelopathic_harvest.sj:58
-    heading = (state.heading + TURN[chosen]) & 3  # allelopathic_harvest.sj:58
-    stride = STEP_BY[chosen]  # allelopathic_harvest.sj:58
-    # allelopathic_harvest.sj:58
+    chosen = jnp.where(present, actions, STAY)
+    heading = (state.heading + TURN[chosen]) & 3
+    stride = STEP_BY[chosen]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # allelopathic_harvest.sj:58
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`: for each agent on bush, sets bush.fruit to unripe, sets bush.young to patience, counts eaten, gives
-    a reward to agent.
+    """phase eat {
+      each agent on bush where bush.fruit is ripe {
+        set bush.fruit = unripe  set bush.young = patience  tally eaten[bush.colour] for agent
+        give case bush.colour is agent.taste { yes: liked, no: disliked } to agent
+      }
+    }
     """
     present = state.position != NOWHERE  # allelopathic_harvest.sj:60
-    bush_under = SITE_OF_BUSH[state.position]  # allelopathic_harvest.sj:60
-    # allelopathic_harvest.sj:60
-    active = present & (bush_under < NUM_BUSH) & (state.bush_fruit[bush_under] == BUSH_RIPE)
-    to_bush = jnp.where(active, bush_under, NUM_BUSH)  # allelopathic_harvest.sj:61
-    bush_fruit = state.bush_fruit.at[to_bush].set(BUSH_UNRIPE, mode="drop")  # allelopathic_harvest.sj:61
-    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")  # allelopathic_harvest.sj:61
-    event_eaten = out.event_eaten + (  # allelopathic_harvest.sj:61
-        active[:, None]
+    bush_under = SITE_OF_BUSH[state.position]
+    on_bush_and_is_ripe = present & (bush_under < NUM_BUSH) & (state.bush_fruit[bush_under] == BUSH_RIPE)
+    to_bush = jnp.where(on_bush_and_is_ripe, bush_under, NUM_BUSH)  # allelopathic_harvest.sj:61
+    bush_fruit = state.bush_fruit.at[to_bush].set(BUSH_UNRIPE, mode="drop")
+    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")
+    event_eaten = out.event_eaten + (
+        on_bush_and_is_ripe[:, None]
         & (state.bush_colour[bush_under][:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
-    subject = state.bush_colour[bush_under] == state.agent_taste  # allelopathic_harvest.sj:62
-    # allelopathic_harvest.sj:62
-    reward = out.reward + jnp.where(active, jnp.where(subject, params.liked, params.disliked), 0.0)
+    colour_is_taste = state.bush_colour[bush_under] == state.agent_taste  # allelopathic_harvest.sj:62
+    reward = out.reward + jnp.where(on_bush_and_is_ripe, jnp.where(colour_is_taste, params.liked, params.disliked), 0.0)
     return (
         state.replace(bush_fruit=bush_fruit, bush_young=bush_young), out.replace(event_eaten=event_eaten, reward=reward)
     )
 
 
-def sow_sow_red_red(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sow(sow_red, red)`: for each agent, marks seeds, sets agent.bag to red, sets agent.empty to loading."""
-    present = state.position != NOWHERE  # allelopathic_harvest.sj:65
-    active = present & (actions == ACTION_SOW_RED)  # allelopathic_harvest.sj:65
-    seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
-    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
-    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:65
-    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
-    agent_bag = jnp.where(active, AGENT_RED, state.agent_bag)  # allelopathic_harvest.sj:65
-    agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
-    return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_red_red=marked), out
-
-
-def sow_sow_green_green(
-    state: State, out: Outcome, params: Params, actions: Array, key: Array
-) -> tuple[State, Outcome]:
-    """Phase `sow(sow_green, green)`: for each agent, marks seeds, sets agent.bag to green, sets agent.empty to loading.
+def sow(
+    state: State, out: Outcome, params: Params, actions: Array, key: Array, action_deed: int, agent_hue: int
+) -> tuple[State, Outcome, Array]:
+    """phase sow(deed, hue) { each agent where agent chose deed { mark seeds of agent  set agent.bag = hue  set
+        agent.empty = loading } }
     """
     present = state.position != NOWHERE  # allelopathic_harvest.sj:65
-    active = present & (actions == ACTION_SOW_GREEN)  # allelopathic_harvest.sj:65
-    seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
-    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
-    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:65
-    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
-    agent_bag = jnp.where(active, AGENT_GREEN, state.agent_bag)  # allelopathic_harvest.sj:65
-    agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
-    return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_green_green=marked), out
-
-
-def sow_sow_blue_blue(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sow(sow_blue, blue)`: for each agent, marks seeds, sets agent.bag to blue, sets agent.empty to loading."""
-    present = state.position != NOWHERE  # allelopathic_harvest.sj:65
-    active = present & (actions == ACTION_SOW_BLUE)  # allelopathic_harvest.sj:65
-    seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:65
-    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:65
-    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:65
-    marked = jnp.where(active[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)  # allelopathic_harvest.sj:65
-    agent_bag = jnp.where(active, AGENT_BLUE, state.agent_bag)  # allelopathic_harvest.sj:65
-    agent_empty = jnp.where(active, params.loading.astype(jnp.uint8), state.agent_empty)  # allelopathic_harvest.sj:65
-    return state.replace(agent_bag=agent_bag, agent_empty=agent_empty, mark_sow_sow_blue_blue=marked), out
+    chose_deed = present & (actions == action_deed)
+    seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]
+    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]
+    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)
+    marked = jnp.where(chose_deed[:, None] & seeds_reached, seeds_cells, NOWHERE).reshape(-1)
+    agent_bag = jnp.where(chose_deed, agent_hue, state.agent_bag)
+    agent_empty = jnp.where(chose_deed, params.loading.astype(jnp.uint8), state.agent_empty)
+    return state.replace(agent_bag=agent_bag, agent_empty=agent_empty), out, marked
 
 
 def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `plant`: matches each sower with bush in seeds of sower, sets bush.colour to sower.bag, sets bush.young to
-    patience, sets sower.coat to sower.bag, counts planted.
+    """phase plant {
+      match agent as sower with first bush in seeds of sower where sows(sower) and bush.fruit is unripe and
+          bush.colour is not sower.bag {
+        set bush.colour = sower.bag  set bush.young = patience  set sower.coat = sower.bag  tally planted[sower.bag]
+            for sower
+      }
+    }
     """
     present = state.position != NOWHERE  # allelopathic_harvest.sj:67
-    seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]  # allelopathic_harvest.sj:67
-    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]  # allelopathic_harvest.sj:67
-    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)  # allelopathic_harvest.sj:67
-    seeds_bush = SITE_OF_BUSH[seeds_cells]  # allelopathic_harvest.sj:67
-    # allelopathic_harvest.sj:67
+    seeds_cells = state.position[:, None] + SEEDS_OFFSETS[state.heading]
+    seeds_bits = SEEDS_REACH[state.position * 4 + state.heading]
+    seeds_reached = from_bits(seeds_bits, NUM_SEEDS_CELLS)
+    seeds_bush = SITE_OF_BUSH[seeds_cells]
     sows = (actions == ACTION_SOW_RED) | (actions == ACTION_SOW_GREEN) | (actions == ACTION_SOW_BLUE)
-    eligible = (  # allelopathic_harvest.sj:67
+    eligible = (
         (seeds_bush < NUM_BUSH)
         & seeds_reached
         & sows[:, None]
         & (state.bush_fruit[seeds_bush] == BUSH_UNRIPE)
         & (state.bush_colour[seeds_bush] != state.agent_bag[:, None])
     )
-    found = jnp.any(eligible, axis=1, keepdims=True)  # allelopathic_harvest.sj:67
-    nearest = jnp.argmax(eligible, axis=1, keepdims=True)  # allelopathic_harvest.sj:67
-    bush = jnp.take_along_axis(seeds_bush, nearest, axis=1)  # allelopathic_harvest.sj:67
-    pairs = present[:, None] & found  # allelopathic_harvest.sj:67
-    # allelopathic_harvest.sj:67
+    bush, found = nearest_in_lanes(eligible, seeds_bush, (3,))
+    pairs = present[:, None] & found
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_BUSH + bush).astype(jnp.uint32)
-    order = ranks(random_bits_at(key, STREAM_PLANT, instance), pairs)  # allelopathic_harvest.sj:67
-    bush_2 = pair_reached(bush, order, NUM_BUSH, alike=False)  # allelopathic_harvest.sj:67
-    matched = bush_2 < NUM_BUSH  # allelopathic_harvest.sj:67
+    order = ranks(random_bits_at(key, STREAM_PLANT, instance), pairs)
+    bush_2 = pair_reached(bush, order, NUM_BUSH, alike=False)
+    matched = bush_2 < NUM_BUSH
     to_bush = jnp.where(matched, bush_2, NUM_BUSH)  # allelopathic_harvest.sj:68
-    bush_colour = state.bush_colour.at[to_bush].set(state.agent_bag, mode="drop")  # allelopathic_harvest.sj:68
-    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")  # allelopathic_harvest.sj:68
-    agent_coat = jnp.where(matched, state.agent_bag + 1, state.agent_coat)  # allelopathic_harvest.sj:68
-    event_planted = out.event_planted + (  # allelopathic_harvest.sj:68
+    bush_colour = state.bush_colour.at[to_bush].set(state.agent_bag, mode="drop")
+    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")
+    agent_coat = jnp.where(matched, state.agent_bag + 1, state.agent_coat)
+    event_planted = out.event_planted + (
         matched[:, None] & (state.agent_bag[:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
     return (
@@ -546,31 +523,27 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`: for each zapper, marks zap, sets zapper.hot to cooling, for the first victim in zap of zapper, adds
-    1 to victim.hits, sets victim.stunned to frozen, sets victim.recovering to recovery.
+    """phase fire {
+      each agent as zapper where zapper chose zap {
+        mark zap of zapper  set zapper.hot = cooling
+        first agent as victim in zap of zapper { add 1 to victim.hits  set victim.stunned = frozen  set
+            victim.recovering = recovery }
+      }
+    }
     """
     present = state.position != NOWHERE  # allelopathic_harvest.sj:72
-    active = present & (actions == ACTION_ZAP)  # allelopathic_harvest.sj:72
+    chose_zap = present & (actions == ACTION_ZAP)
     zap_cells = state.position[:, None] + ZAP_OFFSETS[state.heading]  # allelopathic_harvest.sj:73
-    # allelopathic_harvest.sj:73
-    marked = jnp.where(active[:, None] & INSIDE[zap_cells], zap_cells, NOWHERE).reshape(-1)
-    agent_hot = jnp.where(active, params.cooling.astype(jnp.uint8), state.agent_hot)  # allelopathic_harvest.sj:73
+    marked = jnp.where(chose_zap[:, None] & INSIDE[zap_cells], zap_cells, NOWHERE).reshape(-1)
+    agent_hot = jnp.where(chose_zap, params.cooling.astype(jnp.uint8), state.agent_hot)
     standing = zap_cells[:, :, None] == state.position[None, None, :]  # allelopathic_harvest.sj:74
-    victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # allelopathic_harvest.sj:74
-    anybody = jnp.any(standing, axis=-1)  # allelopathic_harvest.sj:74
-    # allelopathic_harvest.sj:74
-    in_lane = jnp.concatenate([anybody, jnp.zeros_like(anybody[:, :1])], axis=1)[:, LANES_OF_ZAP]
-    nearest = jnp.argmax(in_lane, axis=-1)  # allelopathic_harvest.sj:74
-    found = jnp.any(in_lane, axis=-1)  # allelopathic_harvest.sj:74
-    cell_of_lane = LANES_OF_ZAP[jnp.arange(3)[None, :], nearest]  # allelopathic_harvest.sj:74
-    victim_2 = jnp.take_along_axis(victim, jnp.minimum(cell_of_lane, 8), axis=1)  # allelopathic_harvest.sj:74
-    active_2 = active[:, None] & found  # allelopathic_harvest.sj:74
-    # allelopathic_harvest.sj:74
-    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(active_2.astype(jnp.int32), mode="drop")
-    to_agent = jnp.where(active_2, victim_2, NUM_AGENTS)  # allelopathic_harvest.sj:74
-    # allelopathic_harvest.sj:74
+    victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)
+    anybody = jnp.any(standing, axis=-1)
+    victim_2, found = nearest_in_lanes(anybody, victim, (3, 3, 3))
+    victim_found = chose_zap[:, None] & found
+    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(victim_found.astype(jnp.int32), mode="drop")
+    to_agent = jnp.where(victim_found, victim_2, NUM_AGENTS)
     agent_stunned = state.agent_stunned.at[to_agent].set(params.frozen.astype(jnp.uint8), mode="drop")
-    # allelopathic_harvest.sj:74
     agent_recovering = state.agent_recovering.at[to_agent].set(params.recovery, mode="drop")
     agent_hits = jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2).astype(jnp.uint8)
     return (
@@ -586,20 +559,23 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def judge(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `judge`: for each a, sets a.hits to 0, gives a reward to a, sends a to floor after a delay, counts
-    banished; for each a, sets a.hits to 0.
+    """phase judge {
+      each agent as a where a.hits == strikes { set a.hits = 0  give penalty to a  send a to floor after absence
+          tally banished for a }
+      each agent as a where a.hits < strikes and a.recovering == 0 { set a.hits = 0 }
+    }
     """
     present = state.position != NOWHERE  # allelopathic_harvest.sj:78
-    active = present & (state.agent_hits == 2)  # allelopathic_harvest.sj:78
-    agent_hits = jnp.where(active, 0, state.agent_hits)  # allelopathic_harvest.sj:78
-    reward = out.reward + jnp.where(active, params.penalty, 0.0)  # allelopathic_harvest.sj:78
-    event_banished = out.event_banished + active.astype(jnp.int32)  # allelopathic_harvest.sj:78
+    hits_is_2 = present & (state.agent_hits == 2)
+    agent_hits = jnp.where(hits_is_2, 0, state.agent_hits)
+    reward = out.reward + jnp.where(hits_is_2, params.penalty, 0.0)
+    event_banished = out.event_banished + hits_is_2.astype(jnp.int32)
     # allelopathic_harvest.sj:79
     agent_hits = jnp.where(present & (state.agent_hits < 2) & (state.agent_recovering == 0), 0, agent_hits)
-    position = jnp.where(active, NOWHERE, state.position)  # allelopathic_harvest.sj:78
-    away = jnp.where(active, 25, state.away)  # allelopathic_harvest.sj:78
-    away_pool = jnp.where(active, 1, state.away_pool)  # allelopathic_harvest.sj:78
-    away_facing = jnp.where(active, ANY_HEADING, state.away_facing)  # allelopathic_harvest.sj:78
+    position = jnp.where(hits_is_2, NOWHERE, state.position)  # allelopathic_harvest.sj:78
+    away = jnp.where(hits_is_2, 25, state.away)
+    away_pool = jnp.where(hits_is_2, 1, state.away_pool)
+    away_facing = jnp.where(hits_is_2, ANY_HEADING, state.away_facing)
     return (
         state.replace(
             agent_hits=agent_hits, position=position, away=away, away_pool=away_pool, away_facing=away_facing
@@ -611,20 +587,20 @@ def judge(state: State, out: Outcome, params: Params, actions: Array, key: Array
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
     forbidden = state.agent_stunned > 0  # allelopathic_harvest.sj:39
-    closed = forbidden[:, None] & FORBIDS[None]  # allelopathic_harvest.sj:39
-    forbidden_2 = state.agent_hot > 0  # allelopathic_harvest.sj:39
-    closed_2 = forbidden_2[:, None] & FORBIDS_2[None]  # allelopathic_harvest.sj:39
+    closed = forbidden[:, None] & FORBIDS[None]
+    forbidden_2 = state.agent_hot > 0
+    closed_2 = forbidden_2[:, None] & FORBIDS_2[None]
     forbidden_3 = state.agent_empty > 0  # allelopathic_harvest.sj:40
-    closed_3 = forbidden_3[:, None] & FORBIDS_3[None]  # allelopathic_harvest.sj:40
+    closed_3 = forbidden_3[:, None] & FORBIDS_3[None]
     return ~closed & ~closed_2 & ~closed_3
 
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
     num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)  # allelopathic_harvest.sj:93
-    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)  # allelopathic_harvest.sj:93
-    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)  # allelopathic_harvest.sj:93
-    commonest = jnp.maximum(jnp.maximum(num_bush, num_bush_2), num_bush_3)  # allelopathic_harvest.sj:93
+    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)
+    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)
+    commonest = jnp.maximum(jnp.maximum(num_bush, num_bush_2), num_bush_3)
     return {"commonest": commonest.astype(jnp.float32)}
 
 
@@ -638,29 +614,29 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = BASE
     plane_1 = jnp.zeros(FRAME_CELLS, jnp.uint8)
     # allelopathic_harvest.sj:24
-    plane_0 = fill(plane_0, CELLS_BUSH, state.bush_colour * 2 + state.bush_fruit + BUSH_LOOK)
+    plane_0 = fill(plane_0, CELLS_BUSH, look_number(BUSH_LOOK, (3, 2), state.bush_colour, state.bush_fruit))
     plane_1 = paint(plane_1, state.mark_sow_sow_red_red, MARK_SOW_SOW_RED_RED_BIT)  # allelopathic_harvest.sj:65
-    plane_1 = paint(plane_1, state.mark_sow_sow_green_green, MARK_SOW_SOW_GREEN_GREEN_BIT)  # allelopathic_harvest.sj:65
-    plane_1 = paint(plane_1, state.mark_sow_sow_blue_blue, MARK_SOW_SOW_BLUE_BLUE_BIT)  # allelopathic_harvest.sj:65
+    plane_1 = paint(plane_1, state.mark_sow_sow_green_green, MARK_SOW_SOW_GREEN_GREEN_BIT)
+    plane_1 = paint(plane_1, state.mark_sow_sow_blue_blue, MARK_SOW_SOW_BLUE_BLUE_BIT)
     plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # allelopathic_harvest.sj:71
     # allelopathic_harvest.sj:32
     plane_0 = paint(plane_0, state.position, (jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1) << AGENT_SHIFT)
     seen_0 = windows(  # allelopathic_harvest.sj:90
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    seen_1 = windows(  # allelopathic_harvest.sj:90
+    seen_1 = windows(
         plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    content = seen_0 & CONTENT_MASK  # allelopathic_harvest.sj:90
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # allelopathic_harvest.sj:90
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # allelopathic_harvest.sj:90
-    agents = jnp.where(  # allelopathic_harvest.sj:90
+    content = seen_0 & CONTENT_MASK
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
+    agents = jnp.where(
         MYSELF[None],
         1,
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
-    theirs = (agent != 0) & ~MYSELF[None]  # allelopathic_harvest.sj:90
-    marks = seen_1 & MARK_MASK  # allelopathic_harvest.sj:90
+    theirs = (agent != 0) & ~MYSELF[None]
+    marks = seen_1 & MARK_MASK
     present = state.position != NOWHERE  # allelopathic_harvest.sj:91
     return planes_of(
         WINDOW,

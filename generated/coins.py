@@ -14,7 +14,7 @@ from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, site
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, look_fields, paint, planes_of, windows
 
 NAME = "coins"
 TITLE = "Coins"
@@ -80,6 +80,7 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
+TILE_SHOWN = 1  # as it is shown
 STREAM_START = 0x98bd07c2  # coins.sj:31
 STREAM_START_2 = 0x0bf964bf  # coins.sj:31
 STREAM_GROW = 0x4d3a9d5a  # coins.sj:40
@@ -176,58 +177,80 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to corner, sets agent.colour to green."""
+    """phase start {
+      each agent {
+        send agent to corner                                # released code: the two corners, in random order
+        when agent.index == 1 { set agent.colour = green }  # agent 0 red, agent 1 green
+      }
+    }
+    """
     sent = jnp.full(NUM_AGENTS, True)  # coins.sj:31
     # coins.sj:32
     agent_colour = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 1, AGENT_GREEN, state.agent_colour)
     position, placed = place(  # coins.sj:31
         CELLS_CORNER, jnp.full(NUM_CORNER, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # coins.sj:31
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(agent_colour=agent_colour, position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each tile, by chance sets tile.coin to colour."""
+    """phase grow {
+      each tile where tile.coin is none and nobody on tile {
+        chance 2 * spawn {  # ours: one draw per cell, colours even
+          draw colour from { red, green }
+          set tile.coin = colour
+        }
+      }
+    }
+    """
     tile_under = SITE_OF_TILE[state.position]  # coins.sj:39
-    covered = occupied(tile_under, NUM_TILE)  # coins.sj:39
+    covered = occupied(tile_under, NUM_TILE)
     happens = (random_bits(key, STREAM_GROW, NUM_TILE) >> 1) < threshold(2.0 * params.spawn)  # coins.sj:40
-    active = (state.tile_coin == TILE_NONE) & ~covered & happens  # coins.sj:40
+    active = (state.tile_coin == TILE_NONE) & ~covered & happens
     colour = below(random_bits(key, STREAM_GROW_2, NUM_TILE), 2).astype(jnp.uint8)  # coins.sj:41
     tile_coin = jnp.where(active, colour + 1, state.tile_coin)  # coins.sj:42
     return state.replace(tile_coin=tile_coin), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # coins.sj:46
-    stride = STEP_BY[actions]  # coins.sj:46
-    # coins.sj:46
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # coins.sj:46
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def take(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `take`: for each agent on tile, gives a reward to agent, sets tile.coin to none, counts own_coins, counts
-    other_coins, for each owner, gives a reward to owner.
+    """phase take {
+      each agent on tile where tile.coin is not none {
+        give coin to agent
+        set tile.coin = none
+        when tile.coin is agent.colour { tally own_coins for agent }
+        otherwise {
+          tally other_coins for agent
+          each agent as owner where owner.colour is tile.coin { give harm to owner }
+        }
+      }
+    }
     """
     tile_under = SITE_OF_TILE[state.position]  # coins.sj:48
-    active = (tile_under < NUM_TILE) & (state.tile_coin[tile_under] != TILE_NONE)  # coins.sj:48
-    reward = out.reward + jnp.where(active, params.coin, 0.0)  # coins.sj:49
-    to_tile = jnp.where(active, tile_under, NUM_TILE)  # coins.sj:50
-    tile_coin = state.tile_coin.at[to_tile].set(TILE_NONE, mode="drop")  # coins.sj:50
-    holds = state.tile_coin[tile_under] == state.agent_colour + 1  # coins.sj:51
-    event_own_coins = out.event_own_coins + (active & holds).astype(jnp.int32)  # coins.sj:51
-    active_2 = active & ~holds  # coins.sj:51
-    event_other_coins = out.event_other_coins + active_2.astype(jnp.int32)  # coins.sj:53
-    times = jnp.sum(  # coins.sj:54
-        active_2[:, None]
+    on_tile_and_not_none = (tile_under < NUM_TILE) & (state.tile_coin[tile_under] != TILE_NONE)
+    reward = out.reward + jnp.where(on_tile_and_not_none, params.coin, 0.0)  # coins.sj:49
+    to_tile = jnp.where(on_tile_and_not_none, tile_under, NUM_TILE)  # coins.sj:50
+    tile_coin = state.tile_coin.at[to_tile].set(TILE_NONE, mode="drop")
+    coin_is_colour = state.tile_coin[tile_under] == state.agent_colour + 1  # coins.sj:51
+    event_own_coins = out.event_own_coins + (on_tile_and_not_none & coin_is_colour).astype(jnp.int32)
+    active = on_tile_and_not_none & ~coin_is_colour
+    event_other_coins = out.event_other_coins + active.astype(jnp.int32)  # coins.sj:53
+    num_harm = jnp.sum(  # coins.sj:54
+        active[:, None]
         & (state.agent_colour[None, :] == jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]][:, None]),
         axis=0,
         dtype=jnp.int32,
     )
-    reward = reward + times.astype(jnp.float32) * params.harm  # coins.sj:54
+    reward = reward + num_harm.astype(jnp.float32) * params.harm
     return (
         state.replace(tile_coin=tile_coin),
         out.replace(reward=reward, event_own_coins=event_own_coins, event_other_coins=event_other_coins),
@@ -257,20 +280,13 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # coins.sj:60
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    raw = seen_0 & CONTENT_MASK  # coins.sj:60
-    is_tile = (raw >= TILE_LOOK) & (raw < 4)  # coins.sj:60
-    tile_coin = raw - TILE_LOOK  # coins.sj:60
-    content = jnp.where(  # coins.sj:60
-        is_tile,
-        jnp.where(
-            tile_coin == (state.agent_colour + 1)[:, None],
-            0,
-            jnp.where(tile_coin != TILE_NONE, jnp.uint8(1), jnp.uint8(2)),
-        )
-        + 1,
-        raw,
+    raw = seen_0 & CONTENT_MASK
+    is_tile, tile_coin = look_fields(raw, TILE_LOOK, (3,))
+    shown_coin = jnp.where(
+        tile_coin == (state.agent_colour + 1)[:, None], 0, jnp.where(tile_coin != TILE_NONE, jnp.uint8(1), jnp.uint8(2))
     )
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # coins.sj:60
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # coins.sj:60
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # coins.sj:60
+    content = jnp.where(is_tile, shown_coin + TILE_SHOWN, raw)
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
     return planes_of(WINDOW, None, content, agents)

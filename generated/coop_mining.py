@@ -15,6 +15,7 @@ from sjdsl.runtime.geometry import cells_of, lane_reach, next_cells, own_cell, p
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.line_of_sight import nearest_in_lanes
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "coop_mining"
@@ -223,40 +224,42 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to camp."""
+    """phase start { each agent { send agent to camp } }"""
     sent = jnp.full(NUM_AGENTS, True)  # coop_mining.sj:39
-    position, placed = place(  # coop_mining.sj:39
+    position, placed = place(
         CELLS_CAMP, jnp.full(NUM_CAMP, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    # coop_mining.sj:39
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # coop_mining.sj:43
-    stride = STEP_BY[actions]  # coop_mining.sj:43
-    # coop_mining.sj:43
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # coop_mining.sj:43
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `mine`: for each miner, marks ray, for the first rock in ray of miner, adds miner to rock.miners."""
-    active = actions == ACTION_MINE  # coop_mining.sj:45
+    """phase mine {  # every hit of the step is collected first ...
+      each agent as miner where miner chose mine {
+        mark ray of miner
+        first rock in ray of miner where rock.ore is not none { add miner to rock.miners }
+      }
+    }
+    """
+    chose_mine = actions == ACTION_MINE  # coop_mining.sj:45
     ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # coop_mining.sj:46
-    ray_bits = RAY_REACH[state.position * 4 + state.heading]  # coop_mining.sj:46
-    ray_reached = from_bits(ray_bits, NUM_RAY_CELLS)  # coop_mining.sj:46
-    marked = jnp.where(active[:, None] & ray_reached, ray_cells, NOWHERE).reshape(-1)  # coop_mining.sj:46
+    ray_bits = RAY_REACH[state.position * 4 + state.heading]
+    ray_reached = from_bits(ray_bits, NUM_RAY_CELLS)
+    marked = jnp.where(chose_mine[:, None] & ray_reached, ray_cells, NOWHERE).reshape(-1)
     ray_rock = SITE_OF_ROCK[ray_cells]  # coop_mining.sj:47
-    eligible = (ray_rock < NUM_ROCK) & ray_reached & (state.rock_ore[ray_rock] != ROCK_NONE)  # coop_mining.sj:47
-    found = jnp.any(eligible, axis=1, keepdims=True)  # coop_mining.sj:47
-    nearest = jnp.argmax(eligible, axis=1, keepdims=True)  # coop_mining.sj:47
-    rock = jnp.take_along_axis(ray_rock, nearest, axis=1)  # coop_mining.sj:47
-    to_rock = jnp.where(active[:, None] & found, rock, NUM_ROCK)  # coop_mining.sj:47
-    rock_miners_joined = jnp.zeros(NUM_ROCK, jnp.uint8).at[to_rock].add(  # coop_mining.sj:47
+    eligible = (ray_rock < NUM_ROCK) & ray_reached & (state.rock_ore[ray_rock] != ROCK_NONE)
+    rock, found = nearest_in_lanes(eligible, ray_rock, (3,))
+    to_rock = jnp.where(chose_mine[:, None] & found, rock, NUM_ROCK)
+    rock_miners_joined = jnp.zeros(NUM_ROCK, jnp.uint8).at[to_rock].add(
         (jnp.uint8(1) << jnp.arange(NUM_AGENTS, dtype=jnp.uint8))[:, None],
         mode="drop",
     )
@@ -265,39 +268,62 @@ def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def settle(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `settle`: for each rock, picks 1 winner in rock.miners, gives a reward to winner, counts iron_mined, sets
-    rock.ore to none, sets rock.miners to nobody; for each rock, sets rock.ore to partial, sets rock.left to
-    patience, gives a reward to rock.miners, counts gold_mined, counts ores_shared, sets rock.ore, sets rock.miners
-    to nobody, sets rock.left to 0.
+    """phase settle {  # ... and settled once per ore
+      each rock where rock.miners is not nobody and rock.ore is iron {
+        pick 1 agent as winner in rock.miners { give iron_pays to winner  tally iron_mined for winner }
+        set rock.ore = none
+        set rock.miners = nobody
+      }
+      each rock where rock.miners is not nobody and rock.ore is not iron {
+        let hitters = count(agent in rock.miners)
+        when hitters < fewest and rock.ore is gold { set rock.ore = partial  set rock.left = patience }
+        otherwise when hitters >= fewest {
+          when hitters <= most {
+            give gold_pays to rock.miners
+            tally gold_mined for rock.miners
+            tally ores_shared
+          }
+          set rock.ore = case hitters <= most { yes: none, no: gold }
+          set rock.miners = nobody
+          set rock.left = 0
+        }
+      }
+    }
     """
-    active = (state.rock_miners != 0) & (state.rock_ore == ROCK_IRON)  # coop_mining.sj:51
+    has_miners_and_is_iron = (state.rock_miners != 0) & (state.rock_ore == ROCK_IRON)  # coop_mining.sj:51
     picked = pick_of_sets(  # coop_mining.sj:52
-        jnp.where(active, state.rock_miners, 0), key, lambda key: random_bits(key, STREAM_SETTLE, NUM_ROCK, 1)[:, 0]
+        jnp.where(has_miners_and_is_iron, state.rock_miners, 0),
+        key,
+        lambda key: random_bits(key, STREAM_SETTLE, NUM_ROCK, 1)[:, 0],
     )
-    times = times_in(picked, NUM_AGENTS)  # coop_mining.sj:52
-    reward = out.reward + times.astype(jnp.float32) * params.iron_pays  # coop_mining.sj:52
-    event_iron_mined = out.event_iron_mined + times  # coop_mining.sj:52
-    rock_ore = jnp.where(active, ROCK_NONE, state.rock_ore)  # coop_mining.sj:53
-    rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:54
-    active_3 = (state.rock_miners != 0) & (state.rock_ore != ROCK_IRON)  # coop_mining.sj:56
-    num_agent = size_of_set(state.rock_miners)  # coop_mining.sj:57
-    holds = (num_agent < params.fewest) & (state.rock_ore == ROCK_GOLD)  # coop_mining.sj:58
-    active_4 = active_3 & holds  # coop_mining.sj:58
-    rock_ore = jnp.where(active_4, ROCK_PARTIAL, rock_ore)  # coop_mining.sj:58
-    rock_left = jnp.where(active_4, params.patience.astype(jnp.uint8), state.rock_left)  # coop_mining.sj:58
-    holds_2 = num_agent >= params.fewest  # coop_mining.sj:58
-    active_5 = active_3 & ~holds & holds_2  # coop_mining.sj:58
-    active_6 = active_5 & (num_agent <= params.most)  # coop_mining.sj:60
-    times_2 = times_in(jnp.where(active_6, state.rock_miners, 0), NUM_AGENTS)  # coop_mining.sj:61
-    reward = reward + times_2.astype(jnp.float32) * params.gold_pays  # coop_mining.sj:61
-    event_gold_mined = out.event_gold_mined + times_2  # coop_mining.sj:62
-    times_3 = jnp.sum(active_6, dtype=jnp.int32)  # coop_mining.sj:63
-    event_ores_shared = out.event_ores_shared + times_3  # coop_mining.sj:63
-    subject = num_agent <= params.most  # coop_mining.sj:65
-    # coop_mining.sj:65
-    rock_ore = jnp.where(active_5, jnp.where(subject, jnp.uint8(ROCK_NONE), jnp.uint8(ROCK_GOLD)), rock_ore)
-    rock_miners = jnp.where(active_5, 0, rock_miners)  # coop_mining.sj:66
-    rock_left = jnp.where(active_5, 0, rock_left)  # coop_mining.sj:67
+    num_iron_pays = times_in(picked, NUM_AGENTS)
+    reward = out.reward + num_iron_pays.astype(jnp.float32) * params.iron_pays
+    event_iron_mined = out.event_iron_mined + num_iron_pays
+    rock_ore = jnp.where(has_miners_and_is_iron, ROCK_NONE, state.rock_ore)  # coop_mining.sj:53
+    rock_miners = jnp.where(has_miners_and_is_iron, 0, state.rock_miners)  # coop_mining.sj:54
+    has_miners_and_not_iron = (state.rock_miners != 0) & (state.rock_ore != ROCK_IRON)  # coop_mining.sj:56
+    hitters = size_of_set(state.rock_miners)  # coop_mining.sj:57
+    hitters_below_fewest = (hitters < params.fewest) & (state.rock_ore == ROCK_GOLD)  # coop_mining.sj:58
+    where_hitters_below_fewest = has_miners_and_not_iron & hitters_below_fewest
+    rock_ore = jnp.where(where_hitters_below_fewest, ROCK_PARTIAL, rock_ore)
+    rock_left = jnp.where(where_hitters_below_fewest, params.patience.astype(jnp.uint8), state.rock_left)
+    hitters_at_least_fewest = hitters >= params.fewest
+    where_hitters_at_least_fewest = has_miners_and_not_iron & ~hitters_below_fewest & hitters_at_least_fewest
+    where_hitters_at_most_most = where_hitters_at_least_fewest & (hitters <= params.most)  # coop_mining.sj:60
+    # coop_mining.sj:61
+    num_gold_pays = times_in(jnp.where(where_hitters_at_most_most, state.rock_miners, 0), NUM_AGENTS)
+    reward = reward + num_gold_pays.astype(jnp.float32) * params.gold_pays
+    event_gold_mined = out.event_gold_mined + num_gold_pays  # coop_mining.sj:62
+    ores_shared = jnp.sum(where_hitters_at_most_most, dtype=jnp.int32)  # coop_mining.sj:63
+    event_ores_shared = out.event_ores_shared + ores_shared
+    hitters_at_most_most = hitters <= params.most  # coop_mining.sj:65
+    rock_ore = jnp.where(
+        where_hitters_at_least_fewest,
+        jnp.where(hitters_at_most_most, jnp.uint8(ROCK_NONE), jnp.uint8(ROCK_GOLD)),
+        rock_ore,
+    )
+    rock_miners = jnp.where(where_hitters_at_least_fewest, 0, rock_miners)  # coop_mining.sj:66
+    rock_left = jnp.where(where_hitters_at_least_fewest, 0, rock_left)  # coop_mining.sj:67
     return (
         state.replace(rock_ore=rock_ore, rock_miners=rock_miners, rock_left=rock_left),
         out.replace(
@@ -316,25 +342,32 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def close(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `close`: for each rock, sets rock.ore to gold, sets rock.miners to nobody."""
-    active = (state.rock_ore == ROCK_PARTIAL) & (state.rock_left == 0)  # coop_mining.sj:72
-    rock_ore = jnp.where(active, ROCK_GOLD, state.rock_ore)  # coop_mining.sj:72
-    rock_miners = jnp.where(active, 0, state.rock_miners)  # coop_mining.sj:72
+    """phase close {
+      each rock where rock.ore is partial and rock.left == 0 { set rock.ore = gold  set rock.miners = nobody }
+    }
+    """
+    is_partial_and_left_is_0 = (state.rock_ore == ROCK_PARTIAL) & (state.rock_left == 0)  # coop_mining.sj:72
+    rock_ore = jnp.where(is_partial_and_left_is_0, ROCK_GOLD, state.rock_ore)
+    rock_miners = jnp.where(is_partial_and_left_is_0, 0, state.rock_miners)
     return state.replace(rock_ore=rock_ore, rock_miners=rock_miners), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each rock, by chance sets rock.ore to iron or else sets rock.ore to gold."""
+    """phase grow {
+      each rock where rock.ore is none and nobody on rock {
+        chance spawn_iron { set rock.ore = iron } otherwise chance spawn_gold { set rock.ore = gold }
+      }
+    }
+    """
     rock_under = SITE_OF_ROCK[state.position]  # coop_mining.sj:75
-    covered = occupied(rock_under, NUM_ROCK)  # coop_mining.sj:75
+    covered = occupied(rock_under, NUM_ROCK)
     word = random_bits(key, STREAM_GROW, NUM_ROCK) >> 1  # coop_mining.sj:76
-    limit = threshold(params.spawn_iron)  # coop_mining.sj:76
-    happens = word < limit  # coop_mining.sj:76
-    limit_2 = next_threshold(limit, params.spawn_gold)  # coop_mining.sj:76
-    happens_2 = (word < limit_2) & (word >= limit)  # coop_mining.sj:76
-    # coop_mining.sj:76
-    rock_ore = jnp.where((state.rock_ore == ROCK_NONE) & ~covered & happens, ROCK_IRON, state.rock_ore)
-    rock_ore = jnp.where((state.rock_ore == ROCK_NONE) & ~covered & happens_2, ROCK_GOLD, rock_ore)  # coop_mining.sj:76
+    spawn_iron_limit = threshold(params.spawn_iron)
+    spawn_iron_happens = word < spawn_iron_limit
+    spawn_gold_limit = next_threshold(spawn_iron_limit, params.spawn_gold)
+    spawn_gold_happens = (word < spawn_gold_limit) & (word >= spawn_iron_limit)
+    rock_ore = jnp.where((state.rock_ore == ROCK_NONE) & ~covered & spawn_iron_happens, ROCK_IRON, state.rock_ore)
+    rock_ore = jnp.where((state.rock_ore == ROCK_NONE) & ~covered & spawn_gold_happens, ROCK_GOLD, rock_ore)
     return state.replace(rock_ore=rock_ore), out
 
 
@@ -362,9 +395,9 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # coop_mining.sj:84
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    content = seen_0 & CONTENT_MASK  # coop_mining.sj:84
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # coop_mining.sj:84
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # coop_mining.sj:84
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # coop_mining.sj:84
-    marks = (seen_0 >> MARK_MINE_SHIFT) & MARK_MINE_MASK  # coop_mining.sj:84
+    content = seen_0 & CONTENT_MASK
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
+    marks = (seen_0 >> MARK_MINE_SHIFT) & MARK_MINE_MASK
     return planes_of(WINDOW, None, content, agents, marks)

@@ -215,51 +215,53 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
     state, out = collect(state, out, params, actions, key)
     state, out = consume(state, out, params, actions, key)
     state, out = offer(state, out, params, actions, key)
-    state, out = receive_cut(state, out, params, actions, key)
-    state, out = receive_fine(state, out, params, actions, key)
+    state, out = receive(state, out, params, actions, key, AGENT_BAG_CUT)
+    state, out = receive(state, out, params, actions, key, AGENT_BAG_FINE)
     return state, out
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to camp."""
+    """phase start { each agent { send agent to camp } }"""
     sent = jnp.full(NUM_AGENTS, True)  # gift_refinement.sj:36
-    position, placed = place(  # gift_refinement.sj:36
+    position, placed = place(
         CELLS_CAMP, jnp.full(NUM_CAMP, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    # gift_refinement.sj:36
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each ground, by chance sets ground.token to raw."""
+    """phase grow { each ground where ground.token is none and nobody on ground { chance spawn { set ground.token = raw
+        } } }
+    """
     ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:40
-    covered = occupied(ground_under, NUM_GROUND)  # gift_refinement.sj:40
-    happens = (random_bits(key, STREAM_GROW, NUM_GROUND) >> 1) < threshold(params.spawn)  # gift_refinement.sj:40
-    # gift_refinement.sj:40
+    covered = occupied(ground_under, NUM_GROUND)
+    happens = (random_bits(key, STREAM_GROW, NUM_GROUND) >> 1) < threshold(params.spawn)
     ground_token = jnp.where((state.ground_token == GROUND_NONE) & ~covered & happens, GROUND_RAW, state.ground_token)
     return state.replace(ground_token=ground_token), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # gift_refinement.sj:41
-    stride = STEP_BY[actions]  # gift_refinement.sj:41
-    # gift_refinement.sj:41
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # gift_refinement.sj:41
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def collect(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `collect`: for each agent on ground, sets ground.token to none, adds 1 to agent.bag[raw]."""
+    """phase collect {  # with a full bag the token is lost (released code)
+      each agent on ground where ground.token is raw { set ground.token = none  add 1 to agent.bag[raw] }
+    }
+    """
     ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:43
-    active = (ground_under < NUM_GROUND) & (state.ground_token[ground_under] == GROUND_RAW)  # gift_refinement.sj:43
-    to_ground = jnp.where(active, ground_under, NUM_GROUND)  # gift_refinement.sj:43
-    ground_token = state.ground_token.at[to_ground].set(GROUND_NONE, mode="drop")  # gift_refinement.sj:43
-    agent_bag_added = jnp.where(  # gift_refinement.sj:43
+    on_ground_and_is_raw = (ground_under < NUM_GROUND) & (state.ground_token[ground_under] == GROUND_RAW)
+    to_ground = jnp.where(on_ground_and_is_raw, ground_under, NUM_GROUND)
+    ground_token = state.ground_token.at[to_ground].set(GROUND_NONE, mode="drop")
+    agent_bag_added = jnp.where(
         AGENT_BAG_RAW == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
-        active[..., None].astype(jnp.int32),
+        on_ground_and_is_raw[..., None].astype(jnp.int32),
         jnp.int32(0),
     )
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
@@ -267,37 +269,55 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
 
 
 def consume(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `consume`: for each agent, gives a reward to agent, sets agent.bag to 0, counts consumed."""
-    active = actions == ACTION_CONSUME  # gift_refinement.sj:46
+    """phase consume {
+      each agent where agent chose consume {
+        give worth * sum(agent.bag) to agent  set agent.bag = 0  tally consumed by sum(agent.bag) for agent
+      }
+    }
+    """
+    chose_consume = actions == ACTION_CONSUME  # gift_refinement.sj:46
     reward = out.reward + jnp.where(  # gift_refinement.sj:47
-        active, params.worth * jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32).astype(jnp.float32), 0.0
+        chose_consume, params.worth * jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32).astype(jnp.float32), 0.0
     )
-    agent_bag = jnp.where(active[:, None], 0, state.agent_bag)  # gift_refinement.sj:47
-    # gift_refinement.sj:47
-    event_consumed = out.event_consumed + jnp.where(active, jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32), 0)
+    agent_bag = jnp.where(chose_consume[:, None], 0, state.agent_bag)
+    event_consumed = out.event_consumed + jnp.where(
+        chose_consume, jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32), 0
+    )
     return state.replace(agent_bag=agent_bag), out.replace(reward=reward, event_consumed=event_consumed)
 
 
 def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `offer`: for each giver, marks ray; for each giver, for the first friend in ray of giver, adds -1 to
-    giver.bag[level], adds yields[level] to friend.post[becomes[level]], counts given.
+    """phase offer {
+      each agent as giver where giver chose gift { mark ray of giver }  # released code: also with nothing to give
+      each agent as giver where giver chose gift and sum(giver.bag) > 0 {
+        let level = offered(giver)
+        first agent as friend in ray of giver {
+          when friend.bag[becomes[level]] < cap {
+            add -1 to giver.bag[level]
+            add yields[level] to friend.post[becomes[level]]
+            tally given for giver
+          }
+        }
+      }
+    }
     """
     ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # gift_refinement.sj:51
-    # gift_refinement.sj:51
     marked = jnp.where((actions == ACTION_GIFT)[:, None] & INSIDE[ray_cells], ray_cells, NOWHERE).reshape(-1)
     # gift_refinement.sj:52
-    active = (actions == ACTION_GIFT) & (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0)
-    offered = lowest(state.agent_bag.astype(jnp.int32))  # gift_refinement.sj:53
+    chose_gift = (actions == ACTION_GIFT) & (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0)
+    level = lowest(state.agent_bag.astype(jnp.int32))  # gift_refinement.sj:53
     standing = ray_cells[:, :, None] == state.position[None, None, :]  # gift_refinement.sj:54
-    friend = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # gift_refinement.sj:54
-    anybody = jnp.any(standing, axis=-1)  # gift_refinement.sj:54
-    active_2 = active[:, None] & anybody & (  # gift_refinement.sj:55
-        entry(state.agent_bag[friend].astype(jnp.int32), params.becomes[offered][:, None]) < 15
+    friend = jnp.argmax(standing, axis=-1).astype(jnp.int32)
+    anybody = jnp.any(standing, axis=-1)
+    where_bag_becomes_level_below_15 = (  # gift_refinement.sj:55
+        chose_gift[:, None]
+        & anybody
+        & (entry(state.agent_bag[friend].astype(jnp.int32), params.becomes[level][:, None]) < 15)
     )
     agent_bag_added = jnp.sum(  # gift_refinement.sj:56
         jnp.where(
-            offered[:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
-            jnp.where(active_2, jnp.int32(-1), jnp.int32(0))[..., None],
+            level[:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            jnp.where(where_bag_becomes_level_below_15, jnp.int32(-1), jnp.int32(0))[..., None],
             jnp.int32(0),
         ),
         axis=1,
@@ -305,14 +325,14 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
     agent_post_added = jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32).at[friend].add(  # gift_refinement.sj:57
         jnp.where(
-            params.becomes[offered][:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
-            jnp.where(active_2, params.yields[offered][:, None], 0)[..., None],
+            params.becomes[level][:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            jnp.where(where_bag_becomes_level_below_15, params.yields[level][:, None], 0)[..., None],
             jnp.int32(0),
         ),
         mode="drop",
     )
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # gift_refinement.sj:58
-    event_given = out.event_given + times  # gift_refinement.sj:58
+    given = jnp.sum(where_bag_becomes_level_below_15, axis=1, dtype=jnp.int32)  # gift_refinement.sj:58
+    event_given = out.event_given + given
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     agent_post = jnp.clip(state.agent_post.astype(jnp.int32) + agent_post_added, 0, 25).astype(jnp.uint8)
     return (
@@ -321,54 +341,36 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
 
 
-def receive_cut(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `receive(cut)`: for each agent, adds agent.post[cut] to agent.bag[cut], counts received, sets
-    agent.post[cut] to 0.
+def receive(
+    state: State, out: Outcome, params: Params, actions: Array, key: Array, agent_bag_level: int
+) -> tuple[State, Outcome]:
+    """phase receive(level) {
+      each agent where agent.post[level] > 0 {
+        add agent.post[level] to agent.bag[level]
+        tally received[level] by min(agent.post[level], cap - agent.bag[level]) for agent
+        set agent.post[level] = 0
+      }
+    }
     """
-    active = state.agent_post[:, AGENT_BAG_CUT] > 0  # gift_refinement.sj:64
+    post_level_above_0 = state.agent_post[:, agent_bag_level] > 0  # gift_refinement.sj:64
     agent_bag_added = jnp.where(  # gift_refinement.sj:65
-        AGENT_BAG_CUT == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
-        jnp.where(active, state.agent_post[:, AGENT_BAG_CUT].astype(jnp.int32), 0)[..., None],
+        agent_bag_level == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
+        jnp.where(post_level_above_0, state.agent_post[:, agent_bag_level].astype(jnp.int32), 0)[..., None],
         jnp.int32(0),
     )
-    event_received = out.event_received.at[:, AGENT_BAG_CUT].add(  # gift_refinement.sj:66
+    event_received = out.event_received.at[:, agent_bag_level].add(  # gift_refinement.sj:66
         jnp.where(
-            active,
+            post_level_above_0,
             jnp.minimum(
-                state.agent_post[:, AGENT_BAG_CUT].astype(jnp.int32),
-                15 - state.agent_bag[:, AGENT_BAG_CUT].astype(jnp.int32),
+                state.agent_post[:, agent_bag_level].astype(jnp.int32),
+                15 - state.agent_bag[:, agent_bag_level].astype(jnp.int32),
             ),
             0,
         )
     )
-    # gift_refinement.sj:67
-    agent_post = state.agent_post.at[:, AGENT_BAG_CUT].set(jnp.where(active, 0, state.agent_post[:, AGENT_BAG_CUT]))
-    agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
-    return state.replace(agent_post=agent_post, agent_bag=agent_bag), out.replace(event_received=event_received)
-
-
-def receive_fine(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `receive(fine)`: for each agent, adds agent.post[fine] to agent.bag[fine], counts received, sets
-    agent.post[fine] to 0.
-    """
-    active = state.agent_post[:, AGENT_BAG_FINE] > 0  # gift_refinement.sj:64
-    agent_bag_added = jnp.where(  # gift_refinement.sj:65
-        AGENT_BAG_FINE == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
-        jnp.where(active, state.agent_post[:, AGENT_BAG_FINE].astype(jnp.int32), 0)[..., None],
-        jnp.int32(0),
+    agent_post = state.agent_post.at[:, agent_bag_level].set(  # gift_refinement.sj:67
+        jnp.where(post_level_above_0, 0, state.agent_post[:, agent_bag_level])
     )
-    event_received = out.event_received.at[:, AGENT_BAG_FINE].add(  # gift_refinement.sj:66
-        jnp.where(
-            active,
-            jnp.minimum(
-                state.agent_post[:, AGENT_BAG_FINE].astype(jnp.int32),
-                15 - state.agent_bag[:, AGENT_BAG_FINE].astype(jnp.int32),
-            ),
-            0,
-        )
-    )
-    # gift_refinement.sj:67
-    agent_post = state.agent_post.at[:, AGENT_BAG_FINE].set(jnp.where(active, 0, state.agent_post[:, AGENT_BAG_FINE]))
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(agent_post=agent_post, agent_bag=agent_bag), out.replace(event_received=event_received)
 
@@ -402,14 +404,14 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # gift_refinement.sj:76
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    content = seen_0 & CONTENT_MASK  # gift_refinement.sj:76
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # gift_refinement.sj:76
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # gift_refinement.sj:76
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # gift_refinement.sj:76
-    marks = (seen_0 >> MARK_OFFER_SHIFT) & MARK_OFFER_MASK  # gift_refinement.sj:76
-    shown_bag = state.agent_bag[:, AGENT_BAG_RAW]  # gift_refinement.sj:76
-    shown_bag_2 = state.agent_bag[:, AGENT_BAG_CUT]  # gift_refinement.sj:76
-    shown_bag_3 = state.agent_bag[:, AGENT_BAG_FINE]  # gift_refinement.sj:76
+    content = seen_0 & CONTENT_MASK
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
+    marks = (seen_0 >> MARK_OFFER_SHIFT) & MARK_OFFER_MASK
+    shown_bag = state.agent_bag[:, AGENT_BAG_RAW]
+    shown_bag_2 = state.agent_bag[:, AGENT_BAG_CUT]
+    shown_bag_3 = state.agent_bag[:, AGENT_BAG_FINE]
     return planes_of(
         WINDOW,
         None,

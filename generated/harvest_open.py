@@ -231,26 +231,38 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to den, sends agent to gate."""
-    holds = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 2  # harvest_open.sj:39
-    sent = ~holds  # harvest_open.sj:39
-    position, placed = place(  # harvest_open.sj:39
-        CELLS_DEN, jnp.full(NUM_DEN, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, holds
+    """phase start {
+      each agent {
+        when agent.index < 2 { send agent to den } otherwise { send agent to gate }  # released code: agents 0 and 1
+            inside
+      }
+    }
+    """
+    index_below_2 = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 2  # harvest_open.sj:39
+    sent = ~index_below_2
+    position, placed = place(
+        CELLS_DEN, jnp.full(NUM_DEN, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, index_below_2
     )
-    # harvest_open.sj:39
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
-    position, placed_2 = place(  # harvest_open.sj:39
+    position, placed_2 = place(
         CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent
     )
-    heading = jnp.where(placed_2, below(random_bits(key, STREAM_START_4, NUM_AGENTS), 4), heading)  # harvest_open.sj:39
+    heading = jnp.where(placed_2, below(random_bits(key, STREAM_START_4, NUM_AGENTS), 4), heading)
     return state.replace(position=position, heading=heading), out
 
 
 def regrow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `regrow`: for each soil, by chance sets soil.fruit to ripe."""
+    """phase regrow {
+      each soil where soil.fruit is none and nobody on soil {
+        let near = count(soil as other in disc(2) of soil where other.fruit is ripe)                  # paper: radius
+            2, that is 12 cells
+        chance case near { 0: 0, 1: regrow_1, 2: regrow_2, 3..: regrow_3 } { set soil.fruit = ripe }  # paper
+      }
+    }
+    """
     soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:46
-    covered = occupied(soil_under, NUM_SOIL)  # harvest_open.sj:46
-    active = (state.soil_fruit == SOIL_NONE) & ~covered  # harvest_open.sj:46
+    covered = occupied(soil_under, NUM_SOIL)
+    is_none_and_uncovered = (state.soil_fruit == SOIL_NONE) & ~covered
     near = count_near(state.soil_fruit == SOIL_RIPE, NEAR_DISC_2_SOIL)  # harvest_open.sj:47
     happens = (  # harvest_open.sj:48
         (random_bits(key, STREAM_REGROW, NUM_SOIL) >> 1) < threshold(
@@ -261,48 +273,60 @@ def regrow(state: State, out: Outcome, params: Params, actions: Array, key: Arra
             )
         )
     )
-    soil_fruit = jnp.where(active & happens, SOIL_RIPE, state.soil_fruit)  # harvest_open.sj:48
+    soil_fruit = jnp.where(is_none_and_uncovered & happens, SOIL_RIPE, state.soil_fruit)
     return state.replace(soil_fruit=soil_fruit), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # harvest_open.sj:51
-    stride = STEP_BY[actions]  # harvest_open.sj:51
-    # harvest_open.sj:51
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # harvest_open.sj:51
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`: for each agent on soil, sets soil.fruit to none, gives a reward to agent, counts eaten."""
+    """phase eat {
+      each agent on soil where soil.fruit is ripe {
+        set soil.fruit = none
+        give apple to agent
+        tally eaten for agent
+      }
+    }
+    """
     soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:53
-    active = (soil_under < NUM_SOIL) & (state.soil_fruit[soil_under] == SOIL_RIPE)  # harvest_open.sj:53
-    to_soil = jnp.where(active, soil_under, NUM_SOIL)  # harvest_open.sj:54
-    soil_fruit = state.soil_fruit.at[to_soil].set(SOIL_NONE, mode="drop")  # harvest_open.sj:54
-    reward = out.reward + jnp.where(active, params.apple, 0.0)  # harvest_open.sj:55
-    event_eaten = out.event_eaten + active.astype(jnp.int32)  # harvest_open.sj:56
+    on_soil_and_is_ripe = (soil_under < NUM_SOIL) & (state.soil_fruit[soil_under] == SOIL_RIPE)
+    to_soil = jnp.where(on_soil_and_is_ripe, soil_under, NUM_SOIL)  # harvest_open.sj:54
+    soil_fruit = state.soil_fruit.at[to_soil].set(SOIL_NONE, mode="drop")
+    reward = out.reward + jnp.where(on_soil_and_is_ripe, params.apple, 0.0)  # harvest_open.sj:55
+    event_eaten = out.event_eaten + on_soil_and_is_ripe.astype(jnp.int32)  # harvest_open.sj:56
     return state.replace(soil_fruit=soil_fruit), out.replace(reward=reward, event_eaten=event_eaten)
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`: for each zapper, marks beam, for each victim in beam of zapper, sends victim to gate, counts hits.
+    """phase fire {
+      each agent as zapper where zapper chose zap {
+        mark beam of zapper
+        each agent as victim in beam of zapper {
+          send victim to gate after respawn_delay
+          tally hits for zapper
+        }
+      }
+    }
     """
-    active = actions == ACTION_ZAP  # harvest_open.sj:60
+    chose_zap = actions == ACTION_ZAP  # harvest_open.sj:60
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # harvest_open.sj:61
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)  # harvest_open.sj:61
+    marked = jnp.where(chose_zap[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # harvest_open.sj:62
-    active_2 = active[:, None] & in_beam  # harvest_open.sj:62
-    sent = jnp.any(active_2, axis=0)  # harvest_open.sj:63
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # harvest_open.sj:64
-    event_hits = out.event_hits + times  # harvest_open.sj:64
+    victim_in_beam = chose_zap[:, None] & in_beam
+    sent = jnp.any(victim_in_beam, axis=0)  # harvest_open.sj:63
+    hits = jnp.sum(victim_in_beam, axis=1, dtype=jnp.int32)  # harvest_open.sj:64
+    event_hits = out.event_hits + hits
     gate_under = SITE_OF_GATE[state.position]  # harvest_open.sj:63
-    others = jnp.where(sent, NUM_GATE, gate_under)  # harvest_open.sj:63
-    free = ~occupied(others, NUM_GATE)  # harvest_open.sj:63
-    # harvest_open.sj:63
+    others = jnp.where(sent, NUM_GATE, gate_under)
+    free = ~occupied(others, NUM_GATE)
     position, placed = place(CELLS_GATE, free, random_bits(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
-    # harvest_open.sj:63
     heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
@@ -332,10 +356,10 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # harvest_open.sj:69
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    raw = seen_0 & CONTENT_MASK  # harvest_open.sj:69
-    content = raw + (raw >= SOIL_LOOK).astype(jnp.uint8)  # harvest_open.sj:69
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # harvest_open.sj:69
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # harvest_open.sj:69
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # harvest_open.sj:69
-    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK  # harvest_open.sj:69
+    raw = seen_0 & CONTENT_MASK
+    content = raw + (raw >= SOIL_LOOK).astype(jnp.uint8)
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
+    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK
     return planes_of(WINDOW, None, content, agents, marks)

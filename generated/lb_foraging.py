@@ -13,7 +13,7 @@ from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, shap
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, look_fields, paint, planes_of, windows
 
 NAME = "lb_foraging"
 TITLE = "Level-Based Foraging"
@@ -87,6 +87,8 @@ RIGHT = 4  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 START_LOOK = 5  # as it is painted
+START_UP = 6  # from its looks on, from painted to shown
+FLOOR_SHOWN = 1  # as it is shown
 STREAM_START = 0xbe6537e4  # lb_foraging.sj:37
 STREAM_START_2 = 0xab566a18  # lb_foraging.sj:40
 STREAM_START_3 = 0x59b047de  # lb_foraging.sj:41
@@ -182,77 +184,99 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to start, sets agent.level to level; picks 4
-    floor, sets floor.food to level.
+    """phase start {
+      each agent {
+        send agent to start facing north
+        draw level from 1 .. strongest
+        set agent.level = level
+      }
+      pick foods floor {  # ours: all are placed; the released code loses one that it draws where it cannot lie
+        draw level from 1 .. richest
+        set floor.food = level
+      }
+    }
     """
     sent = jnp.full(NUM_AGENTS, True)  # lb_foraging.sj:36
     level = below(random_bits(key, STREAM_START, NUM_AGENTS), 2) + 1  # lb_foraging.sj:37
     agent_level = level.astype(jnp.uint8)  # lb_foraging.sj:38
     member = jnp.broadcast_to(True, (NUM_FLOOR,))  # lb_foraging.sj:40
-    taken = choose(member, random_bits(key, STREAM_START_2, 4), jnp.int32(4))  # lb_foraging.sj:40
+    taken = choose(member, random_bits(key, STREAM_START_2, 4), jnp.int32(4))
     level_2 = below(random_bits(key, STREAM_START_3, NUM_FLOOR), 3) + 1  # lb_foraging.sj:41
     floor_food = jnp.where(taken, level_2.astype(jnp.uint8), state.floor_food)  # lb_foraging.sj:42
     position, placed = place(  # lb_foraging.sj:36
         CELLS_START, jnp.full(NUM_START, True), random_bits(key, STREAM_START_4, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, NORTH, state.heading)  # lb_foraging.sj:36
+    heading = jnp.where(placed, NORTH, state.heading)
     return state.replace(agent_level=agent_level, floor_food=floor_food, position=position, heading=heading), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # lb_foraging.sj:48
-    stride = STEP_BY[actions]  # lb_foraging.sj:48
-    # lb_foraging.sj:48
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + (stride & 3)])
-    target = jnp.where(  # lb_foraging.sj:48
+    target = jnp.where(
         (SITE_OF_FLOOR[target] < NUM_FLOOR)
         & (state.floor_food[SITE_OF_FLOOR[target]] > 0)
         & (target != state.position),
         state.position,
         target,
     )
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # lb_foraging.sj:48
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def load(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `load`: for each floor, for each agent in beside of floor, gives a reward to agent, counts shared, counts
-    taken, sets floor.food to 0, for each agent in beside of floor, gives a reward to agent, counts vain.
+    """phase load {
+      each floor where floor.food > 0 {
+        let strength = sum(agent.level over agent in beside of floor where agent chose load)
+        when strength > 0 and strength >= floor.food {
+          each agent in beside of floor where agent chose load {
+            give worth * floor.food * agent.level / strength to agent
+            tally shared for agent
+          }
+          tally taken
+          set floor.food = 0
+        } otherwise {
+          each agent in beside of floor where agent chose load { give -penalty to agent  tally vain for agent }
+        }
+      }
+    }
     """
-    active = state.floor_food > 0  # lb_foraging.sj:50
+    food_above_0 = state.floor_food > 0  # lb_foraging.sj:50
     in_beside = jnp.any(  # lb_foraging.sj:51
         (CELLS_FLOOR[:, None] + BESIDE_AROUND[None, :])[:, :, None] == state.position[None, None, :], axis=1
     )
-    total = jnp.sum(  # lb_foraging.sj:51
+    strength = jnp.sum(
         jnp.where(in_beside & (actions == ACTION_LOAD)[None, :], state.agent_level[None, :].astype(jnp.int32), 0),
         axis=1,
         dtype=jnp.int32,
     )
-    holds = (total > 0) & (total >= state.floor_food.astype(jnp.int32))  # lb_foraging.sj:52
-    active_2 = active & holds  # lb_foraging.sj:52
-    active_3 = active_2[:, None] & in_beside & (actions == ACTION_LOAD)[None, :]  # lb_foraging.sj:53
+    strength_above_0 = (strength > 0) & (strength >= state.floor_food.astype(jnp.int32))  # lb_foraging.sj:52
+    where_strength_above_0 = food_above_0 & strength_above_0
+    # lb_foraging.sj:53
+    agent_in_beside = where_strength_above_0[:, None] & in_beside & (actions == ACTION_LOAD)[None, :]
     reward = out.reward + jnp.sum(  # lb_foraging.sj:54
         jnp.where(
-            active_3,
+            agent_in_beside,
             (params.worth * state.floor_food.astype(jnp.float32))[:, None]
             * state.agent_level[None, :].astype(jnp.float32)
-            / total[:, None].astype(jnp.float32),
+            / strength[:, None].astype(jnp.float32),
             0.0,
         ),
         axis=0,
         dtype=jnp.float32,
     )
-    times = jnp.sum(active_3, axis=0, dtype=jnp.int32)  # lb_foraging.sj:55
-    event_shared = out.event_shared + times  # lb_foraging.sj:55
-    times_2 = jnp.sum(active_2, dtype=jnp.int32)  # lb_foraging.sj:57
-    event_taken = out.event_taken + times_2  # lb_foraging.sj:57
-    floor_food = jnp.where(active_2, 0, state.floor_food)  # lb_foraging.sj:58
-    active_4 = active & ~holds  # lb_foraging.sj:58
-    active_5 = active_4[:, None] & in_beside & (actions == ACTION_LOAD)[None, :]  # lb_foraging.sj:60
-    times_3 = jnp.sum(active_5, axis=0, dtype=jnp.int32)  # lb_foraging.sj:60
-    reward = reward + times_3.astype(jnp.float32) * -params.penalty  # lb_foraging.sj:60
-    event_vain = out.event_vain + times_3  # lb_foraging.sj:60
+    shared = jnp.sum(agent_in_beside, axis=0, dtype=jnp.int32)  # lb_foraging.sj:55
+    event_shared = out.event_shared + shared
+    taken = jnp.sum(where_strength_above_0, dtype=jnp.int32)  # lb_foraging.sj:57
+    event_taken = out.event_taken + taken
+    floor_food = jnp.where(where_strength_above_0, 0, state.floor_food)  # lb_foraging.sj:58
+    active = food_above_0 & ~strength_above_0
+    agent_in_beside_2 = active[:, None] & in_beside & (actions == ACTION_LOAD)[None, :]  # lb_foraging.sj:60
+    times = jnp.sum(agent_in_beside_2, axis=0, dtype=jnp.int32)
+    reward = reward + times.astype(jnp.float32) * -params.penalty
+    event_vain = out.event_vain + times
     return (
         state.replace(floor_food=floor_food),
         out.replace(reward=reward, event_shared=event_shared, event_taken=event_taken, event_vain=event_vain),
@@ -260,9 +284,9 @@ def load(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def finish(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `finish`: ends the episode."""
+    """phase finish { when count(floor where floor.food > 0) == 0 { end } }"""
     num_floor = jnp.sum(state.floor_food > 0, dtype=jnp.int32)  # lb_foraging.sj:64
-    ended = out.ended | (num_floor == 0)  # lb_foraging.sj:64
+    ended = out.ended | (num_floor == 0)
     return state, out.replace(ended=ended)
 
 
@@ -291,32 +315,32 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # lb_foraging.sj:71
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    raw = seen_0 & CONTENT_MASK  # lb_foraging.sj:71
-    is_floor = (raw >= FLOOR_LOOK) & (raw < 5)  # lb_foraging.sj:71
-    floor_food = raw - FLOOR_LOOK  # lb_foraging.sj:71
-    chosen = jnp.where(  # lb_foraging.sj:71
+    raw = seen_0 & CONTENT_MASK
+    is_floor, floor_food = look_fields(raw, FLOOR_LOOK, (4,))
+    chosen = jnp.where(
         floor_food == 6,
         5,
         jnp.where(
             floor_food == 7, 6, jnp.where(floor_food == 8, 7, jnp.where(floor_food == 9, jnp.uint8(8), jnp.uint8(9)))
         ),
     )
-    chosen_2 = jnp.where(  # lb_foraging.sj:71
+    chosen_2 = jnp.where(
         floor_food == 2,
         1,
         jnp.where(floor_food == 3, 2, jnp.where(floor_food == 4, 3, jnp.where(floor_food == 5, 4, chosen))),
     )
-    content = jnp.where(  # lb_foraging.sj:71
-        is_floor, jnp.where(floor_food == 1, 0, chosen_2) + 1, raw + (raw >= START_LOOK).astype(jnp.uint8) * 6
+    shown_food = jnp.where(floor_food == 1, 0, chosen_2)
+    content = jnp.where(
+        is_floor, shown_food + FLOOR_SHOWN, raw + jnp.where(raw >= START_LOOK, jnp.uint8(START_UP), jnp.uint8(0))
     )
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # lb_foraging.sj:71
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # lb_foraging.sj:71
-    agents = jnp.where(  # lb_foraging.sj:71
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
+    agents = jnp.where(
         MYSELF[None],
         1,
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
-    theirs = (agent != 0) & ~MYSELF[None]  # lb_foraging.sj:71
+    theirs = (agent != 0) & ~MYSELF[None]
     return planes_of(
         WINDOW,
         None,

@@ -237,21 +237,35 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
     state, out = tick(state, out, params, actions, key)
     state, out = walk(state, out, params, actions, key)
     state, out = eat(state, out, params, actions, key)
-    state, out = sprout_red(state, out, params, actions, key)
-    state, out = sprout_green(state, out, params, actions, key)
-    state, out = sprout_blue(state, out, params, actions, key)
-    state, out = sprout_orange(state, out, params, actions, key)
+    state, out = sprout(
+        state, out, params, actions, key, GROUND_RED, WORLD_TRIALS_RED, STREAM_SPROUT_RED, STREAM_SPROUT_RED_2
+    )
+    state, out = sprout(
+        state, out, params, actions, key, GROUND_GREEN, WORLD_TRIALS_GREEN, STREAM_SPROUT_GREEN, STREAM_SPROUT_GREEN_2
+    )
+    state, out = sprout(
+        state, out, params, actions, key, GROUND_BLUE, WORLD_TRIALS_BLUE, STREAM_SPROUT_BLUE, STREAM_SPROUT_BLUE_2
+    )
+    state, out = sprout(
+        state,
+        out,
+        params,
+        actions,
+        key,
+        GROUND_ORANGE,
+        WORLD_TRIALS_ORANGE,
+        STREAM_SPROUT_ORANGE,
+        STREAM_SPROUT_ORANGE_2,
+    )
     state, out = fire(state, out, params, actions, key)
     return state, out
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to ground."""
+    """phase start { each agent { send agent to ground where ground.grows is none } }"""
     sent = jnp.full(NUM_AGENTS, True)  # mushrooms.sj:49
-    free = state.ground_grows == GROUND_NONE  # mushrooms.sj:49
-    # mushrooms.sj:49
+    free = state.ground_grows == GROUND_NONE
     position, placed = place(CELLS_GROUND, free, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
-    # mushrooms.sj:49
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -263,36 +277,44 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # mushrooms.sj:53
-    stride = STEP_BY[actions]  # mushrooms.sj:53
-    # mushrooms.sj:53
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # mushrooms.sj:53
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`: for each agent on ground, sets ground.grows to none, sets agent.digesting to digestion[meal], counts
-    eaten, adds spores[meal] to trials, gives a reward to agent, gives a reward to all.
+    """phase eat {
+      each agent on ground where ground.grows is not none {
+        let meal = ground.grows
+        set ground.grows = none
+        set agent.digesting = digestion[meal]
+        tally eaten[meal] for agent
+        add spores[meal] to trials
+        give eater[meal] to agent  give everyone[meal] to all  give others[meal] to all but agent
+      }
+    }
     """
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:55
-    active = (ground_under < NUM_GROUND) & (state.ground_grows[ground_under] != GROUND_NONE)  # mushrooms.sj:55
+    on_ground_and_not_none = (ground_under < NUM_GROUND) & (state.ground_grows[ground_under] != GROUND_NONE)
     meal = state.ground_grows[ground_under] - 1  # mushrooms.sj:56
-    to_ground = jnp.where(active, ground_under, NUM_GROUND)  # mushrooms.sj:57
-    ground_grows = state.ground_grows.at[to_ground].set(GROUND_NONE, mode="drop")  # mushrooms.sj:57
+    to_ground = jnp.where(on_ground_and_not_none, ground_under, NUM_GROUND)  # mushrooms.sj:57
+    ground_grows = state.ground_grows.at[to_ground].set(GROUND_NONE, mode="drop")
     # mushrooms.sj:58
-    agent_digesting = jnp.where(active, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)
+    agent_digesting = jnp.where(on_ground_and_not_none, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)
     event_eaten = out.event_eaten + (  # mushrooms.sj:59
-        active[:, None] & (meal[:, None] == jnp.arange(NUM_WORLD_TRIALS, dtype=jnp.uint8)[None, :])
+        on_ground_and_not_none[:, None] & (meal[:, None] == jnp.arange(NUM_WORLD_TRIALS, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
-    # mushrooms.sj:60
-    world_trials_added = jnp.sum(jnp.where(active[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32)
-    reward = out.reward + jnp.where(active, params.eater[meal], 0.0)  # mushrooms.sj:61
-    reward = reward + jnp.sum(jnp.where(active, params.everyone[meal], 0.0), dtype=jnp.float32)  # mushrooms.sj:61
-    reward = reward + jnp.sum(  # mushrooms.sj:61
+    world_trials_added = jnp.sum(  # mushrooms.sj:60
+        jnp.where(on_ground_and_not_none[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32
+    )
+    reward = out.reward + jnp.where(on_ground_and_not_none, params.eater[meal], 0.0)  # mushrooms.sj:61
+    reward = reward + jnp.sum(jnp.where(on_ground_and_not_none, params.everyone[meal], 0.0), dtype=jnp.float32)
+    reward = reward + jnp.sum(
         jnp.where(
-            active[:, None]
+            on_ground_and_not_none[:, None]
             & (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
             params.others[meal][:, None],
             0.0,
@@ -307,99 +329,69 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     )
 
 
-def sprout_red(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(red)`: picks some ground, by chance sets ground.grows to red; sets trials[red] to 0."""
-    num_ground = jnp.sum(state.ground_grows == GROUND_RED, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[WORLD_TRIALS_RED]  # mushrooms.sj:65
+def sprout(
+    state: State,
+    out: Outcome,
+    params: Params,
+    actions: Array,
+    key: Array,
+    ground_what: int,
+    world_trials_what: int,
+    stream: int,
+    stream_2: int,
+) -> tuple[State, Outcome]:
+    """phase sprout(what) {
+      when count(ground where ground.grows is what) <= crowd[what] {
+        pick trials[what] ground where ground.grows is none and nobody on ground {
+          chance regrow[what] { set ground.grows = what }
+        }
+      }
+      set trials[what] = 0
+    }
+    """
+    num_ground = jnp.sum(state.ground_grows == ground_what, dtype=jnp.int32)  # mushrooms.sj:65
+    active = num_ground <= params.crowd[world_trials_what]
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
-    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
-    taken = choose(  # mushrooms.sj:66
-        member, random_bits(key, STREAM_SPROUT_RED, 20), state.world_trials[WORLD_TRIALS_RED].astype(jnp.int32)
-    )
+    covered = occupied(ground_under, NUM_GROUND)
+    member = (state.ground_grows == GROUND_NONE) & ~covered
+    taken = choose(member, random_bits(key, stream, 20), state.world_trials[world_trials_what].astype(jnp.int32))
     # mushrooms.sj:67
-    happens = (random_bits(key, STREAM_SPROUT_RED_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_RED])
-    ground_grows = jnp.where(active & taken & happens, GROUND_RED, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[WORLD_TRIALS_RED].set(0)  # mushrooms.sj:70
-    return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
-
-
-def sprout_green(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(green)`: picks some ground, by chance sets ground.grows to green; sets trials[green] to 0."""
-    num_ground = jnp.sum(state.ground_grows == GROUND_GREEN, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[WORLD_TRIALS_GREEN]  # mushrooms.sj:65
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
-    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
-    taken = choose(  # mushrooms.sj:66
-        member, random_bits(key, STREAM_SPROUT_GREEN, 20), state.world_trials[WORLD_TRIALS_GREEN].astype(jnp.int32)
-    )
-    # mushrooms.sj:67
-    happens = (random_bits(key, STREAM_SPROUT_GREEN_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_GREEN])
-    ground_grows = jnp.where(active & taken & happens, GROUND_GREEN, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[WORLD_TRIALS_GREEN].set(0)  # mushrooms.sj:70
-    return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
-
-
-def sprout_blue(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(blue)`: picks some ground, by chance sets ground.grows to blue; sets trials[blue] to 0."""
-    num_ground = jnp.sum(state.ground_grows == GROUND_BLUE, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[WORLD_TRIALS_BLUE]  # mushrooms.sj:65
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
-    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
-    taken = choose(  # mushrooms.sj:66
-        member, random_bits(key, STREAM_SPROUT_BLUE, 20), state.world_trials[WORLD_TRIALS_BLUE].astype(jnp.int32)
-    )
-    # mushrooms.sj:67
-    happens = (random_bits(key, STREAM_SPROUT_BLUE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_BLUE])
-    ground_grows = jnp.where(active & taken & happens, GROUND_BLUE, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[WORLD_TRIALS_BLUE].set(0)  # mushrooms.sj:70
-    return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
-
-
-def sprout_orange(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sprout(orange)`: picks some ground, by chance sets ground.grows to orange; sets trials[orange] to 0."""
-    num_ground = jnp.sum(state.ground_grows == GROUND_ORANGE, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[WORLD_TRIALS_ORANGE]  # mushrooms.sj:65
-    ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
-    covered = occupied(ground_under, NUM_GROUND)  # mushrooms.sj:66
-    member = (state.ground_grows == GROUND_NONE) & ~covered  # mushrooms.sj:66
-    taken = choose(  # mushrooms.sj:66
-        member, random_bits(key, STREAM_SPROUT_ORANGE, 20), state.world_trials[WORLD_TRIALS_ORANGE].astype(jnp.int32)
-    )
-    happens = (  # mushrooms.sj:67
-        (random_bits(key, STREAM_SPROUT_ORANGE_2, NUM_GROUND) >> 1) < threshold(params.regrow[WORLD_TRIALS_ORANGE])
-    )
-    ground_grows = jnp.where(active & taken & happens, GROUND_ORANGE, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[WORLD_TRIALS_ORANGE].set(0)  # mushrooms.sj:70
+    happens = (random_bits(key, stream_2, NUM_GROUND) >> 1) < threshold(params.regrow[world_trials_what])
+    ground_grows = jnp.where(active & taken & happens, ground_what, state.ground_grows)
+    world_trials = state.world_trials.at[world_trials_what].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`: for each zapper, marks beam, for each victim in beam of zapper, sends victim to ground, counts
-    hits.
+    """phase fire {
+      each agent as zapper where zapper chose zap {
+        mark beam of zapper
+        each agent as victim in beam of zapper {
+          send victim to ground where ground.grows is none after respawn_delay otherwise stay
+          tally hits for zapper
+        }
+      }
+    }
     """
-    active = actions == ACTION_ZAP  # mushrooms.sj:73
+    chose_zap = actions == ACTION_ZAP  # mushrooms.sj:73
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # mushrooms.sj:74
-    marked = jnp.where(active[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)  # mushrooms.sj:74
+    marked = jnp.where(chose_zap[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
     in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
-    active_2 = active[:, None] & in_beam  # mushrooms.sj:75
-    sent = jnp.any(active_2, axis=0)  # mushrooms.sj:76
-    times = jnp.sum(active_2, axis=1, dtype=jnp.int32)  # mushrooms.sj:77
-    event_hits = out.event_hits + times  # mushrooms.sj:77
+    victim_in_beam = chose_zap[:, None] & in_beam
+    sent = jnp.any(victim_in_beam, axis=0)  # mushrooms.sj:76
+    hits = jnp.sum(victim_in_beam, axis=1, dtype=jnp.int32)  # mushrooms.sj:77
+    event_hits = out.event_hits + hits
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:76
-    free = ~occupied(ground_under, NUM_GROUND) & (state.ground_grows == GROUND_NONE)  # mushrooms.sj:76
-    # mushrooms.sj:76
+    free = ~occupied(ground_under, NUM_GROUND) & (state.ground_grows == GROUND_NONE)
     position, placed = place(CELLS_GROUND, free, random_bits(key, STREAM_FIRE, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)  # mushrooms.sj:76
+    heading = jnp.where(placed, below(random_bits(key, STREAM_FIRE_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading, mark_fire=marked), out.replace(event_hits=event_hits)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
     forbidden = state.agent_digesting > 0  # mushrooms.sj:43
-    closed = forbidden[:, None] & FORBIDS[None]  # mushrooms.sj:43
+    closed = forbidden[:, None] & FORBIDS[None]
     return ~closed
 
 
@@ -422,11 +414,11 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # mushrooms.sj:88
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    content = seen_0 & CONTENT_MASK  # mushrooms.sj:88
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # mushrooms.sj:88
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # mushrooms.sj:88
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # mushrooms.sj:88
-    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK  # mushrooms.sj:88
+    content = seen_0 & CONTENT_MASK
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
+    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK
     return planes_of(
         WINDOW,
         None,

@@ -12,7 +12,7 @@ from sjdsl.runtime.random_bits import below, ranks, random_bits, random_bits_at,
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
-from sjdsl.runtime.placing import pair_reached, place
+from sjdsl.runtime.placing import come_back, pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
@@ -109,9 +109,8 @@ AGENT_EMPTY = 0
 AGENT_HOLDING = 1
 AGENT_EATING = 2
 NOWHERE = 0  # the cell of agents that are not on the map
-ANY_HEADING = 4
-SAME_HEADING = 5
 NO_STEP = 4
+ANY_HEADING = 4
 FRAME_CELLS = 1517
 TREE_LOOK = 6  # as it is painted
 OAK_LOOK = 8  # as it is painted
@@ -316,39 +315,40 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sets agent.role to predator, sends agent to lair, sends
-    agent to nest.
+    """phase start {
+      each agent { when agent.index < hunters { set agent.role = predator  send agent to lair } otherwise { send
+          agent to nest } }
+    }
     """
-    holds = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 3  # predator_prey.sj:47
-    agent_role = jnp.where(holds, AGENT_PREDATOR, state.agent_role)  # predator_prey.sj:47
-    sent = ~holds  # predator_prey.sj:47
-    position, placed = place(  # predator_prey.sj:47
-        CELLS_LAIR, jnp.full(NUM_LAIR, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, holds
+    index_below_3 = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 3  # predator_prey.sj:47
+    agent_role = jnp.where(index_below_3, AGENT_PREDATOR, state.agent_role)
+    sent = ~index_below_3
+    position, placed = place(
+        CELLS_LAIR, jnp.full(NUM_LAIR, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, index_below_3
     )
-    # predator_prey.sj:47
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
-    away = jnp.where(placed, 0, state.away)  # predator_prey.sj:47
-    position, placed_2 = place(  # predator_prey.sj:47
+    away = jnp.where(placed, 0, state.away)
+    position, placed_2 = place(
         CELLS_NEST, jnp.full(NUM_NEST, True), random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent
     )
-    # predator_prey.sj:47
     heading = jnp.where(placed_2, below(random_bits(key, STREAM_START_4, NUM_AGENTS), 4), heading)
-    away = jnp.where(placed_2, 0, away)  # predator_prey.sj:47
+    away = jnp.where(placed_2, 0, away)
     return state.replace(agent_role=agent_role, position=position, heading=heading, away=away), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each tree, by chance sets tree.fruit to ripe; for each oak, by chance sets oak.fruit to ripe.
+    """phase grow {
+      each tree where tree.fruit is none and nobody on tree { chance apples { set tree.fruit = ripe } }
+      each oak where oak.fruit is none and nobody on oak { chance acorns { set oak.fruit = ripe } }
+    }
     """
     tree_under = SITE_OF_TREE[state.position]  # predator_prey.sj:53
-    covered = occupied(tree_under, NUM_TREE)  # predator_prey.sj:53
-    happens = (random_bits(key, STREAM_GROW, NUM_TREE) >> 1) < threshold(params.apples)  # predator_prey.sj:53
-    # predator_prey.sj:53
+    covered = occupied(tree_under, NUM_TREE)
+    happens = (random_bits(key, STREAM_GROW, NUM_TREE) >> 1) < threshold(params.apples)
     tree_fruit = jnp.where((state.tree_fruit == TREE_NONE) & ~covered & happens, TREE_RIPE, state.tree_fruit)
     oak_under = SITE_OF_OAK[state.position]  # predator_prey.sj:54
-    covered_2 = occupied(oak_under, NUM_OAK)  # predator_prey.sj:54
-    happens_2 = (random_bits(key, STREAM_GROW_2, NUM_OAK) >> 1) < threshold(params.acorns)  # predator_prey.sj:54
-    # predator_prey.sj:54
+    covered_2 = occupied(oak_under, NUM_OAK)
+    happens_2 = (random_bits(key, STREAM_GROW_2, NUM_OAK) >> 1) < threshold(params.acorns)
     oak_fruit = jnp.where((state.oak_fruit == OAK_NONE) & ~covered_2 & happens_2, OAK_RIPE, state.oak_fruit)
     return state.replace(tree_fruit=tree_fruit, oak_fruit=oak_fruit), out
 
@@ -361,82 +361,76 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     due = (state.position == NOWHERE) & (state.away == 1)
     state = state.replace(away=state.away - ((state.position == NOWHERE) & (state.away > 1)).astype(jnp.int32))
     back = due & (state.away_pool == 2)  # predator_prey.sj:77
-    lair_under = SITE_OF_LAIR[state.position]  # predator_prey.sj:77
-    free = ~occupied(lair_under, NUM_LAIR)  # predator_prey.sj:77
-    # predator_prey.sj:77
-    position, placed = place(CELLS_LAIR, free, random_bits(key, STREAM_TICK, NUM_AGENTS), state.position, back)
-    facing = jnp.where(  # predator_prey.sj:77
-        state.away_facing == ANY_HEADING, below(random_bits(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
+    lair_under = SITE_OF_LAIR[state.position]
+    free = ~occupied(lair_under, NUM_LAIR)
+    position, heading, placed = come_back(
+        CELLS_LAIR, free, back, key, STREAM_TICK, STREAM_TICK_2, state.position, state.heading, state.away_facing
     )
-    facing = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing)  # predator_prey.sj:77
-    heading = jnp.where(placed, facing, state.heading)  # predator_prey.sj:77
-    away = jnp.where(placed, 0, state.away)  # predator_prey.sj:77
-    state = state.replace(position=position, heading=heading, away=away)  # predator_prey.sj:77
+    state = state.replace(position=position, heading=heading, away=jnp.where(placed, 0, state.away))
     back_2 = due & (state.away_pool == 3)  # predator_prey.sj:78
-    nest_under = SITE_OF_NEST[state.position]  # predator_prey.sj:78
-    free_2 = ~occupied(nest_under, NUM_NEST)  # predator_prey.sj:78
-    position_2, placed_2 = place(  # predator_prey.sj:78
-        CELLS_NEST, free_2, random_bits(key, STREAM_TICK_3, NUM_AGENTS), state.position, back_2
+    nest_under = SITE_OF_NEST[state.position]
+    free_2 = ~occupied(nest_under, NUM_NEST)
+    position_2, heading_2, placed_2 = come_back(
+        CELLS_NEST, free_2, back_2, key, STREAM_TICK_3, STREAM_TICK_4, state.position, state.heading, state.away_facing
     )
-    facing_2 = jnp.where(  # predator_prey.sj:78
-        state.away_facing == ANY_HEADING, below(random_bits(key, STREAM_TICK_4, NUM_AGENTS), 4), state.away_facing
-    )
-    facing_2 = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing_2)  # predator_prey.sj:78
-    heading_2 = jnp.where(placed_2, facing_2, state.heading)  # predator_prey.sj:78
-    away_2 = jnp.where(placed_2, 0, state.away)  # predator_prey.sj:78
-    state = state.replace(position=position_2, heading=heading_2, away=away_2)  # predator_prey.sj:78
+    state = state.replace(position=position_2, heading=heading_2, away=jnp.where(placed_2, 0, state.away))
     return state, out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     present = state.position != NOWHERE  # predator_prey.sj:56
-    chosen = jnp.where(present, actions, STAY)  # predator_prey.sj:56
-    heading = (state.heading + TURN[chosen]) & 3  # predator_prey.sj:56
-    stride = STEP_BY[chosen]  # predator_prey.sj:56
-    # predator_prey.sj:56
+    chosen = jnp.where(present, actions, STAY)
+    heading = (state.heading + TURN[chosen]) & 3
+    stride = STEP_BY[chosen]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    target = jnp.where(  # predator_prey.sj:56
+    target = jnp.where(
         (SITE_OF_GRASS[target] < NUM_GRASS) & (state.agent_role == AGENT_PREDATOR) & (target != state.position),
         state.position,
         target,
     )
-    target = jnp.where(  # predator_prey.sj:56
+    target = jnp.where(
         (SITE_OF_NEST[target] < NUM_NEST) & (state.agent_role == AGENT_PREDATOR) & (target != state.position),
         state.position,
         target,
     )
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # predator_prey.sj:56
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def gather(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `gather`: for each agent on tree, sets tree.fruit to none, gives a reward to agent, counts apples_eaten;
-    for each agent on oak, sets oak.fruit to none, sets agent.mouth to holding.
+    """phase gather {
+      each agent on tree where agent.role is prey and tree.fruit is ripe {
+        set tree.fruit = none  give apple to agent  tally apples_eaten for agent
+      }
+      each agent on oak where agent.role is prey and agent.mouth is empty and oak.fruit is ripe {
+        set oak.fruit = none  set agent.mouth = holding
+      }
+    }
     """
     present = state.position != NOWHERE  # predator_prey.sj:58
-    tree_under = SITE_OF_TREE[state.position]  # predator_prey.sj:58
-    active = (  # predator_prey.sj:58
+    tree_under = SITE_OF_TREE[state.position]
+    on_tree = (
         present
         & (tree_under < NUM_TREE)
         & (state.agent_role == AGENT_PREY)
         & (state.tree_fruit[tree_under] == TREE_RIPE)
     )
-    to_tree = jnp.where(active, tree_under, NUM_TREE)  # predator_prey.sj:59
-    tree_fruit = state.tree_fruit.at[to_tree].set(TREE_NONE, mode="drop")  # predator_prey.sj:59
-    reward = out.reward + jnp.where(active, params.apple, 0.0)  # predator_prey.sj:59
-    event_apples_eaten = out.event_apples_eaten + active.astype(jnp.int32)  # predator_prey.sj:59
+    to_tree = jnp.where(on_tree, tree_under, NUM_TREE)  # predator_prey.sj:59
+    tree_fruit = state.tree_fruit.at[to_tree].set(TREE_NONE, mode="drop")
+    reward = out.reward + jnp.where(on_tree, params.apple, 0.0)
+    event_apples_eaten = out.event_apples_eaten + on_tree.astype(jnp.int32)
     oak_under = SITE_OF_OAK[state.position]  # predator_prey.sj:61
-    active_2 = (  # predator_prey.sj:61
+    on_oak = (
         present
         & (oak_under < NUM_OAK)
         & (state.agent_role == AGENT_PREY)
         & (state.agent_mouth == AGENT_EMPTY)
         & (state.oak_fruit[oak_under] == OAK_RIPE)
     )
-    to_oak = jnp.where(active_2, oak_under, NUM_OAK)  # predator_prey.sj:62
-    oak_fruit = state.oak_fruit.at[to_oak].set(OAK_NONE, mode="drop")  # predator_prey.sj:62
-    agent_mouth = jnp.where(active_2, AGENT_HOLDING, state.agent_mouth)  # predator_prey.sj:62
+    to_oak = jnp.where(on_oak, oak_under, NUM_OAK)  # predator_prey.sj:62
+    oak_fruit = state.oak_fruit.at[to_oak].set(OAK_NONE, mode="drop")
+    agent_mouth = jnp.where(on_oak, AGENT_HOLDING, state.agent_mouth)
     return (
         state.replace(tree_fruit=tree_fruit, oak_fruit=oak_fruit, agent_mouth=agent_mouth),
         out.replace(reward=reward, event_apples_eaten=event_apples_eaten),
@@ -444,17 +438,23 @@ def gather(state: State, out: Outcome, params: Params, actions: Array, key: Arra
 
 
 def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `eat`: for each agent, sets agent.mouth to eating, sets agent.chews to chewing; for each agent, sets
-    agent.mouth to empty, gives a reward to agent, counts acorns_eaten.
+    """phase eat {  # prey bite into what they hold
+      each agent where agent.mouth is holding and agent chose bite { set agent.mouth = eating  set agent.chews =
+          chewing }
+      each agent where agent.mouth is eating and agent.chews == 0 {
+        set agent.mouth = empty  give acorn to agent  tally acorns_eaten for agent
+      }
+    }
     """
     present = state.position != NOWHERE  # predator_prey.sj:66
-    active = present & (state.agent_mouth == AGENT_HOLDING) & (actions == ACTION_BITE)  # predator_prey.sj:66
-    agent_mouth = jnp.where(active, AGENT_EATING, state.agent_mouth)  # predator_prey.sj:66
-    agent_chews = jnp.where(active, params.chewing, state.agent_chews)  # predator_prey.sj:66
-    active_2 = present & (state.agent_mouth == AGENT_EATING) & (state.agent_chews == 0)  # predator_prey.sj:67
-    agent_mouth = jnp.where(active_2, AGENT_EMPTY, agent_mouth)  # predator_prey.sj:68
-    reward = out.reward + jnp.where(active_2, params.acorn, 0.0)  # predator_prey.sj:68
-    event_acorns_eaten = out.event_acorns_eaten + active_2.astype(jnp.int32)  # predator_prey.sj:68
+    is_holding_and_chose_bite = present & (state.agent_mouth == AGENT_HOLDING) & (actions == ACTION_BITE)
+    agent_mouth = jnp.where(is_holding_and_chose_bite, AGENT_EATING, state.agent_mouth)
+    agent_chews = jnp.where(is_holding_and_chose_bite, params.chewing, state.agent_chews)
+    # predator_prey.sj:67
+    is_eating_and_chews_is_0 = present & (state.agent_mouth == AGENT_EATING) & (state.agent_chews == 0)
+    agent_mouth = jnp.where(is_eating_and_chews_is_0, AGENT_EMPTY, agent_mouth)  # predator_prey.sj:68
+    reward = out.reward + jnp.where(is_eating_and_chews_is_0, params.acorn, 0.0)
+    event_acorns_eaten = out.event_acorns_eaten + is_eating_and_chews_is_0.astype(jnp.int32)
     return (
         state.replace(agent_mouth=agent_mouth, agent_chews=agent_chews),
         out.replace(reward=reward, event_acorns_eaten=event_acorns_eaten),
@@ -462,73 +462,79 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
 
 
 def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `hunt`: for each hunter, marks jaws; matches each hunter with target in jaws of hunter, sets hunter.resting
-    to rest, sets target.mouth to empty, sends target to lair after a delay, sends target to nest after a delay,
-    gives a reward to hunter, counts caught, counts eaten.
+    """phase hunt {
+      each agent as hunter where hunter.role is predator and hunter chose bite { mark jaws of hunter }
+      match agent as hunter with first agent as target in jaws of hunter where hunter.role is predator and hunter
+          chose bite
+          and (target.role is predator or prey_near(target) <= hunters_near(target)) {
+        set hunter.resting = rest
+        set target.mouth = empty
+        when target.role is predator { send target to lair after absence }
+        otherwise { send target to nest after absence  give meal to hunter  tally caught for hunter  tally eaten for
+            target }
+      }
+    }
     """
     present = state.position != NOWHERE  # predator_prey.sj:72
-    jaws_cells = state.position[:, None] + JAWS_OFFSETS[state.heading]  # predator_prey.sj:72
-    marked = jnp.where(  # predator_prey.sj:72
+    jaws_cells = state.position[:, None] + JAWS_OFFSETS[state.heading]
+    marked = jnp.where(
         (present & (state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None] & INSIDE[jaws_cells],
         jaws_cells,
         NOWHERE,
     ).reshape(-1)
     standing = jaws_cells[:, :, None] == state.position[None, None, :]  # predator_prey.sj:73
-    target = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # predator_prey.sj:73
-    anybody = jnp.any(standing, axis=-1)  # predator_prey.sj:73
-    position = state.position[target]  # predator_prey.sj:73
-    disc_3_centre_cells = position[:, :, None] + DISC_3_CENTRE_OFFSETS[0][None, None, :]  # predator_prey.sj:73
-    # predator_prey.sj:73
+    target = jnp.argmax(standing, axis=-1).astype(jnp.int32)
+    anybody = jnp.any(standing, axis=-1)
+    position = state.position[target]
+    disc_3_centre_cells = position[:, :, None] + DISC_3_CENTRE_OFFSETS[0][None, None, :]
     in_disc_3_centre = jnp.any(disc_3_centre_cells[:, :, :, None] == state.position[None, None, None, :], axis=2)
-    num_a = jnp.sum(  # predator_prey.sj:73
+    num_a = jnp.sum(
         present[None, None, :]
         & in_disc_3_centre
         & ((state.agent_role == AGENT_PREY) & (state.agent_mouth != AGENT_EATING))[None, None, :],
         axis=2,
         dtype=jnp.int32,
     )
-    num_a_2 = jnp.sum(  # predator_prey.sj:73
+    num_a_2 = jnp.sum(
         present[None, None, :] & in_disc_3_centre & (state.agent_role == AGENT_PREDATOR)[None, None, :],
         axis=2,
         dtype=jnp.int32,
     )
-    eligible = (  # predator_prey.sj:73
+    eligible = (
         anybody
         & ((state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None]
         & ((state.agent_role[target] == AGENT_PREDATOR) | (num_a <= num_a_2))
     )
-    # predator_prey.sj:73
     pairs = present[:, None] & eligible & (target != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
-    # predator_prey.sj:73
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_AGENTS + target).astype(jnp.uint32)
-    order = ranks(random_bits_at(key, STREAM_HUNT, instance), pairs)  # predator_prey.sj:73
-    target_2 = pair_reached(target, order, NUM_AGENTS, alike=True)  # predator_prey.sj:73
-    matched = target_2 < NUM_AGENTS  # predator_prey.sj:73
+    order = ranks(random_bits_at(key, STREAM_HUNT, instance), pairs)
+    target_2 = pair_reached(target, order, NUM_AGENTS, alike=True)
+    matched = target_2 < NUM_AGENTS
     agent_resting = jnp.where(matched, params.rest, state.agent_resting)  # predator_prey.sj:75
     to_agent = jnp.where(matched, target_2, NUM_AGENTS)  # predator_prey.sj:76
-    agent_mouth = state.agent_mouth.at[to_agent].set(AGENT_EMPTY, mode="drop")  # predator_prey.sj:76
-    holds = state.agent_role[target_2] == AGENT_PREDATOR  # predator_prey.sj:77
-    to_agent_2 = jnp.where(matched & holds, target_2, NUM_AGENTS)  # predator_prey.sj:77
-    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent_2].set(True, mode="drop")  # predator_prey.sj:77
-    active = matched & ~holds  # predator_prey.sj:77
+    agent_mouth = state.agent_mouth.at[to_agent].set(AGENT_EMPTY, mode="drop")
+    is_predator = state.agent_role[target_2] == AGENT_PREDATOR  # predator_prey.sj:77
+    to_agent_2 = jnp.where(matched & is_predator, target_2, NUM_AGENTS)
+    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent_2].set(True, mode="drop")
+    active = matched & ~is_predator
     to_agent_3 = jnp.where(active, target_2, NUM_AGENTS)  # predator_prey.sj:78
-    sent_2 = jnp.zeros(NUM_AGENTS, bool).at[to_agent_3].set(True, mode="drop")  # predator_prey.sj:78
-    reward = out.reward + jnp.where(active, params.meal, 0.0)  # predator_prey.sj:78
-    event_caught = out.event_caught + active.astype(jnp.int32)  # predator_prey.sj:78
-    times = jnp.sum(  # predator_prey.sj:78
+    sent_2 = jnp.zeros(NUM_AGENTS, bool).at[to_agent_3].set(True, mode="drop")
+    reward = out.reward + jnp.where(active, params.meal, 0.0)
+    event_caught = out.event_caught + active.astype(jnp.int32)
+    eaten = jnp.sum(
         active[:, None] & (target_2[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
         axis=0,
         dtype=jnp.int32,
     )
-    event_eaten = out.event_eaten + times  # predator_prey.sj:78
+    event_eaten = out.event_eaten + eaten
     position_2 = jnp.where(sent, NOWHERE, state.position)  # predator_prey.sj:77
-    away = jnp.where(sent, 200, state.away)  # predator_prey.sj:77
-    away_pool = jnp.where(sent, 2, state.away_pool)  # predator_prey.sj:77
-    away_facing = jnp.where(sent, ANY_HEADING, state.away_facing)  # predator_prey.sj:77
+    away = jnp.where(sent, 200, state.away)
+    away_pool = jnp.where(sent, 2, state.away_pool)
+    away_facing = jnp.where(sent, ANY_HEADING, state.away_facing)
     position_2 = jnp.where(sent_2, NOWHERE, position_2)  # predator_prey.sj:78
-    away = jnp.where(sent_2, 200, away)  # predator_prey.sj:78
-    away_pool = jnp.where(sent_2, 3, away_pool)  # predator_prey.sj:78
-    away_facing = jnp.where(sent_2, ANY_HEADING, away_facing)  # predator_prey.sj:78
+    away = jnp.where(sent_2, 200, away)
+    away_pool = jnp.where(sent_2, 3, away_pool)
+    away_facing = jnp.where(sent_2, ANY_HEADING, away_facing)
     return (
         state.replace(
             agent_resting=agent_resting,
@@ -546,7 +552,7 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
     forbidden = (state.agent_mouth == AGENT_EATING) | (state.agent_resting > 0)  # predator_prey.sj:40
-    closed = forbidden[:, None] & FORBIDS[None]  # predator_prey.sj:40
+    closed = forbidden[:, None] & FORBIDS[None]
     return ~closed
 
 
@@ -573,18 +579,18 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # predator_prey.sj:89
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    seen_1 = windows(  # predator_prey.sj:89
+    seen_1 = windows(
         plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    content = seen_0 & CONTENT_MASK  # predator_prey.sj:89
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # predator_prey.sj:89
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # predator_prey.sj:89
-    agents = jnp.where(  # predator_prey.sj:89
+    content = seen_0 & CONTENT_MASK
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
+    agents = jnp.where(
         MYSELF[None],
         1,
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
-    theirs = (agent != 0) & ~MYSELF[None]  # predator_prey.sj:89
+    theirs = (agent != 0) & ~MYSELF[None]
     present = state.position != NOWHERE  # predator_prey.sj:90
     return planes_of(
         WINDOW,

@@ -24,7 +24,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import mix
-from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, look_number, paint, planes_of, windows
 
 NAME = "stag_hunt"
 TITLE = "Stag Hunt in the matrix: Arena"
@@ -247,21 +247,22 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to gate."""
+    """phase start { each agent { send agent to gate } }"""
     sent = jnp.full(NUM_AGENTS, True)  # pd_arena.sj:42
-    position, placed = place(  # pd_arena.sj:42
+    position, placed = place(
         CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:42
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
 
 def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `grow`: for each patch, by chance sets patch.stock to ripe."""
+    """phase grow { each patch where patch.stock is none and nobody on patch { chance regrow { set patch.stock = ripe }
+        } }
+    """
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:46
-    covered = occupied(patch_under, NUM_PATCH)  # pd_arena.sj:46
-    happens = (random_bits(key, STREAM_GROW, NUM_PATCH) >> 1) < threshold(params.regrow)  # pd_arena.sj:46
-    # pd_arena.sj:46
+    covered = occupied(patch_under, NUM_PATCH)
+    happens = (random_bits(key, STREAM_GROW, NUM_PATCH) >> 1) < threshold(params.regrow)
     patch_stock = jnp.where((state.patch_stock == PATCH_NONE) & ~covered & happens, PATCH_RIPE, state.patch_stock)
     return state.replace(patch_stock=patch_stock), out
 
@@ -273,30 +274,33 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # pd_arena.sj:47
-    stride = STEP_BY[actions]  # pd_arena.sj:47
-    # pd_arena.sj:47
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # pd_arena.sj:47
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def collect(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `collect`: for each agent on patch, sets patch.stock to none, adds 1 to agent.bag[patch.class], counts
-    collected.
+    """phase collect {
+      each agent on patch where patch.stock is ripe {
+        set patch.stock = none
+        add 1 to agent.bag[patch.class]  tally collected[patch.class] for agent
+      }
+    }
     """
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:49
-    active = (patch_under < NUM_PATCH) & (state.patch_stock[patch_under] == PATCH_RIPE)  # pd_arena.sj:49
-    to_patch = jnp.where(active, patch_under, NUM_PATCH)  # pd_arena.sj:50
-    patch_stock = state.patch_stock.at[to_patch].set(PATCH_NONE, mode="drop")  # pd_arena.sj:50
+    on_patch_and_is_ripe = (patch_under < NUM_PATCH) & (state.patch_stock[patch_under] == PATCH_RIPE)
+    to_patch = jnp.where(on_patch_and_is_ripe, patch_under, NUM_PATCH)  # pd_arena.sj:50
+    patch_stock = state.patch_stock.at[to_patch].set(PATCH_NONE, mode="drop")
     agent_bag_added = jnp.where(  # pd_arena.sj:51
         state.patch_class[patch_under][..., None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :],
-        active[..., None].astype(jnp.int32),
+        on_patch_and_is_ripe[..., None].astype(jnp.int32),
         jnp.int32(0),
     )
-    event_collected = out.event_collected + (  # pd_arena.sj:51
-        active[:, None]
+    event_collected = out.event_collected + (
+        on_patch_and_is_ripe[:, None]
         & (state.patch_class[patch_under][:, None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 100).astype(jnp.uint8)
@@ -304,33 +308,39 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
 
 
 def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `meet`: for each row, marks reach; matches each row with column in reach of row, gives a reward to row,
-    gives a reward to column, for each one of row and column, sets one.resting to rest, sets one.bag to 0, sends one
-    to gate, counts met.
+    """phase meet {
+      each agent as row where row chose interact { mark reach of row }
+      match agent as row with agent as column in reach of row where row chose interact and ready(row) and
+          ready(column) {
+        give payoff[mix(row.bag)][mix(column.bag)] to row
+        give payoff[mix(column.bag)][mix(row.bag)] to column  # same matrix, roles swapped
+        each agent as one in { row, column } {
+          draw rest from rest_lo .. rest_hi
+          set one.resting = rest  set one.bag = 0  send one to gate  tally met for one
+        }
+      }
+    }
     """
     reach_cells = state.position[:, None] + REACH_OFFSETS[state.heading]  # pd_arena.sj:55
-    # pd_arena.sj:55
     marked = jnp.where((actions == ACTION_INTERACT)[:, None] & INSIDE[reach_cells], reach_cells, NOWHERE).reshape(-1)
     in_reach = jnp.any(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
-    ready = (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)  # pd_arena.sj:56
-    pairs = (  # pd_arena.sj:56
+    ready = (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)
+    pairs = (
         in_reach & ((actions == ACTION_INTERACT) & ready)[:, None] & ready[None, :] & ~jnp.eye(NUM_AGENTS, dtype=bool)
     )
-    order = ranks(random_bits(key, STREAM_MEET, NUM_AGENTS, NUM_AGENTS), pairs)  # pd_arena.sj:56
-    column = pair(order, alike=True)  # pd_arena.sj:56
-    matched = column < NUM_AGENTS  # pd_arena.sj:56
+    order = ranks(random_bits(key, STREAM_MEET, NUM_AGENTS, NUM_AGENTS), pairs)
+    column = pair(order, alike=True)
+    matched = column < NUM_AGENTS
     expected_row = jnp.sum(  # pd_arena.sj:57
         mix(state.agent_bag.astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
     )
-    # pd_arena.sj:57
     expected = jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * expected_row, axis=1, dtype=jnp.float32)
-    reward = out.reward + jnp.where(matched, expected, 0.0)  # pd_arena.sj:57
+    reward = out.reward + jnp.where(matched, expected, 0.0)
     expected_row_2 = jnp.sum(  # pd_arena.sj:58
         mix(state.agent_bag[column].astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
     )
-    # pd_arena.sj:58
     expected_2 = jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * expected_row_2, axis=1, dtype=jnp.float32)
-    reward = reward + jnp.sum(  # pd_arena.sj:58
+    reward = reward + jnp.sum(
         jnp.where(
             matched[:, None] & (column[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
             expected_2[:, None],
@@ -340,29 +350,28 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         dtype=jnp.float32,
     )
     one = jnp.stack([jnp.arange(NUM_AGENTS, dtype=jnp.int32), column], axis=1)  # pd_arena.sj:59
-    active = matched[:, None] & ~(  # pd_arena.sj:59
+    active = matched[:, None] & ~(
         (jnp.arange(2, dtype=jnp.int32) == 1)[None, :] & (column == jnp.arange(NUM_AGENTS, dtype=jnp.int32))[:, None]
     )
     # pd_arena.sj:60
     instance = ((jnp.arange(NUM_AGENTS, dtype=jnp.int32) * NUM_AGENTS)[:, None] + one).astype(jnp.uint32)
-    word = random_bits_at(key, STREAM_MEET_2, instance)  # pd_arena.sj:60
-    rest = below(word, params.rest_hi - params.rest_lo + 1) + params.rest_lo  # pd_arena.sj:60
+    word = random_bits_at(key, STREAM_MEET_2, instance)
+    rest = below(word, params.rest_hi - params.rest_lo + 1) + params.rest_lo
     to_agent = jnp.where(active, one, NUM_AGENTS)  # pd_arena.sj:61
-    agent_resting = state.agent_resting.at[to_agent].set(rest.astype(jnp.uint8), mode="drop")  # pd_arena.sj:61
-    agent_bag = state.agent_bag.at[to_agent].set(0, mode="drop")  # pd_arena.sj:61
-    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent].set(True, mode="drop")  # pd_arena.sj:61
-    times = jnp.sum(  # pd_arena.sj:61
+    agent_resting = state.agent_resting.at[to_agent].set(rest.astype(jnp.uint8), mode="drop")
+    agent_bag = state.agent_bag.at[to_agent].set(0, mode="drop")
+    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent].set(True, mode="drop")
+    met = jnp.sum(
         active[:, :, None] & (one[:, :, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, None, :]),
         axis=(0, 1),
         dtype=jnp.int32,
     )
-    event_met = out.event_met + times  # pd_arena.sj:61
-    gate_under = SITE_OF_GATE[state.position]  # pd_arena.sj:61
-    others = jnp.where(sent, NUM_GATE, gate_under)  # pd_arena.sj:61
-    free = ~occupied(others, NUM_GATE)  # pd_arena.sj:61
-    # pd_arena.sj:61
+    event_met = out.event_met + met
+    gate_under = SITE_OF_GATE[state.position]
+    others = jnp.where(sent, NUM_GATE, gate_under)
+    free = ~occupied(others, NUM_GATE)
     position, placed = place(CELLS_GATE, free, random_bits(key, STREAM_MEET_3, NUM_AGENTS), state.position, sent)
-    heading = jnp.where(placed, below(random_bits(key, STREAM_MEET_4, NUM_AGENTS), 4), state.heading)  # pd_arena.sj:61
+    heading = jnp.where(placed, below(random_bits(key, STREAM_MEET_4, NUM_AGENTS), 4), state.heading)
     return (
         state.replace(
             agent_resting=agent_resting, agent_bag=agent_bag, position=position, heading=heading, mark_meet=marked
@@ -374,7 +383,7 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
     forbidden = state.agent_resting > 0  # pd_arena.sj:36
-    closed = forbidden[:, None] & FORBIDS[None]  # pd_arena.sj:36
+    closed = forbidden[:, None] & FORBIDS[None]
     return ~closed
 
 
@@ -391,20 +400,21 @@ def episode_length(params: Params) -> Array:
 def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
-    plane_0 = fill(plane_0, CELLS_PATCH, state.patch_class * 2 + state.patch_stock + PATCH_LOOK)  # stag_hunt.sj:11
+    # stag_hunt.sj:11
+    plane_0 = fill(plane_0, CELLS_PATCH, look_number(PATCH_LOOK, (2, 2), state.patch_class, state.patch_stock))
     plane_0 = paint(plane_0, state.mark_meet, MARK_MEET_BIT)  # pd_arena.sj:54
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # pd_arena.sj:32
     seen_0 = windows(  # pd_arena.sj:74
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    content = seen_0 & CONTENT_MASK  # pd_arena.sj:74
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # pd_arena.sj:74
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # pd_arena.sj:74
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # pd_arena.sj:74
-    marks = (seen_0 >> MARK_MEET_SHIFT) & MARK_MEET_MASK  # pd_arena.sj:74
+    content = seen_0 & CONTENT_MASK
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
+    marks = (seen_0 >> MARK_MEET_SHIFT) & MARK_MEET_MASK
     shown_bag = state.agent_bag[:, PATCH_STAG]  # pd_arena.sj:75
-    shown_bag_2 = state.agent_bag[:, PATCH_HARE]  # pd_arena.sj:75
-    shown_resting = jnp.where(state.agent_resting > 0, jnp.uint8(0), jnp.uint8(1))  # pd_arena.sj:75
+    shown_bag_2 = state.agent_bag[:, PATCH_HARE]
+    shown_resting = jnp.where(state.agent_resting > 0, jnp.uint8(0), jnp.uint8(1))
     return planes_of(
         WINDOW,
         None,

@@ -25,8 +25,8 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.line_of_sight import reached
-from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.line_of_sight import nearest_in_lanes, reached
+from sjdsl.runtime.egocentric_windows import fill, look_fields, look_number, paint, planes_of, windows
 
 NAME = "territory"
 TITLE = "Territory: Rooms"
@@ -156,6 +156,8 @@ MARK_CLAIM_MASK = 1
 MARK_FIRE_SHIFT = 4
 MARK_FIRE_MASK = 1
 GATE_LOOK = 93  # as it is painted
+GATE_DOWN = 63  # from its looks on, from painted to shown
+BRICK_SHOWN = 3  # as it is shown
 MARKS_OF_CLAIM = 18  # cells that claim can mark
 MARKS_OF_FIRE = 54  # cells that fire can mark
 STREAM_START = 0xa452ab5d  # territory.sj:41
@@ -182,7 +184,6 @@ PAINT_REACH = jnp.asarray(lane_reach(MAP, PAD, shape_offsets(MAP, PAD, ((1, 0), 
 ZAP_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (2, 0), (0, -1), (1, -1), (0, 1), (1, 1))))
 BLOCKS_ZAP = jnp.asarray(blocking(MAP, PAD, "#"))  # cells that always block zap
 ZAP_STARTS = jnp.asarray([True, False, True, False, True, False], bool)  # first cells of the lanes of zap
-LANES_OF_ZAP = jnp.asarray([[0, 1], [2, 3], [4, 5]], jnp.int32)  # cells of each lane of zap, nearest first
 FORBIDS = jnp.asarray([True, True, True, True, True, True, False, True, True], bool)  # actions a `forbid` is about
 # actions a `forbid` is about
 FORBIDS_2 = jnp.asarray([False, False, False, False, False, False, False, True, False], bool)
@@ -315,12 +316,11 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to gate."""
+    """phase start { each agent { send agent to gate } }"""
     sent = jnp.full(NUM_AGENTS, True)  # territory.sj:41
-    position, placed = place(  # territory.sj:41
+    position, placed = place(
         CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    # territory.sj:41
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -328,10 +328,10 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
 def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """All timers fall by one."""
     brick_wetness = jnp.maximum(state.brick_wetness, 1) - 1  # territory.sj:27
-    brick_dust = jnp.maximum(state.brick_dust, 1) - 1  # territory.sj:27
+    brick_dust = jnp.maximum(state.brick_dust, 1) - 1
     agent_recovering = jnp.maximum(state.agent_recovering, 1) - 1  # territory.sj:36
     agent_stunned = jnp.maximum(state.agent_stunned, 1) - 1  # territory.sj:37
-    agent_hot = jnp.maximum(state.agent_hot, 1) - 1  # territory.sj:37
+    agent_hot = jnp.maximum(state.agent_hot, 1) - 1
     return (
         state.replace(
             brick_wetness=brick_wetness,
@@ -345,11 +345,16 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def age(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `age`: for each brick, sets brick.paint to dry; for each brick, by chance adds -1 to brick.damage."""
+    """phase age {
+      each brick where brick.paint is wet and brick.wetness == 0 { set brick.paint = dry }
+      each brick where brick.damage > 0 and brick.damage < strikes and brick.dust == 0 { chance mend { add -1 to
+          brick.damage } }
+    }
+    """
     # territory.sj:46
     brick_paint = jnp.where((state.brick_paint == BRICK_WET) & (state.brick_wetness == 0), BRICK_DRY, state.brick_paint)
     happens = (random_bits(key, STREAM_AGE, NUM_BRICK) >> 1) < threshold(params.mend)  # territory.sj:47
-    brick_damage_added = jnp.where(  # territory.sj:47
+    brick_damage_added = jnp.where(
         (state.brick_damage > 0) & (state.brick_damage < 2) & (state.brick_dust == 0) & happens,
         jnp.int32(-1),
         jnp.int32(0),
@@ -359,69 +364,78 @@ def age(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     present = state.position != NOWHERE  # territory.sj:49
-    chosen = jnp.where(present, actions, STAY)  # territory.sj:49
-    heading = (state.heading + TURN[chosen]) & 3  # territory.sj:49
-    stride = STEP_BY[chosen]  # territory.sj:49
-    # territory.sj:49
+    chosen = jnp.where(present, actions, STAY)
+    heading = (state.heading + TURN[chosen]) & 3
+    stride = STEP_BY[chosen]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + ((heading + stride) & 3)])
-    target = jnp.where(  # territory.sj:49
+    target = jnp.where(
         (SITE_OF_BRICK[target] < NUM_BRICK)
         & (state.brick_damage[SITE_OF_BRICK[target]] < 2)
         & (target != state.position),
         state.position,
         target,
     )
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # territory.sj:49
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def claim(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `claim`: for each a, for each brick in touch of a, adds a to brick.rivals; for each a, marks paint, for
-    each brick in paint of a, adds a to brick.rivals.
+    """phase claim {  # all claims of a step are collected first ...
+      each agent as a { each brick in touch of a { add a to brick.rivals } }
+      each agent as a where a chose paint { mark paint of a  each brick in paint of a { add a to brick.rivals } }
+    }
     """
     present = state.position != NOWHERE  # territory.sj:51
-    touch_cells = state.position[:, None] + TOUCH_OFFSETS[state.heading]  # territory.sj:51
-    touch_brick = SITE_OF_BRICK[touch_cells]  # territory.sj:51
-    to_brick = jnp.where(present[:, None] & (touch_brick < NUM_BRICK), touch_brick, NUM_BRICK)  # territory.sj:51
-    brick_rivals_joined = jnp.zeros(NUM_BRICK, jnp.uint32).at[to_brick].add(  # territory.sj:51
+    touch_cells = state.position[:, None] + TOUCH_OFFSETS[state.heading]
+    touch_brick = SITE_OF_BRICK[touch_cells]
+    to_brick = jnp.where(present[:, None] & (touch_brick < NUM_BRICK), touch_brick, NUM_BRICK)
+    brick_rivals_joined = jnp.zeros(NUM_BRICK, jnp.uint32).at[to_brick].add(
         (jnp.uint32(1) << jnp.arange(NUM_AGENTS, dtype=jnp.uint32))[:, None],
         mode="drop",
     )
-    active = present & (actions == ACTION_PAINT)  # territory.sj:52
-    paint_cells = state.position[:, None] + PAINT_OFFSETS[state.heading]  # territory.sj:52
-    paint_bits = PAINT_REACH[state.position * 4 + state.heading]  # territory.sj:52
-    paint_reached = from_bits(paint_bits, NUM_PAINT_CELLS)  # territory.sj:52
-    marked = jnp.where(active[:, None] & paint_reached, paint_cells, NOWHERE).reshape(-1)  # territory.sj:52
-    paint_brick = SITE_OF_BRICK[paint_cells]  # territory.sj:52
-    # territory.sj:52
-    to_brick_2 = jnp.where(active[:, None] & (paint_brick < NUM_BRICK) & paint_reached, paint_brick, NUM_BRICK)
-    members = jnp.zeros((NUM_BRICK, NUM_AGENTS), bool).at[  # territory.sj:52
+    chose_paint = present & (actions == ACTION_PAINT)  # territory.sj:52
+    paint_cells = state.position[:, None] + PAINT_OFFSETS[state.heading]
+    paint_bits = PAINT_REACH[state.position * 4 + state.heading]
+    paint_reached = from_bits(paint_bits, NUM_PAINT_CELLS)
+    marked = jnp.where(chose_paint[:, None] & paint_reached, paint_cells, NOWHERE).reshape(-1)
+    paint_brick = SITE_OF_BRICK[paint_cells]
+    to_brick_2 = jnp.where(chose_paint[:, None] & (paint_brick < NUM_BRICK) & paint_reached, paint_brick, NUM_BRICK)
+    members = jnp.zeros((NUM_BRICK, NUM_AGENTS), bool).at[
         to_brick_2, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
     ].set(True, mode="drop")
-    brick_rivals_joined_2 = as_bits(members, jnp.uint32)  # territory.sj:52
+    brick_rivals_joined_2 = as_bits(members, jnp.uint32)
     brick_rivals = state.brick_rivals | brick_rivals_joined | brick_rivals_joined_2
     return state.replace(brick_rivals=brick_rivals, mark_claim=marked), out
 
 
 def settle(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `settle`: for each brick, picks 1 winner in brick.rivals, sets brick.owner to winner, sets brick.paint to
-    wet, sets brick.wetness to drying, counts claimed, sets brick.rivals to nobody.
+    """phase settle {  # ... and one of them holds
+      each brick where brick.rivals is not nobody {
+        pick 1 agent as winner in brick.rivals {
+          when winner is not brick.owner and brick.damage < strikes {
+            set brick.owner = winner  set brick.paint = wet  set brick.wetness = drying  tally claimed for winner
+          }
+        }
+        set brick.rivals = nobody
+      }
+    }
     """
-    active = state.brick_rivals != 0  # territory.sj:55
+    has_rivals = state.brick_rivals != 0  # territory.sj:55
     present = state.position != NOWHERE  # territory.sj:56
-    winner, found = pick(  # territory.sj:56
+    winner, found = pick(
         present[None, :] & from_bits(state.brick_rivals, NUM_AGENTS),
         random_bits(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0],
     )
-    active_2 = active & found & (winner != state.brick_owner) & (state.brick_damage < 2)  # territory.sj:57
-    brick_owner = jnp.where(active_2, winner, state.brick_owner)  # territory.sj:58
-    brick_paint = jnp.where(active_2, BRICK_WET, state.brick_paint)  # territory.sj:58
-    brick_wetness = jnp.where(active_2, params.drying, state.brick_wetness)  # territory.sj:58
-    times = times_in(jnp.where(active_2, jnp.uint32(1) << winner.astype(jnp.uint32), 0), NUM_AGENTS)  # territory.sj:58
-    event_claimed = out.event_claimed + times  # territory.sj:58
-    brick_rivals = jnp.where(active, 0, state.brick_rivals)  # territory.sj:61
+    # territory.sj:57
+    where_winner_is_not_owner = has_rivals & found & (winner != state.brick_owner) & (state.brick_damage < 2)
+    brick_owner = jnp.where(where_winner_is_not_owner, winner, state.brick_owner)  # territory.sj:58
+    brick_paint = jnp.where(where_winner_is_not_owner, BRICK_WET, state.brick_paint)
+    brick_wetness = jnp.where(where_winner_is_not_owner, params.drying, state.brick_wetness)
+    claimed = times_in(jnp.where(where_winner_is_not_owner, jnp.uint32(1) << winner.astype(jnp.uint32), 0), NUM_AGENTS)
+    event_claimed = out.event_claimed + claimed
+    brick_rivals = jnp.where(has_rivals, 0, state.brick_rivals)  # territory.sj:61
     return (
         state.replace(
             brick_owner=brick_owner, brick_paint=brick_paint, brick_wetness=brick_wetness, brick_rivals=brick_rivals
@@ -431,44 +445,42 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
 
 
 def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fire`: for each zapper, marks zap, sets zapper.hot to cooling, for the first victim in zap of zapper, adds
-    1 to victim.hits, sets victim.stunned to frozen, sets victim.recovering to recovery, for each brick in zap of
-    zapper, adds 1 to brick.damage, sets brick.dust to mending, counts blows.
+    """phase fire {
+      each agent as zapper where zapper chose zap {
+        mark zap of zapper  set zapper.hot = cooling
+        first agent as victim in zap of zapper { add 1 to victim.hits  set victim.stunned = frozen  set
+            victim.recovering = recovery }
+        each brick in zap of zapper where brick.damage < strikes { add 1 to brick.damage  set brick.dust = mending
+            tally blows for zapper }
+      }
+    }
     """
     present = state.position != NOWHERE  # territory.sj:65
-    active = present & (actions == ACTION_ZAP)  # territory.sj:65
+    chose_zap = present & (actions == ACTION_ZAP)
     zap_cells = state.position[:, None] + ZAP_OFFSETS[state.heading]  # territory.sj:66
-    zap_blocked = BLOCKS_ZAP[zap_cells] | (  # territory.sj:66
+    zap_blocked = BLOCKS_ZAP[zap_cells] | (
         (SITE_OF_BRICK[zap_cells] < NUM_BRICK) & (state.brick_damage[SITE_OF_BRICK[zap_cells]] < 2)
     )
-    zap_reached = reached(zap_blocked, INSIDE[zap_cells], ZAP_STARTS)  # territory.sj:66
-    marked = jnp.where(active[:, None] & zap_reached, zap_cells, NOWHERE).reshape(-1)  # territory.sj:66
-    agent_hot = jnp.where(active, params.cooling.astype(jnp.uint8), state.agent_hot)  # territory.sj:66
+    zap_reached = reached(zap_blocked, INSIDE[zap_cells], ZAP_STARTS)
+    marked = jnp.where(chose_zap[:, None] & zap_reached, zap_cells, NOWHERE).reshape(-1)
+    agent_hot = jnp.where(chose_zap, params.cooling.astype(jnp.uint8), state.agent_hot)
     standing = zap_cells[:, :, None] == state.position[None, None, :]  # territory.sj:67
-    victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)  # territory.sj:67
-    anybody = jnp.any(standing, axis=-1)  # territory.sj:67
-    eligible = anybody & zap_reached  # territory.sj:67
-    in_lane = jnp.concatenate([eligible, jnp.zeros_like(eligible[:, :1])], axis=1)[:, LANES_OF_ZAP]  # territory.sj:67
-    nearest = jnp.argmax(in_lane, axis=-1)  # territory.sj:67
-    found = jnp.any(in_lane, axis=-1)  # territory.sj:67
-    cell_of_lane = LANES_OF_ZAP[jnp.arange(3)[None, :], nearest]  # territory.sj:67
-    victim_2 = jnp.take_along_axis(victim, jnp.minimum(cell_of_lane, 5), axis=1)  # territory.sj:67
-    active_2 = active[:, None] & found  # territory.sj:67
-    # territory.sj:67
-    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(active_2.astype(jnp.int32), mode="drop")
-    to_agent = jnp.where(active_2, victim_2, NUM_AGENTS)  # territory.sj:67
-    # territory.sj:67
+    victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)
+    anybody = jnp.any(standing, axis=-1)
+    eligible = anybody & zap_reached
+    victim_2, found = nearest_in_lanes(eligible, victim, (2, 2, 2))
+    victim_found = chose_zap[:, None] & found
+    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(victim_found.astype(jnp.int32), mode="drop")
+    to_agent = jnp.where(victim_found, victim_2, NUM_AGENTS)
     agent_stunned = state.agent_stunned.at[to_agent].set(params.frozen.astype(jnp.uint8), mode="drop")
-    agent_recovering = state.agent_recovering.at[to_agent].set(params.recovery, mode="drop")  # territory.sj:67
+    agent_recovering = state.agent_recovering.at[to_agent].set(params.recovery, mode="drop")
     zap_brick = SITE_OF_BRICK[zap_cells]  # territory.sj:68
-    # territory.sj:68
-    active_3 = active[:, None] & (zap_brick < NUM_BRICK) & zap_reached & (state.brick_damage[zap_brick] < 2)
-    # territory.sj:68
-    brick_damage_added = jnp.zeros(NUM_BRICK, jnp.int32).at[zap_brick].add(active_3.astype(jnp.int32), mode="drop")
-    to_brick = jnp.where(active_3, zap_brick, NUM_BRICK)  # territory.sj:68
-    brick_dust = state.brick_dust.at[to_brick].set(params.mending, mode="drop")  # territory.sj:68
-    times = jnp.sum(active_3, axis=1, dtype=jnp.int32)  # territory.sj:68
-    event_blows = out.event_blows + times  # territory.sj:68
+    brick_in_zap = chose_zap[:, None] & (zap_brick < NUM_BRICK) & zap_reached & (state.brick_damage[zap_brick] < 2)
+    brick_damage_added = jnp.zeros(NUM_BRICK, jnp.int32).at[zap_brick].add(brick_in_zap.astype(jnp.int32), mode="drop")
+    to_brick = jnp.where(brick_in_zap, zap_brick, NUM_BRICK)
+    brick_dust = state.brick_dust.at[to_brick].set(params.mending, mode="drop")
+    blows = jnp.sum(brick_in_zap, axis=1, dtype=jnp.int32)
+    event_blows = out.event_blows + blows
     agent_hits = jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2).astype(jnp.uint8)
     brick_damage = jnp.clip(state.brick_damage.astype(jnp.int32) + brick_damage_added, 0, 2).astype(jnp.uint8)
     return (
@@ -486,20 +498,25 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def fall(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `fall`: for each a, removes a, counts gone, sets a.hits to 0; for each brick (b), sets b.owner to nobody,
-    sets b.paint to none.
+    """phase fall {
+      each agent as a { when a.hits == strikes { remove a  tally gone for a } otherwise when a.recovering == 0 { set
+          a.hits = 0 } }
+      each brick as b where b.owner is not nobody and (b.damage == strikes or b.owner.hits == strikes) {
+        set b.owner = nobody  set b.paint = none
+      }
+    }
     """
     present = state.position != NOWHERE  # territory.sj:72
-    holds = state.agent_hits == 2  # territory.sj:72
-    active = present & holds  # territory.sj:72
-    event_gone = out.event_gone + active.astype(jnp.int32)  # territory.sj:72
-    holds_2 = state.agent_recovering == 0  # territory.sj:72
-    agent_hits = jnp.where(present & ~holds & holds_2, 0, state.agent_hits)  # territory.sj:72
+    hits_is_2 = state.agent_hits == 2
+    where_hits_is_2 = present & hits_is_2
+    event_gone = out.event_gone + where_hits_is_2.astype(jnp.int32)
+    recovering_is_0 = state.agent_recovering == 0
+    agent_hits = jnp.where(present & ~hits_is_2 & recovering_is_0, 0, state.agent_hits)
     # territory.sj:73
-    active_2 = (state.brick_owner != NOBODY) & ((state.brick_damage == 2) | (state.agent_hits[state.brick_owner] == 2))
-    brick_owner = jnp.where(active_2, NOBODY, state.brick_owner)  # territory.sj:74
-    brick_paint = jnp.where(active_2, BRICK_NONE, state.brick_paint)  # territory.sj:74
-    position = jnp.where(active, NOWHERE, state.position)
+    has_owner = (state.brick_owner != NOBODY) & ((state.brick_damage == 2) | (state.agent_hits[state.brick_owner] == 2))
+    brick_owner = jnp.where(has_owner, NOBODY, state.brick_owner)  # territory.sj:74
+    brick_paint = jnp.where(has_owner, BRICK_NONE, state.brick_paint)
+    position = jnp.where(where_hits_is_2, NOWHERE, state.position)
     return (
         state.replace(agent_hits=agent_hits, brick_owner=brick_owner, brick_paint=brick_paint, position=position),
         out.replace(event_gone=event_gone),
@@ -507,22 +524,25 @@ def fall(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def pay(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `pay`: for each brick (b), by chance gives a reward to b.owner, counts paid."""
+    """phase pay {
+      each brick as b where b.paint is dry and b.owner is not nobody { chance rate { give yield to b.owner  tally
+          paid for b.owner } }
+    }
+    """
     happens = (random_bits(key, STREAM_PAY, NUM_BRICK) >> 1) < threshold(params.rate)  # territory.sj:78
-    active = (state.brick_paint == BRICK_DRY) & (state.brick_owner != NOBODY) & happens  # territory.sj:78
-    # territory.sj:78
-    times = times_in(jnp.where(active, jnp.uint32(1) << state.brick_owner.astype(jnp.uint32), 0), NUM_AGENTS)
-    reward = out.reward + times.astype(jnp.float32) * params.yield_  # territory.sj:78
-    event_paid = out.event_paid + times  # territory.sj:78
+    active = (state.brick_paint == BRICK_DRY) & (state.brick_owner != NOBODY) & happens
+    num_yield = times_in(jnp.where(active, jnp.uint32(1) << state.brick_owner.astype(jnp.uint32), 0), NUM_AGENTS)
+    reward = out.reward + num_yield.astype(jnp.float32) * params.yield_
+    event_paid = out.event_paid + num_yield
     return state, out.replace(reward=reward, event_paid=event_paid)
 
 
 def allowed_actions(state: State, params: Params) -> Array:
     """Returns which actions each agent may take: `[N, A]` bool."""
     forbidden = state.agent_stunned > 0  # territory.sj:37
-    closed = forbidden[:, None] & FORBIDS[None]  # territory.sj:37
-    forbidden_2 = state.agent_hot > 0  # territory.sj:37
-    closed_2 = forbidden_2[:, None] & FORBIDS_2[None]  # territory.sj:37
+    closed = forbidden[:, None] & FORBIDS[None]
+    forbidden_2 = state.agent_hot > 0
+    closed_2 = forbidden_2[:, None] & FORBIDS_2[None]
     return ~closed & ~closed_2
 
 
@@ -544,7 +564,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(  # territory.sj:23
         plane_0,
         CELLS_BRICK,
-        (state.brick_paint * 3 + state.brick_damage) * 10 + (state.brick_owner + 1).astype(jnp.uint8) + BRICK_LOOK,
+        look_number(BRICK_LOOK, (3, 3, 10), state.brick_paint, state.brick_damage, state.brick_owner + 1),
     )
     plane_0 = paint(plane_0, state.mark_claim, MARK_CLAIM_BIT)  # territory.sj:50
     plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # territory.sj:64
@@ -552,39 +572,32 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # territory.sj:89
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    seen_1 = windows(  # territory.sj:89
+    seen_1 = windows(
         plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    raw = seen_0 & CONTENT_MASK  # territory.sj:89
-    is_brick = (raw >= BRICK_LOOK) & (raw < 93)  # territory.sj:89
-    brick_owner = (raw - BRICK_LOOK) % 10  # territory.sj:89
-    brick_damage = (raw - BRICK_LOOK) // 10 % 3  # territory.sj:89
-    brick_paint = (raw - BRICK_LOOK) // 10 // 3  # territory.sj:89
-    content = jnp.where(  # territory.sj:89
-        is_brick,
-        (
-            brick_paint * 3 + jnp.where(
-                brick_owner.astype(jnp.int32) - 1 == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None],
-                0,
-                jnp.where(brick_owner.astype(jnp.int32) - 1 == NOBODY, jnp.uint8(1), jnp.uint8(2)),
-            )
-        )
-        * 3
-        + jnp.where(brick_damage == 0, 0, jnp.where(brick_damage < 2, jnp.uint8(1), jnp.uint8(2)))
-        + 3,
-        raw - (raw >= GATE_LOOK).astype(jnp.uint8) * 63,
+    raw = seen_0 & CONTENT_MASK
+    is_brick, brick_paint, brick_damage, brick_owner = look_fields(raw, BRICK_LOOK, (3, 3, 10))
+    shown_owner = jnp.where(
+        brick_owner.astype(jnp.int32) - 1 == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None],
+        0,
+        jnp.where(brick_owner.astype(jnp.int32) - 1 == NOBODY, jnp.uint8(1), jnp.uint8(2)),
     )
-    agent = seen_1 & AGENT_MASK  # territory.sj:89
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # territory.sj:89
-    agents = jnp.where(  # territory.sj:89
+    shown_damage = jnp.where(brick_damage == 0, 0, jnp.where(brick_damage < 2, jnp.uint8(1), jnp.uint8(2)))
+    content = jnp.where(
+        is_brick,
+        look_number(BRICK_SHOWN, (3, 3, 3), brick_paint, shown_owner, shown_damage),
+        raw - jnp.where(raw >= GATE_LOOK, jnp.uint8(GATE_DOWN), jnp.uint8(0)),
+    )
+    agent = seen_1 & AGENT_MASK
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
+    agents = jnp.where(
         MYSELF[None],
         1,
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
-    theirs = (agent != 0) & ~MYSELF[None]  # territory.sj:89
-    # territory.sj:89
+    theirs = (agent != 0) & ~MYSELF[None]
     marks = ((seen_0 >> MARK_CLAIM_SHIFT) & MARK_CLAIM_MASK) | (((seen_1 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK) << 1)
-    present = state.position != NOWHERE  # territory.sj:89
+    present = state.position != NOWHERE
     return planes_of(
         WINDOW,
         present,

@@ -49,6 +49,21 @@ def make(
       CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError, TypeError: the arguments, a
         name that several games have among them. RuntimeError: the process was forked from one that had made an environment.
     """
+    return environment_of(*build_game(game, variant, num_agents, params, map), observation)
+
+
+def build_game(
+    game: str | Path,
+    variant: str | None = None,
+    num_agents: int | None = None,
+    params: Mapping[str, Any] | None = None,
+    map: str | Path | tuple[str, ...] | None = None,
+    placed_by_hand: bool = False,
+) -> tuple[Build, dict[str, Any]]:
+    """Returns a checked game and its run-time numbers; arguments and errors as of `make`.
+
+    `placed_by_hand`: a test puts agents and movers on the map, which needs no cells to send them to.
+    """
     if _jax_is_used_in not in (None, os.getpid()):
         raise RuntimeError(
             "this process was forked from one that uses JAX, where JAX would wait for ever: start processes by `spawn` or `forkserver`, "
@@ -60,10 +75,10 @@ def make(
     composition = compose(source, variants)
     num_agents = None if num_agents is None else plain_number(num_agents)
     sizes, run_time = split_sizes(*composition.number_names(), dict(params or {}))
-    made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source)))
+    made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source), placed_by_hand))
     if num_agents is not None and made.game.agents.number != num_agents:
         raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
-    return environment_of(made, run_time, observation)
+    return made, run_time
 
 
 def _check_types(game: Any, variant: Any, params: Any) -> None:

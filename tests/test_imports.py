@@ -107,6 +107,11 @@ def test_the_interpreter_reads_the_typed_game_and_nothing_else() -> None:
     read = {name for module in MODULES if module.startswith("sjdsl.interpreter") for name, _ in imports(module) if name.startswith("sjdsl")}
     assert len(read) > 10
     assert [name for name in sorted(read) if not name.startswith(("sjdsl.interpreter", "sjdsl.compiler.ir"))] == []
+    own_meaning = {
+        f"sjdsl.compiler.ir.{name}" for name in ("operations", "evaluate_constant", "ranges", "range_arithmetic", "implications")
+    }
+    assert own_meaning <= MODULES.keys()
+    assert read & own_meaning == set(), "the interpreter has its own meaning of each operation: it is what the table is compared with"
 
 
 def test_no_imports_go_in_circles() -> None:

@@ -127,6 +127,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
             numbers=env.num_agents if config.agent_id else 0,
             sides=config.convolution_sides,
             channels=config.convolution_channels,
+            own=config.own,
         )
         for bundle in bundles
     )

@@ -6,8 +6,9 @@ from typing import Any, get_args
 import jax
 import jax.numpy as jnp
 
-from .config import Config, PPOConfig, RewardMode, VDNConfig
+from .config import Config, ConfigError, PPOConfig, RewardMode, VDNConfig
 from .environment import Environment
+from .own_algorithm import make_own
 from .policies import load_parameters, make_partners
 from .ppo import make_ppo
 from .step_record import check_own_reward
@@ -28,6 +29,8 @@ def make_train(env: Environment, config: Config) -> Train:
     if config.reward not in get_args(RewardMode):
         check_own_reward(env, config)
     match config:
+        case PPOConfig() if "algorithm" in config.hooks:
+            program = make_own(env, config)
         case PPOConfig():
             program = make_ppo(env, config, make_partners(env, config))
         case VDNConfig():
@@ -39,6 +42,7 @@ def make_train(env: Environment, config: Config) -> Train:
 
 def starting_with(program: Train, parameters: Any) -> Train:
     """Returns a run whose networks start with given parameters; all else, optimisers too, starts as it would."""
-    assert program.adopt is not None
     adopt = program.adopt
+    if adopt is None:
+        raise ConfigError("this algorithm cannot start from a policy: its `Train` has no `adopt`")
     return replace(program, init=lambda key: adopt(program.init(key), jax.tree.map(jnp.asarray, parameters)))

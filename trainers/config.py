@@ -3,7 +3,7 @@
 import math
 import operator
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
@@ -25,7 +25,8 @@ from pydantic import (
 from sjdsl.near_names import meant
 
 from .config_errors import RETIRED, ConfigError, sentence_of
-from .extensions import Kind, find, is_own, lasting, name_of, require_allowed
+from .extensions import Kind, a, find, is_own, lasting, name_of, require_allowed
+from .own_settings import OWN, Own, gathered, missing_own, spread, unread_own
 from .policy_names import lasting_name, split_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
@@ -33,7 +34,15 @@ __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 Algorithm = Literal["ippo", "mappo", "irat", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
+# What a configuration may name one's own instead of, and which settings of `own` that may then take.
+BUNDLED: Mapping[Kind, tuple[str, ...]] = {
+    "algorithm": get_args(Algorithm),
+    "loss": ("ppo",),
+    "network": get_args(NetworkKind),
+    "reward": get_args(RewardMode),
+}
 MOST_SEEDS = 2**16  # of one run: each has a folder
+TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that are used where nothing is learnt
 SEEDS = 2**32  # how many there are: JAX makes a key of the lower 32 bits, so that a larger seed would be another's run
 
 
@@ -90,7 +99,7 @@ def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, Validat
         if callable(value):
             return name_of(kind, value)
         if not isinstance(value, str) or (value not in names and not is_own(kind, value)):
-            raise ValueError(f"{', '.join(map(repr, names))}, the name of a {kind} that was registered, or FILE.py:NAME")
+            raise ValueError(f"{', '.join(map(repr, names))}, the name of {a(kind)} that was registered, or FILE.py:NAME")
         if value not in names:
             value = lasting(kind, value)
             find(kind, value)
@@ -146,6 +155,7 @@ TRACES = Only("reward", "svo or one of your own", lambda reward: reward not in g
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
 CNN, MAPPO, IRAT = only("network", "cnn"), only("algorithm", "mappo"), only("algorithm", "irat")
 CENTRAL = only("algorithm", "mappo", "irat")
+ONE_POLICY = Only("algorithm", "ippo, mappo or one of your own", lambda algorithm: algorithm != "irat")
 BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
@@ -154,7 +164,7 @@ class Config(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    algorithm: Algorithm
+    algorithm: str
     seed: CountOrZero = 0
     seeds: Annotated[Count, Field(le=MOST_SEEDS)] = 1  # runs side by side, with `seed`, `seed` + 1 and so on
     total_timesteps: Count = 10_000_000  # environment steps of each seed, rounded up to whole updates
@@ -169,7 +179,7 @@ class Config(BaseModel):
     init_from: Annotated[str, BeforeValidator(_policy_name)] = ""  # the policy whose parameters the run starts with; "": drawn ones
     partners: Partners = ()  # (agent, policy): agents that act by a given policy and do not learn
 
-    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", get_args(RewardMode)))] = "individual"  # or one's own, of a `Step`
+    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUNDLED["reward"]))] = "individual"  # or one's own, of a `Step`
     common_reward: Annotated[Literal["sum", "mean"], COMMON] = "sum"
     reward_smoothing: Annotated[Fraction, TRACES] = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
     svo_angle: Annotated[Angles, SVO] = (90.0,)  # degrees, the angle sought; one for all agents or one each
@@ -185,11 +195,12 @@ class Config(BaseModel):
     agent_id: bool = False  # networks read which agent it is besides what it sees: those who share one may come to differ
     mask_actions: bool = True  # an action that the game forbids now is not drawn, valued or learnt from
 
-    network: Annotated[str, BeforeValidator(_one_of_or_own("network", get_args(NetworkKind)))] = "cnn"  # or one's own, of tokens
+    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUNDLED["network"]))] = "cnn"  # or one's own, of tokens
     network_width: Count = 64  # units of each hidden dense layer
     convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)  # cells along the side of each convolution's kernel, one after the other
     convolution_channels: Annotated[Count, CNN] = 32  # features that each gives a cell
     precision: Literal["float32", "bfloat16"] = "float32"  # of the network's layers; parameters stay float32
+    own: Own = ()  # (name, value): settings that an algorithm, loss, network or reward of one's own takes by name
 
     checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = 10.0  # between two checkpoints, at least
     checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = 0.05  # of the time, at most, that writing checkpoints may take
@@ -228,6 +239,9 @@ class Config(BaseModel):
             for name, mark in self.unread.items()
             if name in asked
         ]
+        if not stored:  # else nothing is imported yet
+            faults += [said for name, said in unread_own(self).items() if {"own", OWN + name} & {*asked}]
+            faults += missing_own(self)
         if faults:
             raise ConfigError("\n".join(faults))
 
@@ -235,6 +249,12 @@ class Config(BaseModel):
     def unread(self) -> dict[str, Only]:
         """The settings that nothing reads here, each with what would have it read."""
         return {name: mark for name, mark in dependent_settings(type(self)).items() if not mark.holds(getattr(self, mark.setting))}
+
+    @property
+    def hooks(self) -> dict[Kind, str]:
+        """The names of one's own algorithm, loss, network and reward, where these are not bundled ones."""
+        named = {kind: getattr(self, kind, bundled[0]) for kind, bundled in BUNDLED.items()}
+        return {kind: name for kind, name in named.items() if name not in BUNDLED[kind]}
 
     def record(self) -> dict[str, Any]:
         """Returns all settings as values of JSON, as manifests and policies have them: those that nothing reads at their defaults."""
@@ -265,7 +285,8 @@ class Config(BaseModel):
 class PPOConfig(Config):
     """Proximal policy optimisation: with a critic of what an agent sees (ippo), of what all see (mappo), or one of each (irat)."""
 
-    algorithm: Literal["ippo", "mappo", "irat"] = "ippo"
+    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo", "irat")))] = "ippo"  # or one's own
+    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUNDLED["loss"])), ONE_POLICY] = "ppo"  # or one's own, of a minibatch
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8
@@ -344,26 +365,35 @@ def stored_config(values: Any, strict: bool = False) -> Config:
     return _config({key: value for key, value in values.items() if key not in RETIRED}, Given(None if strict else (), stored=True))
 
 
-def require_code(config: Config, place: str, kinds: Sequence[Kind]) -> None:
+def require_code(config: Config, place: str, to_act: bool) -> None:
     """Checks that the caller has named the code of a stored configuration. Raises NotAllowed.
 
     Args:
       place: where it is stored.
-      kinds: what is going to be used: to act, networks and policies of partners; to go on training, rewards too.
+      to_act: nothing is learnt, so neither losses nor rewards are going to be used.
     """
-    named: dict[Kind, tuple[str, ...]] = {"network": (config.network,), "reward": (config.reward,)}
-    named["policy"] = tuple(policy for _, policy in config.partners if not split_name(policy)[0].exists())
-    for kind in kinds:
-        for name in named[kind]:
+    for kind, name in config.hooks.items():
+        if not to_act or kind in TO_ACT:
             require_allowed(kind, name, place)
+    for _, policy in config.partners:
+        if not split_name(policy)[0].exists():
+            require_allowed("policy", policy, place)
 
 
-def _config(values: dict[str, Any], given: Given) -> Config:
-    algorithm = values.setdefault("algorithm", "ippo")
+def class_of(algorithm: Any) -> type[Config]:
+    """Returns the class of configurations of an algorithm: of one's own that of PPO. Raises ConfigError where there is none of that name."""
+    if callable(algorithm) or (isinstance(algorithm, str) and is_own("algorithm", algorithm)):
+        return PPOConfig
     if not isinstance(algorithm, str) or algorithm not in CLASSES:
         raise ConfigError(f"unknown algorithm {algorithm!r}{meant(str(algorithm), CLASSES, 'known:')}")
-    config = CLASSES[algorithm].model_validate(values, context=given)
+    return CLASSES[algorithm]
+
+
+def _config(given_values: Mapping[str, Any], given: Given) -> Config:
+    values = {"algorithm": "ippo", **spread(given_values)}
+    kind = class_of(values["algorithm"])
+    config = kind.model_validate(gathered(values), context=given)
     if given.asked is None:
         return config
-    read = {name: value for name, value in values.items() if name in given.asked or name not in config.unread}
-    return CLASSES[algorithm].model_validate(read, context=given)
+    unread = {*config.unread, *(() if given.stored else map(OWN.__add__, unread_own(config)))} - {*given.asked}
+    return kind.model_validate(gathered({name: value for name, value in values.items() if name not in unread}), context=given)

@@ -1,4 +1,4 @@
-"""Extensions by users: their own networks, rewards, policies and callbacks, by names that configurations can hold.
+"""Extensions by users: their own algorithms, losses, networks, rewards, policies and callbacks, by names that configurations can hold.
 
 A name is one that was registered, or `FILE.py:NAME`, or `package.module:NAME`. What is passed in Python is registered under the
 place it was written at, so that another process finds it again where that place can be imported.
@@ -17,7 +17,7 @@ from typing import Any, Literal
 
 from .config_errors import ConfigError
 
-Kind = Literal["network", "reward", "policy", "callback"]
+Kind = Literal["algorithm", "callback", "loss", "network", "policy", "reward"]
 
 _REGISTERED: dict[tuple[Kind, str], Any] = {}
 _ALLOWED: set[str] = set()  # names of code that the caller has named
@@ -31,13 +31,24 @@ def register(kind: Kind, name: str, thing: object) -> None:
     """Gives a thing a name, for `network`, `reward` and wherever a policy or a callback is named.
 
     Args:
-      kind: `network`: a flax module, or a function that makes one, of tokens `[M, P, V, V]` uint8 to features `[M, K]`;
-        `reward`: `Step -> [N]` float32; `policy`: `(key, observation [N, P, V, V]) -> actions [N]`; `callback`: `Update -> None`.
+      kind: `network`: a flax module, or a function that makes one, of tokens `[M, P, V, V]` uint8 to features `[M, K]`; `reward`: `Step -> [N]`
+        float32; `loss`: `(parameters, apply, batch, config) -> (loss, metrics)`, as `ppo_loss`; `algorithm`: `(env, config) -> Train`;
+        `policy`: `(key, observation [N, P, V, V]) -> actions [N]`; `callback`: `Update -> None`.
       name: in place of what had it before.
     """
     if not callable(thing) and not hasattr(thing, "act"):
-        raise TypeError(f"a {kind} is a function, not {thing!r}")
+        raise TypeError(f"{a(kind)} is a function, not {thing!r}")
     _REGISTERED[kind, name] = thing
+
+
+def a(kind: Kind) -> str:
+    """Returns a kind with its article."""
+    return f"an {kind}" if kind == "algorithm" else f"a {kind}"
+
+
+def short_name(name: str) -> str:
+    """Returns a name without the place it was written at: of `FILE.py:NAME` the last."""
+    return name.rpartition(":")[2]
 
 
 def name_of(kind: Kind, thing: Any) -> str:
@@ -81,7 +92,7 @@ def require_allowed(kind: Kind, name: str, place: str) -> None:
     if ":" not in name or (kind, name) in _REGISTERED or _lasting(name) in _ALLOWED:
         return
     raise NotAllowed(
-        f"{place} names a {kind} of your own, `{name}`, and using it would run that code. If you trust it, allow it: "
+        f"{place} names {a(kind)} of your own, `{name}`, and using it would run that code. If you trust it, allow it: "
         f"--allow-code {shlex.quote(name)}, in Python sjdsl.trainers.allow_code({name!r})"
     )
 

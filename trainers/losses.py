@@ -10,8 +10,11 @@ from jax import Array
 
 from .config import PPOConfig
 from .networks import Memory
+from .training_functions import Metrics
 
 Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
+
+Loss = Callable[..., tuple[Array, Metrics]]  # (parameters, apply, batch, config) -> what is made smaller, and its parts
 
 
 @flax.struct.dataclass

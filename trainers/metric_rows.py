@@ -30,7 +30,7 @@ def flatten_metrics(metrics: dict[str, Any]) -> Row:
                 for inner, count in value.items():
                     row |= _per_agent(f"{name}_{inner}", count)
             case _:
-                row[name] = np.asarray(value).item()
+                row |= _per_agent(name, value)
     return row
 
 

@@ -14,8 +14,8 @@ from sjdsl.runtime.tokens import to_channels
 
 from .config_errors import ConfigError
 from .convolution import convolve
-from .extensions import find
 from .initialisation import orthogonal
+from .own_settings import filled
 from .window_layer import WindowLayer
 
 HIDDEN_GAIN = 2.0**0.5
@@ -40,6 +40,7 @@ class Torso(nn.Module):
     dtype: Any
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
+    own: tuple[tuple[str, Any], ...] = ()  # settings that a network of one's own may take
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
@@ -63,9 +64,9 @@ class Torso(nn.Module):
     def _own(self, tokens: Array) -> Array:
         """Returns the features `[M, K]` that a user's module makes of tokens `[M, P, V, V]` uint8.
 
-        It is made with those of `planes`, `width` and `dtype` that it has fields, or arguments, for.
+        It is made with those of `planes`, `width`, `dtype` and `own` that it has fields, or arguments, for.
         """
-        make = find("network", self.kind)
+        make = filled("network", self.kind, self.own)
         fields = inspect.signature(make).parameters
         known = {"planes": self.planes, "width": self.width, "dtype": self.dtype}
         module = make(**{name: value for name, value in known.items() if name in fields})
@@ -144,6 +145,7 @@ class ActorCritic(nn.Module):
     numbers: int = 0  # N of the game, where what agents are is an input; 0: it is none
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
+    own: tuple[tuple[str, Any], ...] = ()
 
     @nn.compact
     def __call__(
@@ -160,7 +162,7 @@ class ActorCritic(nn.Module):
         Returns:
           the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
         """
-        torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype, sides=self.sides, channels=self.channels)
+        torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype, sides=self.sides, channels=self.channels, own=self.own)
         head = partial(Head, width=self.width, dtype=self.dtype)
         seen = with_numbers(torso(self.planes, name="torso")(observation), agents, self.numbers)
         memory, seen = self._remember("memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1]))
@@ -222,10 +224,11 @@ class ActionValues(nn.Module):
     numbers: int = 0  # N, where what agents are is an input; 0: it is none
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
+    own: tuple[tuple[str, Any], ...] = ()
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
         """Returns `[..., N, A]` float32 for observations `[..., N, P, V, V]` uint8 of all agents, in order."""
-        seen = Torso(self.planes, self.kind, self.width, self.dtype, self.sides, self.channels, name="torso")(observation)
+        seen = Torso(self.planes, self.kind, self.width, self.dtype, self.sides, self.channels, self.own, name="torso")(observation)
         seen = with_numbers(seen, jnp.arange(self.numbers), self.numbers)
         return Head(self.num_actions, self.width, CRITIC_GAIN, self.dtype, name="values")(seen)

@@ -22,9 +22,11 @@ from .config import Config, ConfigError, PPOConfig, VDNConfig
 from .environment import Environment, abstract_key, reset_shapes
 from .extensions import find, is_own
 from .masks import masked, wants_masks
+from .own_algorithm import make_own
 from .partners import NOBODY, Partners, learning_agents
 from .policy_file import Described, PolicyError, policy_path, read_policy
 from .policy_names import split_name, unknown_policy
+from .training_functions import Train
 from .vdn import best_action, explore, make_action_values
 
 __all__ = [
@@ -43,6 +45,7 @@ __all__ = [
 # What two runs must have alike for one to start with the parameters of the other.
 SHAPING_NETWORKS = (
     "algorithm",
+    "own",
     "network",
     "network_width",
     "convolution_sides",
@@ -126,6 +129,10 @@ def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bo
     """
     parameters = jax.tree.map(jnp.asarray, parameters)  # those of a file are NumPy's, which some transformations do not take
     match config:
+        case PPOConfig() if "algorithm" in config.hooks:
+            make_policy = _own_program(env, config).policy
+            assert make_policy is not None
+            policy = make_policy(parameters, greedy)
         case PPOConfig():
             policy = _actor_policy(env, config, parameters, bool(greedy))
         case VDNConfig():
@@ -133,6 +140,11 @@ def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bo
         case _:
             raise TypeError(f"no algorithm takes a {type(config).__name__}")
     return with_partners(env, config, policy)
+
+
+def _own_program(env: Environment, config: PPOConfig) -> Train:
+    """Returns the run of an algorithm of one's own, for its policy alone: no reward or loss is looked for, which may be code of one's own, too."""
+    return make_own(env, config.model_copy(update={"reward": "individual", "loss": "ppo"}))
 
 
 def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
@@ -172,6 +184,9 @@ def _policy(start: Any, act: Callable[[Any, Array, Array, Array | None], tuple[A
 def parameter_shapes(env: Environment, config: Config) -> Any:
     """Returns the shapes and dtypes of the parameters that a configuration's policy has."""
     match config:
+        case PPOConfig() if "algorithm" in config.hooks:
+            program = _own_program(env, config)
+            return jax.eval_shape(lambda key: program.parameters(program.init(key)), abstract_key())
         case PPOConfig():
             networks = make_actor_critics(env, config)
             return jax.eval_shape(lambda key: networks.init(key, env), abstract_key())

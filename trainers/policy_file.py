@@ -116,7 +116,7 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
             metadata = file.metadata() or {}
             of_tensors, _, of_json = metadata.get(DIGEST, "").partition(" ")
             described = _read_description(path.with_suffix(".json"), of_json)
-            require_code(described.config, str(path.with_suffix(".json")), ("network", "policy"))
+            require_code(described.config, str(path.with_suffix(".json")), to_act=True)
             leaves, structure = tree_flatten_with_path(shapes_of(described.config))
             wanted = {keystr(place): leaf.shape for place, leaf in leaves}
             found = {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}  # noqa: SIM118 (it is no mapping)

@@ -1,6 +1,7 @@
 """Proximal policy optimisation (PPO) of N agents: runs of IPPO, MAPPO and IRAT, with shared or separate networks, and the clipped loss."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any, cast
 
 import flax
@@ -13,13 +14,15 @@ from .actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from .advantage import generalised_advantages, successor_values
 from .config import ConfigError, PPOConfig
 from .environment import Environment, ObservableEnvironment
-from .episodes import mean_episode
+from .episodes import FinishedEpisodes, mean_episode
 from .irat import both_rewards, irat_loss
-from .losses import Apply, Batch, clipped_surrogate, mean_entropy, normalised, value_loss
+from .losses import Apply, Batch, Loss, clipped_surrogate, mean_entropy, normalised, value_loss
 from .masks import allowed_in, masked, pack_mask, unpack_mask
 from .networks import INDIVIDUAL, Memory
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
+from .own_settings import filled
 from .partners import Partners, learning_agents
+from .policies import trained_policy
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
 from .shaping import make_shaping
 from .teams import Bundle
@@ -33,6 +36,16 @@ class Acting:
     log_probability: Array  # [..., B, N] float32, of the action when it was drawn
     value: Array  # [..., B, N] float32, of the observation
     allowed: Array | None = None  # [..., B, N, bytes] uint8, the actions that were allowed, packed; None: all
+
+
+@flax.struct.dataclass
+class Played:
+    """What one rollout of an update was."""
+
+    rollout: Rollout
+    memory: Memory  # of the agents before it
+    finished: FinishedEpisodes  # total over the episodes that ended
+    measured: dict[str, Array]  # the game's metrics, name -> [] float32, averaged over its steps
 
 
 def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
@@ -54,33 +67,32 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         learners = tuple(start_learner(parameters, config) for parameters in networks.init(network_key, env))
         return TrainState(key, learners, worlds, jnp.int32(0), jnp.bool_(False))
 
-    def collect(state: TrainState) -> tuple[TrainState, Any]:
+    def collect(state: TrainState) -> tuple[TrainState, Played]:
         key, rollout_key = jax.random.split(state.key)
         actor = make_actor(env, networks, parameters(state))
         worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
-        after = replace(state, key=key, worlds=worlds)
-        return after, (rollout, state.worlds.memory, finished, measured)
+        return replace(state, key=key, worlds=worlds), Played(rollout, state.worlds.memory, finished, measured)
 
-    def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
-        rollout, memory, finished, measured = played
+    def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
+        rollout = played.rollout
         key, shuffle_key = jax.random.split(state.key)
         worlds = state.worlds
         last_value = _value(
             networks, parameters(state), worlds.memory, worlds.observation, _joint(env, networks, worlds.state), worlds.fresh
         )
-        batch = replace(make_batch(rollout, memory, last_value, config), progress=state.updates / config.num_updates)
+        batch = replace(make_batch(rollout, played.memory, last_value, config), progress=state.updates / config.num_updates)
         learners, losses = learn_teams(state.learner, batch, shuffle_key, networks, config)
         learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner, state.diverged)
         value, target = (networks.of_result(leaf)[..., learning] for leaf in (batch.value, batch.target))
         metrics = {
-            **mean_episode(finished),
+            **mean_episode(played.finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
-            "metric": measured,
+            "metric": played.measured,
             **losses,
             "explained_variance": explained_variance(value, target),
             "learning_rate": learning_rate_schedule(config)(state.learner[0].step.ravel()[0]),
         }
-        return TrainState(key, learners, worlds, state.updates + 1, ~jnp.isfinite(losses["loss"])), metrics
+        return replace(state, key=key, learner=learners, updates=state.updates + 1, diverged=~jnp.isfinite(losses["loss"])), metrics
 
     def parameters(state: TrainState) -> tuple[Any, ...]:
         return tuple(learner.params for learner in state.learner)
@@ -88,7 +100,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     def adopt(state: TrainState, parameters: Any) -> TrainState:
         return replace(state, learner=tuple(replace(learner, params=own) for learner, own in zip(state.learner, parameters, strict=True)))
 
-    return Train(init, collect, learn, parameters, adopt)
+    return Train(init, collect, learn, parameters, adopt, partial(trained_policy, env, config))
 
 
 def check_minibatches(config: PPOConfig) -> None:
@@ -250,9 +262,9 @@ def take_epochs(
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
         minibatch = sample(batch, indices, agents, networks)
-        loss = jax.value_and_grad(irat_loss if config.algorithm == "irat" else ppo_loss, has_aux=True)
-        (_, losses), gradients = loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
-        losses |= gradient_norms(gradients, config)
+        loss = jax.value_and_grad(loss_of(config), has_aux=True)
+        (value, losses), gradients = loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
+        losses = {**losses, "loss": value, **gradient_norms(gradients, config)}
         return learner.apply_gradients(grads=gradients), losses
 
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
@@ -290,6 +302,26 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
         allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.num_actions),
         progress=batch.progress,
     )
+
+
+def loss_of(config: PPOConfig) -> Loss:
+    """Returns what a minibatch's gradient step makes smaller."""
+    if config.algorithm == "irat":
+        return irat_loss
+    if config.loss == "ppo":
+        return ppo_loss
+    own = filled("loss", config.loss, config.own)
+
+    def checked(*given: Any) -> tuple[Array, Metrics]:
+        result = own(*given)
+        match result:
+            case (value, dict() as parts) if all(jnp.ndim(number) == 0 for number in (value, *parts.values())):
+                return value, parts
+            case _:
+                shapes = jax.tree.map(jnp.shape, result)
+                raise ConfigError(f"the loss `{config.loss}` must return a number and a dict of numbers, its metrics, not {shapes}")
+
+    return checked
 
 
 def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> tuple[Array, Metrics]:

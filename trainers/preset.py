@@ -10,7 +10,10 @@ num_agents = 2
 [config]                # keys of the configuration
 learning_rate = 1e-3
 
-[algorithm.mappo]       # the same, for one algorithm
+[config.own]            # settings that an algorithm, loss, network or reward of one's own takes by name
+bonus = 0.1
+
+[algorithm.mappo]       # as [config], for one algorithm; one's own has the settings of ippo
 [reward.svo]            # for one reward
 [algorithm.ippo.reward.common]  # for one algorithm with one reward
 [games.coins.config]    # for one game, by the name in its file; and so .environment, .algorithm.NAME, .reward.NAME
@@ -29,6 +32,7 @@ from typing import Any, get_args
 from sjdsl.near_names import meant
 
 from .config import KEYS_OF, Algorithm, Config, ConfigError, RewardMode, make_config
+from .own_settings import OWN, spread
 
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
 SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_ANY}
@@ -66,9 +70,11 @@ def load_preset(
     if content.get("only_listed") and stem is not None and not own:
         raise ConfigError(f"the preset `{name}` has nothing for `{stem}`; it has {', '.join(content.get('games', {}))}")
     kept = content.get("environment", {}) if content.get("game") is None or stem == Path(content["game"]).stem else {}
-    values = _layered(content, own, changes or {})
-    config = make_config(values, asked=changes or () if asked is None else asked)
-    left_out = tuple(key for key in config.unread if key in values and key not in (changes or {}))
+    changes = spread(changes or {})
+    values = _layered(content, own, changes)
+    config = make_config(values, asked=changes if asked is None else asked)
+    unread = {*config.unread, *(key for key in values if key.startswith(OWN))} - {f"{OWN}{name}" for name, _ in config.own}
+    left_out = tuple(key for key in values if key in unread and key not in changes)
     return Preset(chosen, {**kept, **own.get("environment", {})}, config, left_out)
 
 
@@ -103,15 +109,16 @@ def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mappin
     """Returns the values of the configuration: for all, the algorithm, the reward, both together; the same for the game; changes."""
     first = {**content.get("config", {}), **own.get("config", {}), **changes}
     algorithm = first.get("algorithm", "ippo")
-    reward = first.get("reward", KEYS_OF[algorithm]["reward"].default if algorithm in KEYS_OF else None)
+    algorithm = algorithm if algorithm in KEYS_OF else "ippo"  # one's own has the settings of ippo
+    reward = first.get("reward", KEYS_OF[algorithm]["reward"].default)
     values: dict[str, Any] = {}
     for tables in (content, own):
-        values |= tables.get("config", {})
         of_algorithm = tables.get("algorithm", {}).get(algorithm, {})
         of_rewards = _of_rewards(of_algorithm)
-        values |= {key: value for key, value in of_algorithm.items() if value is not of_rewards}
-        values |= tables.get("reward", {}).get(reward, {})
-        values |= of_rewards.get(reward, {})
+        values |= spread(tables.get("config", {}))
+        values |= spread({key: value for key, value in of_algorithm.items() if value is not of_rewards})
+        values |= spread(tables.get("reward", {}).get(reward, {}))
+        values |= spread(of_rewards.get(reward, {}))
     return values | dict(changes)
 
 

@@ -10,6 +10,7 @@ from .config import ConfigError, require_code, stored_config
 from .environment import Environment
 from .extensions import NotAllowed
 from .manifest import MANIFEST, read_manifest
+from .own_settings import unread_own
 from .run_errors import RunError
 from .run_folder import describe_game, own_files, versions
 from .training_functions import TrainState
@@ -40,7 +41,7 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
         raise RunError(f"{run_dir} was made with {listed}; its figures would not go on alike: install those, or start a new run")
     try:
         config = stored_config(manifest["config"], strict=True)
-        require_code(config, str(run_dir / MANIFEST), ("network", "reward", "policy"))
+        require_code(config, str(run_dir / MANIFEST), to_act=False)
     except NotAllowed as error:
         raise RunError(str(error)) from None
     except (ConfigError, OSError, ValueError) as error:  # the name of a partner may be no path
@@ -49,6 +50,8 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
     changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
     if changed:
         raise RunError(f"{', '.join(changed)} has changed since {run_dir} was started: go on with the file as it was, or start a new run")
+    for said in unread_own(config).values():
+        raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {said}")
     return manifest
 
 

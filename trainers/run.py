@@ -16,6 +16,7 @@ from .checkpoints import Checkpoints
 from .compiled import Compiled, NoMemoryError, compile_train, peak_megabytes, with_spread_starts
 from .config import Config, stored_config
 from .environment import Environment, episode_length
+from .extensions import short_name
 from .loggers import LoggerName
 from .manifest import MANIFEST
 from .metric_rows import mean_row
@@ -242,7 +243,7 @@ def _run(parts: Sequence[Part], progress: ProgressStyle, callback: Callback | No
 
 
 def _title(part: Part) -> str:
-    return f"{part.env.name}, {part.config.algorithm}, {part.config.reward} reward"
+    return f"{part.env.name}, {short_name(part.config.algorithm)}, {short_name(part.config.reward)} reward"
 
 
 def _prepared(parts: Sequence[Part], stack: ExitStack) -> tuple[Compiled, Saver, tuple[TrainState, int]]:

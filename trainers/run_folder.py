@@ -48,7 +48,7 @@ def derived_figures(config: Config, num_agents: int) -> dict[str, float]:
 
 def own_files(config: Config) -> dict[str, str | None]:
     """Returns the files of the user's own that a run is made of, with their SHA-256; None for one that is gone."""
-    names = (config.network, config.reward, *(policy for _, policy in config.partners))
+    names = (*config.hooks.values(), *(policy for _, policy in config.partners))
     files = {str(file): file for file in map(file_of, names) if file is not None}
     return {name: sha256(file.read_bytes()).hexdigest() if file.is_file() else None for name, file in files.items()}
 

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from .config import Config, ConfigError, RewardMode
-from .extensions import find
+from .own_settings import filled
 from .step_record import Step
 
 
@@ -56,7 +56,7 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
                 raise AssertionError(config.reward)  # one's own is not shaped
 
     angles = _angle_of_each(config, num_agents)
-    own = None if config.reward in get_args(RewardMode) else find("reward", config.reward)
+    own = None if config.reward in get_args(RewardMode) else filled("reward", config.reward, config.own)
     return Shaping(shape, _smoothing(config), own)
 
 

@@ -1,7 +1,7 @@
 """Runs side by side: those that differ only in numbers without shape are one program, with a lane for each seed of each run."""
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -153,7 +153,7 @@ def _with_structure(program: Train, structure: Any) -> Train:
         after, metrics = program.learn(inside(state), played)
         return outside(after), metrics
 
-    return Train(lambda key: outside(program.init(key)), collect, learn, program.parameters, loops=program.loops)
+    return replace(program, init=lambda key: outside(program.init(key)), collect=collect, learn=learn, adopt=None)
 
 
 class CheckpointsOfParts:

@@ -9,7 +9,7 @@ from jax import Array
 
 from .config import Config, ConfigError
 from .environment import Environment, array_shape, info_shapes, reset_shapes
-from .extensions import find
+from .own_settings import filled
 
 
 @flax.struct.dataclass
@@ -34,7 +34,7 @@ def check_own_reward(env: Environment, config: Config) -> None:
     each, one = array_shape((env.num_agents,), jnp.float32), array_shape((), jnp.bool_)
     action = array_shape((env.num_agents,), jnp.int32)
     step = Step(each, each, action, observation, state, info["events"], info["metrics"], one, one)
-    paid = jax.eval_shape(lambda step: jnp.asarray(find("reward", config.reward)(step)), step)
+    paid = jax.eval_shape(lambda step: jnp.asarray(filled("reward", config.reward, config.own)(step)), step)
     if paid.shape != (env.num_agents,):
         raise ConfigError(
             f"the reward `{config.reward}` must give a number for each of the {env.num_agents} agents, an array of shape "

@@ -9,6 +9,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.runtime.policy import Policy
+
 from .rollout import Worlds
 
 Metrics = dict[str, Any]
@@ -23,6 +25,7 @@ class TrainState:
     worlds: Worlds  # the B environments
     updates: Array  # [] int32, updates done
     diverged: Array  # [] bool, the loss or a parameter was not finite in some update: since then nothing is learnt
+    own: Any = ()  # what an algorithm of one's own keeps besides; the bundled ones hand it on
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,9 @@ class Train:
     learn: Callable[[TrainState, Any], tuple[TrainState, Metrics]]  # gradient steps on what was played
     parameters: Callable[[TrainState], Any]  # of the agents' networks, from a state
     adopt: Callable[[TrainState, Any], TrainState] | None = None  # a state that goes on from other parameters, of a policy trained before
+    policy: Callable[[Any, bool | None], Policy] | None = (
+        None  # parameters, and whether to act greedily, to how agents act: `trained_policy`
+    )
     loops: bool = True  # whether a loop over seeds may be faster than `vmap`; not where a state is large: the loop would copy it
 
     def update(self, state: TrainState) -> tuple[TrainState, Metrics]:

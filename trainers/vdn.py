@@ -63,6 +63,7 @@ def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
         numbers=env.num_agents if config.agent_id else 0,
         sides=config.convolution_sides,
         channels=config.convolution_channels,
+        own=config.own,
     )
 
 
@@ -122,7 +123,8 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
             "learning_rate": learning_rate_schedule(config)(after.step),
         }
         diverged = ~jnp.isfinite(losses["loss"])
-        return TrainState(key, ValueLearner(after, target, replay), state.worlds, updates, diverged), metrics
+        learner = ValueLearner(after, target, replay)
+        return replace(state, key=key, learner=learner, updates=updates, diverged=diverged), metrics
 
     return Train(init, collect, learn, lambda state: state.learner.online.params, adopt, loops=False)  # the replay buffer is large
 

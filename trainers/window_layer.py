@@ -20,6 +20,8 @@ from sjdsl.runtime.tokens import to_channels
 from .initialisation import orthogonal
 from .window_rows import Planes, channels_of, groups_of, make_tables, row_numbers, rows_of
 
+CELLS = 4  # whose rows are added in one pass over the windows; measured (docs/performance.md)
+
 
 class WindowLayer(nn.Module):
     """A dense layer on the channels of windows, as `nn.Dense` would be on them, with its parameters and their names."""
@@ -55,13 +57,25 @@ def _forward(kernel: Array, tokens: Array, planes: Planes) -> tuple[Array, tuple
 
 def _backward(planes: Planes, inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, None]:
     kernel, tokens = inputs
-    of_kernel: Array = jax.lax.platform_dependent(
-        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes)
-    )
-    return of_kernel.astype(kernel.dtype), None
+    return weigh_gradient(gradient, tokens, planes).astype(kernel.dtype), None
 
 
 weigh.defvjp(_forward, _backward)
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(2,))
+def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
+    """Returns the kernel's gradient `[C * V * V, K]` float32 of that of the result `[M, K]`: the transpose of `weigh`, as that is of this."""
+    result: Array = jax.lax.platform_dependent(
+        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes)
+    )
+    return result
+
+
+weigh_gradient.defvjp(
+    lambda gradient, tokens, planes: (weigh_gradient(gradient, tokens, planes), (gradient, tokens)),
+    lambda planes, inputs, of_kernel: (weigh(of_kernel.astype(inputs[0].dtype), inputs[1], planes), None),
+)
 
 
 def _multiply(kernel: Array, tokens: Array, planes: Planes) -> Array:
@@ -132,15 +146,17 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
         number, windows, width = gradients.shape
         cells, gradients = _by_cell(tokens), gradients.astype(jnp.float32)
         groups = groups_of(planes, windows)
-        shape = (sum(len(plane.channels) for plane in planes), cells.shape[-1], number, width)
-
-        def tables(rows: Array) -> list[Array]:
-            return [make_tables(rows, group, planes) for group in groups]
-
         flat = gradients.reshape(number * windows, width)
-        of_tables = [_add_gradients(row_numbers(cells, group, planes), flat, number * rows_of(group, planes)) for group in groups]
-        of_rows: Array
-        (of_rows,) = jax.linear_transpose(tables, jax.ShapeDtypeStruct(shape, jnp.float32))(of_tables)
+        of_cell = jax.ShapeDtypeStruct((sum(len(plane.channels) for plane in planes), 1, number, width), jnp.float32)
+        to_rows = jax.linear_transpose(lambda rows: [make_tables(rows, group, planes) for group in groups], of_cell)
+
+        def add_cell(_: None, chosen: list[Array]) -> tuple[None, Array]:
+            sizes = [number * rows_of(group, planes) for group in groups]
+            tables = [jnp.zeros((size, width)).at[own].add(flat, mode="drop") for size, own in zip(sizes, chosen, strict=True)]
+            return None, to_rows([table[None] for table in tables])[0][:, 0]
+
+        _, by_cell = jax.lax.scan(add_cell, None, [row_numbers(cells, group, planes) for group in groups], length=cells.shape[-1])
+        of_rows = jnp.moveaxis(by_cell, 0, 1)
         for place in _number_planes(planes):
             own = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))(tokens[:, :, place : place + 1], gradients)
             of_rows = of_rows.at[channels_of(place, planes)].set(jnp.moveaxis(own, 1, 0)[None])
@@ -183,19 +199,18 @@ def _number_planes(planes: Planes) -> list[int]:
 def _add_rows(result: Array, tables: Array, numbers: Array) -> Array:
     """Adds to a result `[M, K]` the rows `[cells, M]` of tables `[cells, rows, K]`."""
 
-    def add_cell(result: Array, cell: tuple[Array, Array]) -> tuple[Array, None]:
-        table, chosen = cell
-        return result + table.at[chosen].get(mode="clip"), None
+    def add_cell(cell: Any, result: Array) -> Array:
+        table: Array = jax.lax.dynamic_index_in_dim(tables, cell, keepdims=False)
+        chosen = jax.lax.dynamic_index_in_dim(numbers, cell, keepdims=False)
+        return result + table.at[chosen].get(mode="clip")
 
-    result, _ = jax.lax.scan(add_cell, result, (tables, numbers))
-    return result
+    def add_cells(step: Array, result: Array) -> Array:
+        for place in range(CELLS):
+            result = add_cell(CELLS * step + place, result)
+        return result
 
-
-def _add_gradients(numbers: Array, gradient: Array, rows: int) -> Array:
-    """Returns the sums `[cells, rows, K]` of the gradients `[M, K]` of the windows that chose a row `[cells, M]`."""
-
-    def add_cell(_: None, chosen: Array) -> tuple[None, Array]:
-        return None, jnp.zeros((rows, gradient.shape[-1]), gradient.dtype).at[chosen].add(gradient, mode="drop")
-
-    _, result = jax.lax.scan(add_cell, None, numbers)
+    cells = len(tables)
+    result = jax.lax.fori_loop(0, cells // CELLS, add_cells, result)
+    for cell in range(cells // CELLS * CELLS, cells):
+        result = add_cell(cell, result)
     return result

@@ -7,7 +7,7 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 
-ROW_WORK = 16  # of making a row of a table and adding up its gradient, in lookups of a row; measured (docs/performance.md)
+ROW_WORK = 4  # of making a row of a table and adding up its gradient, in lookups of a row; measured (docs/performance.md)
 LIMITS = tuple(2**power for power in range(9))  # of the rows of a cell's table, which are tried
 INTEGERS = ((2**8, jnp.uint8), (2**16, jnp.uint16), (2**31, jnp.int32))  # how many rows each can number
 

@@ -20,7 +20,11 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 def configuration_options(command: Command) -> Command:
     """Adds --algorithm, --reward, --preset, --set, --seed, --init-from, --partners and --allow-code; `--set` arrives as `changes`."""
     options = (
-        click.option("--algorithm", type=click.Choice(ALGORITHMS), help="How to learn: ippo unless the preset has another."),
+        click.option(
+            "--algorithm",
+            metavar="A",
+            help=f"How to learn: {', '.join(ALGORITHMS)}, or FILE.py:FUNCTION; ippo unless the preset has another.",
+        ),
         click.option(
             "--reward",
             metavar="R",
@@ -30,14 +34,15 @@ def configuration_options(command: Command) -> Command:
         click.option(
             "--preset",
             metavar="P",
-            help="Values to begin with: paper, released, two_cores, quick, or a .toml file, which may name the game.",
+            help="Values to begin with: paper, released, two_cores, overnight, quick, or a .toml file, which may name the game.",
         ),
         click.option(
             "--set",
             "changes",
             multiple=True,
             metavar="NAME=VALUE",
-            help="A value of the configuration, such as total_timesteps=1e6; `sjdsl train --keys` lists them.",
+            help="A value of the configuration, such as total_timesteps=1e6; `sjdsl train --keys` lists them. own.NAME=VALUE is a setting "
+            "that code of your own takes.",
         ),
         click.option("--seed", type=SEED, metavar="N", help="Seed of the run, of several the first: 0 unless the preset has another."),
         click.option(

@@ -31,7 +31,7 @@ code_option = click.option(
     metavar="FILE.py:NAME",
     expose_value=False,
     callback=_allow,
-    help="Code of your own that a stored policy or run may load: a network, a partner's policy, a reward or a callback. All other code is refused.",
+    help="Code of your own that a stored policy or run may load: an algorithm, a network, a partner's policy, a loss, a reward or a callback. All other code is refused.",
 )
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     "axes",
     multiple=True,
     metavar="NAME=v,v,...",
-    help="What is varied: a key of the configuration (reward, algorithm, svo_weight, sharing), variant, or param.NAME. Of several axes "
+    help="What is varied: a key of the configuration (reward, algorithm, svo_weight, sharing), own.NAME, variant, or param.NAME. Of several axes "
     "every combination is a cell.",
 )
 @click.option(

@@ -21,8 +21,9 @@ from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers import load_preset, make_config
 from sjdsl.trainers.config import stored_config
-from sjdsl.trainers.extensions import find, lasting, require_allowed
+from sjdsl.trainers.extensions import find, lasting, require_allowed, short_name
 from sjdsl.trainers.manifest import read_manifest
+from sjdsl.trainers.own_settings import OWN, taken_settings
 from sjdsl.trainers.run_lock import is_unused
 
 if TYPE_CHECKING:
@@ -103,9 +104,12 @@ def command(
 
 def _list_keys(config: "Config") -> None:
     """Prints the settings of a configuration with their values, and of those that nothing reads now when they are read."""
-    for name, value in config.model_dump(mode="json").items():
+    for name, value in config.model_dump(mode="json", exclude={"own"}).items():
         mark = config.unread.get(name)
         click.echo(f"{name} = {json.dumps(value)}" + (f"  # read where {mark.setting} is {mark.values}" if mark else ""))
+    given = dict(config.own)
+    for name, default, hook in taken_settings(config):
+        click.echo(f"{OWN}{name} = {json.dumps(given.get(name, default), default=str)}  # of {hook}")
 
 
 def _require_unused(run_dir: str | None) -> None:
@@ -134,7 +138,9 @@ def _start(
         check_loggers(loggers)
         env = make_environment(provenance)
         found, asked = find_callback(callback)
-    path = Path(run_dir) if run_dir else new_folder(f"{env.name}_{config.algorithm}_{reward_word(config.reward)}_seed{config.seed}")
+    path = (
+        Path(run_dir) if run_dir else new_folder(f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}")
+    )
     result = train(env, config, path, provenance=provenance, loggers=loggers, asked={"episodes": episodes, **asked}, callback=found)
     _finish(result, env, config, episodes)
 
@@ -182,11 +188,6 @@ def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
     """Returns the callback of a name, and the name as it is kept in a manifest."""
 
     return (None, {}) if name is None else (find("callback", name), {"callback": lasting("callback", name)})
-
-
-def reward_word(reward: str) -> str:
-    """Returns the name of a reward as part of a folder's name: of `FILE.py:NAME` the last."""
-    return reward.rpartition(":")[2]
 
 
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
@@ -257,8 +258,9 @@ def _choose(game: str | None, preset: str | None, changes: dict[str, Any], neede
             click.get_current_context(),
         )
     for name in loaded.left_out:
-        mark = loaded.config.unread[name]
-        click.echo(f"the preset's `{name}` does nothing where `{mark.setting}` is {getattr(loaded.config, mark.setting)}", err=True)
+        mark = loaded.config.unread.get(name)
+        where = f" where `{mark.setting}` is {getattr(loaded.config, mark.setting)}" if mark else ": no hook takes it"
+        click.echo(f"the preset's `{name}` does nothing{where}", err=True)
     return loaded.game or "", dict(loaded.environment), loaded.config
 
 

@@ -52,14 +52,15 @@ def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
     """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
-    problems = Problems(list(composition.warnings))
-    game, declarations = elaborate(composition, overrides or Overrides(), problems)
+    problems, overrides = Problems(list(composition.warnings)), overrides or Overrides()
+    game, declarations = elaborate(composition, overrides, problems)
     if game is not None:
         check_state_names(game, problems)
         check_timers(game, composition, problems)
         check_conflicts(game, problems)
     if game is not None and game.rows and not problems.failed:
-        check_placement(game, composition.sources, problems)
+        if not overrides.placed_by_hand:
+            check_placement(game, composition.sources, problems)
         check_whole_numbers(game, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)
@@ -72,7 +73,7 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
 def lower_build(made: Build, source: Source) -> Program:
     """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
     try:
-        return lower(made.game.rules, Path(source.name).name)
+        return lower(made.game.rules, Path(source.name).name, made.sources)
     except NotSupported as refused:
         found = errors.Unsupported(refused.origin, what=refused.what, help=refused.instead)  # type: ignore[arg-type]
         raise CompileError([found]) from None
@@ -89,7 +90,7 @@ def compile_rules(made: Build) -> str:
     """Returns the Python module of a checked game without the files and lines of its text: games of the same rules have the same."""
     from sjdsl.compiler.emit.module import render
 
-    program = lower_build(made, Source(f"the rules of {made.game.name}", ""))
+    program = lower_build(replace(made, sources={}), Source(f"the rules of {made.game.name}", ""))
     functions = tuple(replace(f, body=tuple(replace(statement, origin=None) for statement in f.body)) for f in program.functions)
     numbers = tuple(replace(n, comment="") if n.group == "stream" else n for n in program.numbers)
     return render(replace(program, functions=functions, numbers=numbers))
@@ -98,8 +99,17 @@ def compile_rules(made: Build) -> str:
 def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
     """Returns every error and warning of a file, in file order; what compiles has no errors."""
     try:
-        made = build(source, variants, overrides)
-        _lowered(_Rules(made, source))
+        composition = compose(source, variants)
+    except CompileError as error:
+        return error.diagnostics
+    return check_composition(composition, overrides)
+
+
+def check_composition(composition: Composition, overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
+    """Returns every error and warning of a game that is put together, in file order; its `references` are then known."""
+    try:
+        made = build_composition(composition, overrides)
+        _lowered(_Rules(made, composition.sources[composition.file]))
     except CompileError as error:
         return error.diagnostics
     return CompileError(made.warnings).diagnostics

@@ -9,8 +9,10 @@ table entry; `drop` removes.
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import ClassVar
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Space, Symbol
 from sjdsl.compiler.ast.written_entries import entry_key, path_text, with_entry
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
@@ -59,6 +61,7 @@ class Composition:
     policies: dict[str, ast.ScriptedPolicy] = field(default_factory=dict)
     scenarios: dict[str, ast.Scenario] = field(default_factory=dict)
     variants: dict[str, ast.Variant] = field(default_factory=dict)
+    references: list[tuple[Span, Symbol]] = field(default_factory=list)  # the names that were resolved, and what each stands for
     sources: dict[str, Source] = field(default_factory=dict)
     file: str = ""
     chosen: tuple[str, ...] = ()
@@ -66,9 +69,10 @@ class Composition:
     said_last: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
     warnings: list[Diagnostic] = field(default_factory=list)
 
-    TABLES = (
-        "constants", "kinds", "groups", "fields", "movers", "shapes", "defines", "phases", "metrics", "checks", "policies", "scenarios",
-    )  # fmt: skip
+    TABLES: ClassVar[dict[str, Space]] = {
+        "constants": "name", "kinds": "name", "groups": "name", "fields": "name", "movers": "name", "shapes": "shape", "defines": "name",
+        "phases": "phase", "metrics": "metric", "checks": "checks", "policies": "policy", "scenarios": "scenario",
+    }  # fmt: skip
 
     def names(self) -> list[str]:
         """Returns every name a variant may change."""
@@ -358,6 +362,7 @@ def _override(game: Composition, change: ast.Override) -> None:
     if constant is None:
         _unknown(game, change.path.name)
         return
+    game.references.append((change.path.name.span, Symbol("name", name)))
     value = _replace_entry(game, constant.value, change.path.steps, change, constant.by)
     game.constants[name] = replace(constant, value=value)
 
@@ -378,6 +383,7 @@ def _replace_entry(
     if key is None or not isinstance(value, ast.Table) or key.text not in {e.key.text for e in value.entries}:
         _unknown(game, ast.Name(change.path.span, path_text(change.path)))
         return value
+    game.references.append((key.span, Symbol("word", key.text)))
     entries = tuple(
         replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e for e in value.entries
     )
@@ -385,10 +391,19 @@ def _replace_entry(
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
-    for table in (*Composition.TABLES, "agent_fields", "observables", "about", "variants"):
+    droppable: dict[str, Space | None] = {
+        **Composition.TABLES,
+        "agent_fields": "field",
+        "observables": None,
+        "about": None,
+        "variants": "variant",
+    }
+    for table, space in droppable.items():
         entries: dict[str, object] = getattr(game, table)
         if name.text in entries:
             del entries[name.text]
+            if space is not None:
+                game.references.append((name.span, Symbol(space, name.text, "agent" if space == "field" else "")))
             return
     _unknown(game, name)
 

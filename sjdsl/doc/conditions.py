@@ -3,18 +3,10 @@
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import COMPARISONS
 from sjdsl.doc.expressions import case, operand, payoff_class, side, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, joined, variable
-
-COMPARED = {
-    "<": ("is less than", "is at least"),
-    "<=": ("is at most", "is more than"),
-    ">": ("is more than", "is at most"),
-    ">=": ("is at least", "is less than"),
-    "==": ("equals", "does not equal"),
-    "!=": ("does not equal", "equals"),
-}
 
 
 @dataclass(frozen=True)
@@ -62,7 +54,8 @@ def say(e: ir.Expr, v: Vocabulary, holds: bool = True) -> Saying | None:
     is_ = "is" if holds else "is not"
     match e:
         case ir.Compare():
-            return Saying(e.left, f"{COMPARED[e.fn][not holds]} {side(e.right, v)}")
+            fn = e.fn if holds else COMPARISONS[e.fn].opposite
+            return Saying(e.left, f"{COMPARISONS[fn].english} {side(e.right, v)}")
         case ir.Same():
             return Saying(e.left, f"{is_} {side(e.right, v)}")
         case ir.InRange():

@@ -5,11 +5,11 @@ from typing import TypeGuard, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables
+from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES, REDUCTIONS
 from sjdsl.compiler.ir.sorts import entry_name, place_of, sort_of
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, number, table_value, variable
 
-SIGNS = {"+": "+", "-": "-", "*": "×", "/": "÷"}
 ATOMS = (
     ir.Number,
     ir.Word,
@@ -24,11 +24,6 @@ ATOMS = (
     ir.SumRow,
     ir.EventTotal,
 )
-CLASSES = {
-    "prisoners_dilemma": "a prisoner's dilemma (T > R > P > S and 2R > T + S)",
-    "stag_hunt": "a stag hunt (R > T ≥ P > S)",
-    "chicken": "a game of chicken (T > R > S > P)",
-}
 
 
 def value(e: ir.Expr, v: Vocabulary) -> str:
@@ -61,13 +56,11 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
         case ir.Step():
             return "the number of finished steps"
         case ir.Arithmetic():
-            return _arithmetic(e, v)
+            return CALCULATIONS[e.fn].english(*(operand(a, v) for a in e.args))
         case ir.Case():
             return case(e, v)
         case ir.Lowest() | ir.Mix() | ir.SumRow() | ir.ShiftRow():
             return _of_row(e, v)
-        case ir.Ramp():
-            return _ramp(e, v)
         case ir.Named():
             return _named(e, v)
         case ir.Narrowed():
@@ -98,8 +91,7 @@ def _of_row(e: ir.Lowest | ir.Mix | ir.SumRow | ir.ShiftRow, v: Vocabulary) -> s
         case ir.Mix():
             return f"the shares of {value(e.row, v)}"
         case ir.SumRow():
-            which = {"sum": "the sum of all entries", "min": "the smallest entry", "max": "the largest entry"}[e.fn]
-            return f"{which} of {value(e.row, v)}"
+            return f"{REDUCTIONS[e.fn].english} of {value(e.row, v)}"
         case ir.ShiftRow():
             where = f"{abs(e.by)} {'place' if abs(e.by) == 1 else 'places'} {'further on' if e.by >= 0 else 'further back'}"
             return f"{value(e.row, v)} with every entry {where}, and {operand(e.filler, v)} where none comes from"
@@ -116,15 +108,9 @@ def _lowest(e: ir.Lowest, v: Vocabulary) -> str:
     return f"the {which} of {names} whose entry in {value(e.row, v)} is above 0 ({none} if none is)"
 
 
-def _ramp(e: ir.Ramp, v: Vocabulary) -> str:
-    x, low, high = operand(e.value, v), operand(e.zero_at, v), operand(e.one_at, v)
-    return f"({x} - {low}) ÷ ({high} - {low}), taken as 0 below 0 and as 1 above 1"
-
-
 def _extreme(e: ir.Extreme, v: Vocabulary) -> str:
-    which = "smallest" if e.fn == "min" else "largest"
     otherwise = "" if e.otherwise is None else f", or {operand(e.otherwise, v)} if there are none"
-    return f"the {which} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
+    return f"the {REDUCTIONS[e.fn].over} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
 
 
 def operand(e: ir.Expr, v: Vocabulary) -> str:
@@ -178,26 +164,6 @@ def _default_entry(e: ir.At, v: Vocabulary) -> str:
     return ""
 
 
-def _arithmetic(e: ir.Arithmetic, v: Vocabulary) -> str:
-    args = [operand(a, v) for a in e.args]
-    match e.fn:
-        case "min" | "max":
-            which = ("smaller" if e.fn == "min" else "larger") if len(args) == 2 else ("smallest" if e.fn == "min" else "largest")
-            return f"the {which} of {' and '.join(args) if len(args) == 2 else '; '.join(args)}"
-        case "neg":
-            return f"-{args[0]}"
-        case "//":
-            return f"{args[0]} divided by {args[1]}, rounded down"
-        case "round":
-            return f"{args[0]} rounded to the nearest whole number"
-        case "%":
-            return f"the remainder of {args[0]} divided by {args[1]}"
-        case "+" | "-" | "*" | "/":
-            return f"{args[0]} {SIGNS[e.fn]} {args[1]}"
-        case _:
-            assert_never(e.fn)
-
-
 def case(e: ir.Case, v: Vocabulary, say: Callable[[ir.Expr, Vocabulary], str] = side) -> str:
     """Returns the arms of a `case` one after the other; `say` puts what stands in an arm into words."""
     if e.subject.type.kind == "condition":
@@ -229,4 +195,4 @@ def payoff_class(e: ir.MatrixClass) -> str:
     """Returns `payoff is a stag hunt (...)`."""
     first = e.table.type.by[0][0] if e.table.type.by else ""
     name = code(e.table.name) if isinstance(e.table, ir.ParamRef) else "the table"
-    return f"{name} is {CLASSES[e.name]}, cooperating being {code(first)}"
+    return f"{name} is {PAYOFF_CLASSES[e.name].english}, cooperating being {code(first)}"

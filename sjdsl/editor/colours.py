@@ -6,11 +6,11 @@ from lark import Token
 from lsprotocol import types
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Names, Occurrence, Symbol
 from sjdsl.compiler.ast.traverse import walk
+from sjdsl.compiler.elaborate.occurrences import occurrences
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analysis
-from sjdsl.editor.family import names_in, read_names
-from sjdsl.editor.names import Names, Occurrence, Symbol
 
 TYPES = (
     "keyword", "comment", "string", "number", "operator", "namespace", "class", "interface", "struct", "enumMember", "function", "method",
@@ -48,8 +48,9 @@ def semantic_tokens(analysis: Analysis) -> types.SemanticTokens:
 
 def coloured(analysis: Analysis) -> Iterator[Coloured]:
     """Yields the words of a text that have a colour, in its order; of a text with syntax errors by their spelling alone."""
-    names = names_in(analysis) if analysis.file is not None else Names()
-    named = {o.span.start: o for o in read_names(analysis)}
+    names = analysis.names if analysis.file is not None else Names()
+    read = [] if analysis.file is None else occurrences(analysis.file, names)  # a colour needs no type, and waits for no elaboration
+    named = {o.span.start: o for o in read}
     language = _words_as_names(analysis)
     for token in analysis.tokens:
         start, end = token.start_pos or 0, token.end_pos or 0

@@ -7,13 +7,13 @@ from typing import NamedTuple
 from lsprotocol import types
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Names, Symbol
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analyses
-from sjdsl.editor.family import names_in
 from sjdsl.editor.fitting import fitting
 from sjdsl.editor.local_names import declared_in, joined, local_names
-from sjdsl.editor.names import Names, Symbol
 from sjdsl.editor.place import Place, place_at
 from sjdsl.editor.snippets import SNIPPETS
 
@@ -65,7 +65,7 @@ def known_names(uri: str, analyses: Analyses) -> Names:
     """Returns what a text declares, as it could be read last and as it is now."""
     analysis, readable = analyses.of(uri), analyses.readable(uri)
     now = Names() if analysis is None else declared_in(analysis.tokens, analysis.document.name)
-    return now if readable is None else joined(names_in(readable), now)
+    return now if readable is None else joined(readable.names, now)
 
 
 def _each_once(offers: Iterable[Offer]) -> Iterator[Offer]:
@@ -99,7 +99,9 @@ def _snippet(word: str, range_: types.Range) -> types.CompletionItem:
 
 
 def _declared(offer: Offer, names: Names, analyses: Analyses, uri: str) -> str:
-    """Returns the declaration of a name, on one line."""
+    """Returns the declaration of a name on one line, of a function what it gives."""
+    if offer.sort == "function":
+        return "; ".join(f"{written}: {gives}" for written, gives in FUNCTIONS[offer.word].uses)
     spaces = {"parameter": "name", "size": "name", "define": "name", "kind": "name", "group": "name", "phase": "phase", "shape": "shape"}
     node = names.nodes.get(Symbol(spaces.get(offer.sort, "local"), offer.word))  # type: ignore[arg-type]
     analysis = analyses.of(uri) if isinstance(node, ast.Name) else analyses.readable(uri)

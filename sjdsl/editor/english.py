@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.doc.actions import action_rows
 from sjdsl.doc.checks import event_line, measure_line
 from sjdsl.doc.defines import explained, vocabulary
@@ -12,7 +13,6 @@ from sjdsl.doc.policies import policy_lines
 from sjdsl.doc.statements import block
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, table_value
-from sjdsl.editor.names import Symbol
 
 
 def english(symbol: Symbol, game: ir.Game) -> list[str]:

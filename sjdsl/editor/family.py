@@ -1,12 +1,13 @@
 """The files in which a name of one of them may stand: its own, those it extends, and all that extend one of these."""
 
 import os
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from sjdsl.compiler.ast.names import Occurrence, Symbol
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.editor.analysis import Analyses, Analysis
-from sjdsl.editor.names import Names, Occurrence, Symbol, names_of
-from sjdsl.editor.occurrences import occurrences
 
 MOST_FILES = 2000  # of the folders that are looked through for games that extend another
 PASSED = ("node_modules", "__pycache__")
@@ -33,16 +34,6 @@ def all_texts(analyses: Analyses, folders: Iterable[Path]) -> dict[str, Analysis
     return {uri: analysis for uri, analysis in found.items() if analysis is not None}
 
 
-def names_in(analysis: Analysis) -> Names:
-    """Returns what a game declares, with its bases."""
-    return names_of(file for _, file in analysis.chain)
-
-
-def read_names(analysis: Analysis) -> list[Occurrence]:
-    """Returns the names of a text, each with what it stands for."""
-    return [] if analysis.file is None else occurrences(analysis.file, names_in(analysis))
-
-
 def bases(analysis: Analysis, analyses: Analyses) -> dict[str, Analysis]:
     """Returns what is known of the games that a text extends, the nearest first, by URI."""
     uris = [analyses.documents.uri(Path(source.name)) for source, _ in analysis.chain[1:] if Path(source.name).is_absolute()]
@@ -54,7 +45,7 @@ def declarations(symbols: Iterable[Symbol], analysis: Analysis, analyses: Analys
     """Returns where something is declared: in the text itself, then in its bases."""
     wanted = set(symbols)
     made = [analysis] if any(s.space == "local" for s in wanted) else [analysis, *bases(analysis, analyses).values()]
-    return [(one, o) for one in made for o in read_names(one) if o.declares and wanted & set(o.symbols)]
+    return [(one, o) for one in made for o in one.occurrences if o.declares and wanted & set(o.symbols)]
 
 
 def everywhere(
@@ -66,11 +57,14 @@ def everywhere(
     """
     own, wanted = {source.name for source, _ in analysis.chain} | {analysis.document.name}, set(symbols)
     if any(s.space == "local" for s in wanted):
-        return [(analysis, [o for o in read_names(analysis) if wanted & set(o.symbols)])]
+        return [(analysis, [o for o in analysis.occurrences if wanted & set(o.symbols)])]
     texts = {analysis.document.uri: analysis} | bases(analysis, analyses)
     texts = all_texts(analyses, folders) | texts
     family = [made for made in texts.values() if own & {source.name for source, _ in made.chain}]
-    read = [(made, read_names(made)) for made in family]
+    resolved = defaultdict[str, list[tuple[Span, Symbol]]](list)  # a define of a base may be used for other kinds by games that stand on it
+    for span, symbol in (pair for made in family for pair in made.resolved):
+        resolved[span.file].append((span, symbol))
+    read = [(made, made.occurrences_with(resolved[made.document.name])) for made in family]
     known = 0
     while known < len(wanted):
         known = len(wanted)

@@ -5,20 +5,18 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from lark import Token
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Names, Owners, Space, Symbol
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, MOVER_ATTRIBUTES, NOWHERE
-from sjdsl.compiler.elaborate.row_functions import ROW_FUNCTIONS
 from sjdsl.compiler.elaborate.shapes import BUILT_IN as FORMS
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.editor.local_names import BEFORE_DOMAIN
-from sjdsl.editor.names import Names, Owners, Space, Symbol
 from sjdsl.editor.place import Place, head
 from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 
 Locals = Mapping[str, Owners]
 Found = tuple[str, str, int]  # the word, its sort, its rank
 
-FUNCTIONS = ("min", "max", "ramp", "distance", "shift", "quotient", "round", *ROW_FUNCTIONS)
-CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
 POLICIES = ("random", "never", "stay")
 SIDES = ("ahead", "behind", "left", "right")
 HEADS = frozenset((
@@ -169,12 +167,11 @@ def _values(place: Place, names: Names, around: Locals, first: str) -> Iterator[
     yield from _shared(names, ("parameter", "size", "define", "field of the world"))
     if not compared:
         yield from ((word, "word", 4) for word in names.words)
-    yield from ((name, "function", 4) for name in FUNCTIONS)
+    yield from ((row.name, "function", 4) for row in FUNCTIONS.values() if not (row.word or row.checks))
     yield from ((name, "value", 4) for name in ("step", NOWHERE, *(HEADINGS if place.last() in ("IS", "NOT", "EQUAL") else ())))
     if first in ("REQUIRE", "ALWAYS", "ONCE", "EXPECT", "CONSERVED"):
         yield from _of("metric", names, 3)
-    if first == "REQUIRE":
-        yield from ((name, "function", 3) for name in CLASSES)
+    yield from ((row.name, "function", 3) for row in FUNCTIONS.values() if first.lower() in row.checks)
 
 
 def _members(tokens: Sequence[Token], names: Names, around: Locals) -> Iterator[Found]:

@@ -3,10 +3,9 @@
 from typing import Any
 
 from sjdsl.compiler.elaborate.constants import UNITS
-from sjdsl.compiler.elaborate.row_functions import ROW_FUNCTIONS
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
-from sjdsl.editor.fitting import CLASSES, FUNCTIONS
 from sjdsl.runtime.actions import HEADINGS
 
 NAMED = (
@@ -93,7 +92,7 @@ def patterns() -> list[dict[str, Any]]:
         {"name": "constant.language.sj", "match": rf"\b({any_of(VALUES)})\b"},
         {"name": "variable.language.sj", "match": rf"\b({any_of(LANGUAGE)})\b"},
         {
-            "match": rf"\b({any_of((*FUNCTIONS, *ROW_FUNCTIONS, *CLASSES, 'count', 'sum'))})\s*(?=\()",
+            "match": rf"\b({any_of(FUNCTIONS)})\s*(?=\()",
             "captures": {"1": {"name": "support.function.sj"}},
         },
         *({"name": scope, "match": rf"\b({any_of(words)})\b"} for scope, words in word_groups().items()),

@@ -9,13 +9,14 @@ from importlib.resources import files
 from lark import Token, UnexpectedCharacters
 from lsprotocol import types
 
+from sjdsl.compiler.ast.names import Occurrence
 from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics.explanations import explain
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton, parser
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.english import english
 from sjdsl.editor.family import declarations
-from sjdsl.editor.names import Occurrence
 from sjdsl.editor.navigation import symbol_at
 
 MOST_LINES = 14  # of a declaration
@@ -120,6 +121,8 @@ def _is_example(line: str) -> bool:
 
 
 def _word(token: Token) -> list[str]:
+    if token.type == "NAME" and str(token) in FUNCTIONS:
+        return ["  \n".join(f"`{written}`: {gives}" for written, gives in FUNCTIONS[str(token)].uses)]
     word = automaton().words.get(token.type, "")
     if not word.isalpha():
         return []

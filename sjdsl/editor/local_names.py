@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from lark import Token
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Names, Owners, Symbol
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.editor.names import Names, Owners, Symbol
 
 DOMAINS = frozenset(("EACH", "FIRST", "MATCH", "WITH", "OVER", "SEEK", "AVOIDING", "TOWARD", "ON"))  # words before who is spoken of
 BEFORE_DOMAIN = DOMAINS | {"FROM", "AT", "TO"}

@@ -8,15 +8,14 @@ from pathlib import Path
 
 from lsprotocol import types
 
+from sjdsl.compiler.ast.names import Occurrence, Symbol
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, NOWHERE
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.documents import Documents
-from sjdsl.editor.family import declarations, everywhere, read_names
+from sjdsl.editor.family import declarations, everywhere
 from sjdsl.editor.moved import Moved
-from sjdsl.editor.names import Occurrence, Symbol
-from sjdsl.editor.occurrences import at
 from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -40,7 +39,9 @@ def symbol_at(uri: str, position: types.Position, analyses: Analyses) -> tuple[A
         return None
     offset = document.lines.offset(position)
     back = Moved(analysis.document.text, document.text)
-    found = at(read_names(analysis), back.back(offset))
+    before = back.back(offset)
+    here = [o for o in analysis.occurrences if o.span.start <= before <= o.span.end]
+    found = max(here, key=lambda o: o.span.start, default=None)
     if found is None or document.text[back.start(found.span.start) : back.end(found.span.end)] != _text(analysis, found):
         return None  # the name itself is being changed
     return analysis, found
@@ -115,7 +116,7 @@ def highlights(uri: str, position: types.Position, analyses: Analyses) -> list[t
     kinds = {True: types.DocumentHighlightKind.Write, False: types.DocumentHighlightKind.Read}
     return [
         types.DocumentHighlight(_range(o, analysis, analyses.documents), kinds[o.declares])
-        for o in read_names(analysis)
+        for o in analysis.occurrences
         if wanted & set(o.symbols)
     ]
 

@@ -20,6 +20,7 @@ from sjdsl.interop.socialjax_table import Entry, Figure, entries
 from sjdsl.interop.spaces import make_box, make_discrete
 from sjdsl.render.look import make_look
 from sjdsl.render.snapshot import take_snapshot
+from sjdsl.runtime.arguments import checked_actions
 
 __all__ = [
     "CTRolloutManager",
@@ -154,9 +155,12 @@ class SocialJaxGame(Copied):
 
     def _ours(self, actions: Sequence[Array] | Array) -> Array:
         """Returns our numbers of actions; numbers out of range mean nothing, as in the suite."""
-        given = _stacked(actions)
+        given = self._stacked(actions)
         known = (given >= 0) & (given < self.env.num_actions)
         return jnp.where(known, self._actions[jnp.where(known, given, 0)], -1)
+
+    def _stacked(self, actions: Sequence[Array] | Array) -> Array:
+        return checked_actions(jnp.stack([jnp.reshape(action, ()) for action in actions]), self.num_agents)
 
     def _after(self, state: State, game: Any, ended: Array) -> State:
         return State(game, jnp.where(ended, 0, state.inner_t + 1), state.outer_t + ended.astype(jnp.int32), self._frame)
@@ -176,7 +180,7 @@ class SocialJaxGame(Copied):
     def _figure(self, figure: Figure, info: dict[str, Any], actions: Any) -> Array:
         if figure.action is not None:
             number = self.action_names.index(figure.action)
-            return (_stacked(actions) == number).astype(jnp.float32)
+            return (self._stacked(actions) == number).astype(jnp.float32)
         counts = {**info["metrics"], **info["events"]}
         value = jnp.asarray(counts[figure.of], jnp.float32)
         value = value.sum() if figure.sum else value
@@ -220,14 +224,6 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
 
 COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")
 registered_envs = tuple(entries())
-
-
-def _stacked(actions: Sequence[Array] | Array) -> Array:
-    given = [jnp.asarray(action) for action in actions]
-    for action in given:
-        if not jnp.issubdtype(action.dtype, jnp.integer):
-            raise TypeError(f"actions are {action.dtype}, but must be whole numbers, the numbers of actions, such as int32")
-    return jnp.stack([action.astype(jnp.int32).reshape(()) for action in given])
 
 
 def _rows(map_ascii: Sequence[str], entry: Entry) -> tuple[str, ...]:

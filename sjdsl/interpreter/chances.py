@@ -12,7 +12,7 @@ from sjdsl.interpreter.state import Value
 from sjdsl.interpreter.threefry import note_if_near
 
 HALF = 2**31
-_COMPUTING = (ir.Arithmetic, ir.Ramp, ir.Mix, ir.Sum, ir.SumRow, ir.Local)
+_COMPUTING = (ir.Arithmetic, ir.Mix, ir.Sum, ir.SumRow, ir.Local)
 
 
 def chance(statement: ir.Chance, here: Instance) -> Drawn:

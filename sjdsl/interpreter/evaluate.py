@@ -348,7 +348,6 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Case: _case,
     ir.Lowest: _lowest,
     ir.Mix: lambda e, here: numbers.shares(evaluate(e.row, here)),
-    ir.Ramp: lambda e, here: numbers.ramp(*(evaluate(x, here) for x in (e.value, e.zero_at, e.one_at))),
     ir.Named: lambda e, here: evaluate(e.value, here),
     ir.Narrowed: lambda e, here: evaluate(e.value, here),
     ir.Before: _before,

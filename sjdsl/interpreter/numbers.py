@@ -9,14 +9,6 @@ import numpy as np
 
 from sjdsl.compiler import ir
 
-_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
-    "//": operator.floordiv,
-    "%": operator.mod,
-}
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
     "<": operator.lt,
     "<=": operator.le,
@@ -45,20 +37,7 @@ def entrywise(fn: Callable[..., Any], *values: Any) -> Any:
 
 def arithmetic(fn: str, values: list[Any], is_real: bool) -> Any:
     """Returns `fn` of the values, all of them turned into float32 first if the result is a real."""
-    if is_real:
-        values = [real(v) for v in values]
-    match fn:
-        case "neg":
-            return entrywise(operator.neg, *values)
-        case "round":
-            return entrywise(lambda x: round(float(np.float32(x))), *values)
-        case "min" | "max":
-            return entrywise(min if fn == "min" else max, *values)
-        case "/":
-            assert is_real, "a quotient is a real"
-            return entrywise(_quotient, *values)
-        case _:
-            return entrywise(_OPERATORS[fn], *values)
+    return entrywise(_OPERATIONS[fn], *([real(v) for v in values] if is_real else values))
 
 
 def _quotient(dividend: np.float32, divisor: np.float32) -> np.float32:
@@ -102,6 +81,23 @@ def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
     """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
     x, zero, one = np.float32(value), np.float32(zero_at), np.float32(one_at)
     return min(max(_quotient(x - zero, one - zero), np.float32(0)), np.float32(1))
+
+
+# What each operation on numbers means; `round` alone makes a whole number of a real.
+_OPERATIONS: dict[str, Callable[..., Any]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": _quotient,
+    "quotient": operator.floordiv,
+    "%": operator.mod,
+    "neg": operator.neg,
+    "round": lambda x: round(float(np.float32(x))),
+    "min": min,
+    "max": max,
+    "ramp": ramp,
+    "abs": abs,
+}
 
 
 def check_int32(value: int, what: object) -> None:

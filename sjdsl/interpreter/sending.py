@@ -9,7 +9,7 @@ from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.bodies import Body, away_of, bodies, herd_of, number_of, occupied, turn
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, Value, World
+from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Mover, Pool, Value, World
 from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Sending
 
@@ -36,7 +36,7 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
                 entered.add(cell)
                 _enter(agent, cell, statement.facing, statement.heading_stream, here, world)
             else:
-                assert statement.stay, f"no free cell for agent {agent}"
+                assert statement.stay, _no_room(agent, statement)
 
 
 @lru_cache(maxsize=256)
@@ -51,6 +51,12 @@ def _may_stay(order_stream: int, board: Board) -> bool:
     """Returns whether any statement that sends to this pool says `otherwise stay`."""
     sends = (n for n in ir.walk(board.game) if isinstance(n, ir.Send))
     return any(s.stay for s in sends if s.order_stream == order_stream)
+
+
+def _no_room(agent: Body, statement: ir.Send) -> str:
+    """Returns what happens on no map that is checked; a scene may have put agents on one that lacks cells."""
+    who = f"{agent.sort} {agent.number}" if isinstance(agent, Mover) else f"agent {agent}"
+    return f"{who} is sent to {' or '.join(statement.domain.var.kinds)}, where no cell is free"
 
 
 def remove(agent: Body, world: World) -> None:
@@ -76,6 +82,7 @@ def bring_back(here: Instance, world: World) -> None:
             away = away_of(agent, here.world)
             names = {variable.name: agent for variable in variables_around(statement.domain)}  # the one agent it may name
             fitting = _fitting(statement.domain, free, names, here)
+            assert fitting or _may_stay(statement.order_stream, here.board), _no_room(agent, statement)
             if fitting and away is not None:
                 cell = here.take(order, number_of(agent), fitting)[0]
                 free.remove(cell)

@@ -27,13 +27,17 @@ from sjdsl.interpreter.writes import Counted, Writes, write_fields
 Totals = Mapping[tuple[str, str | None], int]  # (event, its word or None) -> its count so far, over all agents
 
 
-def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell | None = None) -> World:
-    """Returns the state an episode starts from. `tell` is given the account of the phase `start`."""
+def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell | None = None, sends: bool = True) -> World:
+    """Returns the state an episode starts from; without the `sends` of the phase `start` nobody has a place in it.
+
+    `tell` is given the account of that phase.
+    """
     board = board_of(game)
     world = declared_world(board, dict(params))
     stays = (game.agents.actions.index("stay"),) * board.agents
-    world = _phase(game.start, Instance(board, world, stays, draws), _nothing_yet(board), tell)
-    assert all(where_is(body, world) is not None or away_of(body, world) is not None for body in bodies(world)), "somebody has no place"
+    world = _phase(game.start, Instance(board, world, stays, draws), _nothing_yet(board), tell, sends)
+    placed = all(where_is(body, world) is not None or away_of(body, world) is not None for body in bodies(world))
+    assert placed or not sends, "somebody has no place"
     return world
 
 
@@ -117,7 +121,7 @@ def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, .
     )
 
 
-def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None) -> World:
+def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None, sends: bool = True) -> World:
     """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
     writes = Writes() if tell is None else Writes(told=[], drawn=[])
     with watched(lambda: phase, here.world.step):
@@ -128,7 +132,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None)
     if id(phase) in here.board.moving:
         assert not writes.sends, f"`{phase.label}` moves and sends"
         move(writes.sort, writes.movers or {}, writes.courses, here, world)
-    send(phase.name, writes.sends, here, world)
+    send(phase.name, writes.sends if sends else [], here, world)
     for agent in writes.removes:
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"
         remove(agent, world)

@@ -1,7 +1,8 @@
 """Interval analysis: decides conditions from the ranges of the numbers in them, whatever the state."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.ranges import Range, compared
+from sjdsl.compiler.ir.range_arithmetic import Range
+from sjdsl.compiler.ir.ranges import compared
 
 
 def decide(e: ir.Expr) -> bool | None:

@@ -3,15 +3,15 @@
 Every operation is followed with the ranges of its parts; parameters of the game may have any value they can take.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Literal
+from collections.abc import Sequence
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import Fact, compares, facts
+from sjdsl.compiler.ir.operations import CALCULATIONS, OPPOSITE, Moving, Slope
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.ranges import INT32, Range, range_of, real
+from sjdsl.compiler.ir.range_arithmetic import INT32, Range
+from sjdsl.compiler.ir.ranges import range_of
 
-Slope = Literal["level", "rising", "falling"]
 READING = (
     ir.FieldRead
     | ir.Count
@@ -39,7 +39,6 @@ COMPUTED = (  # what has one value throughout an episode if its parts have
     | ir.ShiftRow
     | ir.Lowest
     | ir.Mix
-    | ir.Ramp
     | ir.Named
     | ir.Narrowed
     | ir.Case
@@ -51,7 +50,6 @@ COMPUTED = (  # what has one value throughout an episode if its parts have
     | ir.Not
     | ir.Logic
 )
-OPPOSITE: Mapping[Slope, Slope] = {"level": "level", "rising": "falling", "falling": "rising"}
 
 
 def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
@@ -100,11 +98,11 @@ def _slope(e: ir.Expr, of: str, known: Sequence[Fact]) -> Slope | None:
     match e:
         case ir.Named():
             return _slope(e.value, of, known)
-        case ir.Ramp():
-            return _ramp(e, of, known)
-        case ir.Arithmetic() if _stays(range_of(e)):
-            slopes = [slope for slope in (_slope(a, of, known) for a in e.args) if slope is not None]
-            return _arithmetic(e, slopes) if len(slopes) == len(e.args) else None
+        case ir.Arithmetic(args=args) if _stays(range_of(e)):
+            parts = [Moving(slope, range_of(a)) for a in args if (slope := _slope(a, of, known)) is not None]
+            if len(parts) < len(args):
+                return None
+            return CALCULATIONS[e.fn].slope(parts, lambda one, other: compares(args[one], "<", args[other], known))
         case _:
             return None
 
@@ -112,49 +110,3 @@ def _slope(e: ir.Expr, of: str, known: Sequence[Fact]) -> Slope | None:
 def _stays(r: Range) -> bool:
     """Returns whether a result is what was computed: a whole number that does not wrap, a real that is one."""
     return (r.low, r.high) != INT32 if r.whole else r.sound
-
-
-def _ramp(e: ir.Ramp, of: str, known: Sequence[Fact]) -> Slope | None:
-    """Returns the direction of a ramp, if it is known which of its ends is greater: by their ranges or a `require`."""
-    slope = _slope(e.value, of, known)
-    if slope is None or not (_is_fixed(e.zero_at) and _is_fixed(e.one_at) and range_of(e).sound):
-        return None
-    zero, one = (real(range_of(end)) for end in (e.zero_at, e.one_at))
-    if zero.high < one.low or compares(e.zero_at, "<", e.one_at, known):
-        return slope
-    return OPPOSITE[slope] if one.high < zero.low or compares(e.one_at, "<", e.zero_at, known) else None
-
-
-def _arithmetic(e: ir.Arithmetic, slopes: list[Slope]) -> Slope | None:
-    match e.fn:
-        case "neg":
-            return OPPOSITE[slopes[0]]
-        case "round":
-            return slopes[0]
-        case "+" | "min" | "max":
-            return _together(slopes)
-        case "-":
-            return _together([slopes[0], OPPOSITE[slopes[1]]])
-        case "*":
-            (a, b), (left, right) = e.args, slopes
-            return _together([_scaled(left, range_of(b)), _scaled(right, range_of(a))])
-        case "/":
-            (a, b), (left, right) = e.args, slopes
-            divisor = range_of(b)
-            if divisor.low <= 0 <= divisor.high:
-                return None
-            return _together([_scaled(left, divisor), _scaled(OPPOSITE[right], range_of(a))])
-        case _:
-            return None
-
-
-def _scaled(slope: Slope, by: Range) -> Slope | None:
-    if slope == "level":
-        return slope
-    return slope if by.low >= 0 else OPPOSITE[slope] if by.high <= 0 else None
-
-
-def _together(slopes: Sequence[Slope | None]) -> Slope | None:
-    """Returns the direction of a sum whose parts have these directions."""
-    moving = set(slopes) - {"level"}
-    return "level" if not moving else next(iter(moving)) if len(moving) == 1 else None

@@ -6,9 +6,8 @@ from typing import Any, assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.sorts import place_of
-
-COMPARE = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "==": np.equal, "!=": np.not_equal}
 
 
 def holds(condition: ir.Expr, fields: Mapping[str, np.ndarray], count: int) -> np.ndarray:
@@ -38,10 +37,9 @@ def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
         case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
             return _value(e.row, fields)[:, place_of(e.row.type.by[0], key)]  # type: ignore[arg-type]
         case ir.SumRow():
-            row = _value(e.row, fields)
-            return row.sum(axis=1) if e.fn == "sum" else row.min(axis=1) if e.fn == "min" else row.max(axis=1)
+            return getattr(np, REDUCTIONS[e.fn].array)(_value(e.row, fields), axis=1)
         case ir.Compare():
-            return COMPARE[e.fn](_value(e.left, fields), _value(e.right, fields))
+            return COMPARISONS[e.fn].holds(_value(e.left, fields), _value(e.right, fields))
         case ir.Same():
             return np.equal(_value(e.left, fields), _value(e.right, fields))
         case ir.InRange():

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from sjdsl.report import published
 from sjdsl.report.evidence import Evidence, Point, RandomRow, Run, Seed
 from sjdsl.trainers.estimates import Estimate, estimate
 
@@ -84,8 +85,17 @@ class Setting:
 
 
 def setting_of(run: Run) -> Setting:
-    """Returns the game of a run."""
-    return Setting(run.game, run.hash, run.variant, run.params, run.map, run.num_agents)
+    """Returns the game of a run. Under the paper's rules, numbers that the released code sets for one way of training are part of them."""
+    released = run.variant == published.variant() and _numbers(run.params) == published.params(run.game, run.algorithm, run.reward)
+    return Setting(run.game, run.hash, run.variant, "" if released else run.params, run.map, run.num_agents)
+
+
+def _numbers(params: str) -> dict[str, float] | None:
+    """Returns the numbers of `a=1 b=2e-3` by name; None where a value is no number."""
+    try:
+        return {name: float(value) for name, value in (entry.split("=", 1) for entry in params.split())}
+    except ValueError:
+        return None
 
 
 def settings_apart(run: Run, other: Run) -> dict[str, tuple[str, str]]:

@@ -8,14 +8,12 @@ from sjdsl.experiments.bundled_rules import rules_now, variant_now
 from sjdsl.games_folder import game_names
 from sjdsl.report.cells import Index, Setting
 from sjdsl.report.evidence import DiagramRow, Evidence, Meeting
-from sjdsl.report.published import remarks, suite
-
-PAPERS_VARIANTS = ("", "socialjax")  # of the games that the paper has figures of: the game itself, and the rules of its released code
+from sjdsl.report.published import remarks, suite, variant
 
 
 @dataclass(frozen=True)
 class Game:
-    """A game of a report. `setting`: as it was trained in; None for a game of the suite in which nothing was trained."""
+    """A game of a report. `setting`: as it was trained in; None for a game of the suite in which nothing was trained under its rules."""
 
     name: str
     label: str
@@ -23,9 +21,14 @@ class Game:
 
     @property
     def published(self) -> str:
-        """The name under which the paper has figures of it; of other numbers, another map or another variant it has none."""
-        of_the_paper = self.setting is None or (self.setting.plain and self.setting.variant in PAPERS_VARIANTS)
+        """The name under which the paper has figures of it: of its own rules, numbers and map only."""
+        of_the_paper = self.setting is None or (self.setting.plain and self.setting.variant == variant())
         return self.name if of_the_paper else ""
+
+    @property
+    def variant(self) -> str:
+        """The variant that it was, or is to be, trained in."""
+        return variant() if self.setting is None else self.setting.variant
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,18 @@ def called(names: Iterable[str]) -> str:
     return " ".join(name if name in known else f"{name}.sj" for name in dict.fromkeys(names))
 
 
+def sweeps_of(games: Iterable[Game], options: str, run: str) -> tuple[str, ...]:
+    """Returns the commands that train in games, one for all of the same variant. `run`: the folder, without the variant."""
+    by_variant: dict[str, list[str]] = {}
+    for game in games:
+        by_variant.setdefault(game.variant, []).append(game.name)
+    return tuple(
+        f"sjdsl sweep {called(names)}{f' --variant {form}' if form else ''} {options} --preset two_cores --seeds 5 "
+        f"--run {run}{f'_{form}' if form else ''}"
+        for form, names in by_variant.items()
+    )
+
+
 def contents_of(evidence: Evidence, whole_suite: bool) -> Contents:
     """Returns what there is to show; `whole_suite`: the nine games of the paper, also where nothing is known of them."""
     index = Index(evidence)
@@ -79,8 +94,8 @@ def contents_of(evidence: Evidence, whole_suite: bool) -> Contents:
     games = [
         Game(s.game, f"{label}, rules {s.hash[:6]}, {s.num_agents} agents" if label in twice else label, s) for s, label in plain.items()
     ]
-    there = {game.name for game in games}
-    games += [Game(name, name, None) for name in suite() if whole_suite and name not in there]
+    there = {game.published for game in games}
+    games += [Game(name, f"{name}, variant {variant()}", None) for name in suite() if whole_suite and name not in there]
     order = _ordered({game.name for game in games})
     return Contents(index, tuple(sorted(games, key=lambda game: (order.index(game.name), game.label))), whole_suite)
 

@@ -28,7 +28,7 @@ def opening(contents: Contents, command: str, data: str) -> list[str]:
 
 def _length(contents: Contents) -> list[str]:
     """Returns how many environment steps the seeds here and those of the paper have learnt from; nothing where no game is of the paper."""
-    settings = [game.setting for game in contents.games if game.setting is not None and game.published in published.suite()]
+    settings = [game.setting for game in contents.games if game.setting is not None and game.name in published.suite()]
     runs = [run for setting in settings for run in contents.index.runs(setting)]
     steps = [seed.steps for run in runs for seed in contents.index.seeds(run) if seed.status != "unfinished"]
     if not steps:

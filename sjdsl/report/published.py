@@ -39,6 +39,17 @@ def suite() -> tuple[str, ...]:
     return tuple(_content()["exchange"]["games"])
 
 
+def variant() -> str:
+    """Returns the variant of its games that the paper played: the rules of its released code."""
+    return str(_content()["rules"]["variant"])
+
+
+def params(game: str, algorithm: str, reward: str) -> Mapping[str, float]:
+    """Returns the numbers that the released configuration of an algorithm or reward sets in a game, by name; empty where it sets none."""
+    entry: dict[str, Any] = _content()["rules"]["apart"].get(game, {"ways": ()})
+    return entry["params"] if {algorithm, reward} & {*entry["ways"]} else {}
+
+
 def source(table: str) -> str:
     """Returns where a table is from, and what is to be known of it, as a sentence."""
     entry = _content()[table]

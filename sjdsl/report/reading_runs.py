@@ -12,7 +12,7 @@ import numpy as np
 from sjdsl.experiments.bundled_rules import is_usual, other_numbers
 from sjdsl.files import read_json
 from sjdsl.report.evidence import Evidence, Measure, Point, Run, Seed, Status, rounded
-from sjdsl.trainers.config import MOST_SEEDS, ConfigError, make_config
+from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.manifest import MANIFEST, read_manifest
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
@@ -25,6 +25,8 @@ RETURN = "collective return"  # its name in an evaluation
 # What does not make a way of training another: which seeds, and what is written when.
 NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
 NOT_A_WAY_EITHER = "checkpoint_"
+# Settings that runs of earlier versions lack, with what these did: runs that have them so are of the same way.
+AS_EVER = {"own": {}, "loss": "ppo"}
 # What has a column of its own in the table of runs.
 COLUMNS = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle", "network", "total_timesteps")
 
@@ -61,11 +63,12 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
     game, config = manifest["game"], manifest["config"]
     made = manifest.get("provenance") or {}
     way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith(NOT_A_WAY_EITHER)}
+    way = {key: value for key, value in way.items() if key not in AS_EVER or value != AS_EVER[key]}
     everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": way, "stage": stage}
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward, angles = str(config["reward"]), config.get("svo_angle", [])
     return Run(
-        run=f"{game['name']}-{config['algorithm']}-{Path(reward).stem}-{digest}",
+        run=f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
         game=game["name"],
         hash=game["hash"],
         variant=made.get("variant") or "",
@@ -87,7 +90,7 @@ def run_of(manifest: Mapping[str, Any], stage: int | None = None) -> Run:
 
 def _settings(way: Mapping[str, Any]) -> str:
     """Returns the settings of a way of training that are not the defaults of its algorithm, but for those with columns of their own."""
-    usual = make_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
+    usual = stored_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
     own = {key: value for key, value in sorted(way.items()) if key not in COLUMNS and value != usual.get(key)}
     return json.dumps(own, separators=(",", ":"))
 

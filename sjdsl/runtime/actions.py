@@ -6,3 +6,4 @@ TURNS = {"turn_left": 3, "turn_right": 1}  # quarter turns to the right
 STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}  # directions: from the heading, or of the compass
 MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
 BUILT_IN = (*MOVES, "stay")
+ANY_HEADING, SAME_HEADING = 4, 5  # of somebody who is away, in place of the heading it will have: one that is drawn, or the one it had

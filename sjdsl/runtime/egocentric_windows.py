@@ -1,5 +1,10 @@
-"""Egocentric windows: cuts each agent's view out of the map's planes, rotated so that its heading points up."""
+"""Egocentric windows: cuts each agent's view out of the map's planes, rotated so that its heading points up.
 
+A cell of a plane is a byte. A kind whose cells look different has a number for each combination of its fields' values, one after the
+other: `look_number` makes them, `look_fields` takes them apart.
+"""
+
+import math
 from functools import partial
 from typing import Any
 
@@ -106,6 +111,37 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
     where = plane.at[cells]
     painted = where.get(mode="promise_in_bounds", wrap_negative_indices=False) | jnp.asarray(bits, jnp.uint8)
     return where.set(painted, mode="promise_in_bounds", wrap_negative_indices=False)
+
+
+def look_number(first: int, sizes: tuple[int, ...], *values: Array) -> Array:
+    """Returns the numbers of looks.
+
+    Args:
+      first: the first number of the kind.
+      sizes: how many values each field has, the slowest first.
+      values: one array of whole numbers a field, 0 .. its size - 1; of shapes that fit together.
+    Returns:
+      uint8 of the shape of all of them.
+    """
+    number = values[0].astype(jnp.uint8)
+    for size, value in zip(sizes[1:], values[1:], strict=True):
+        number = number * size + value.astype(jnp.uint8)
+    return number + first
+
+
+def look_fields(number: Array, first: int, sizes: tuple[int, ...]) -> tuple[Array, ...]:
+    """Returns which numbers are looks of a kind, bool, and the value of each of its fields, uint8: those mean nothing elsewhere.
+
+    Args:
+      number: any shape, uint8. first, sizes: as of `look_number`.
+    """
+    there = (number >= first) & (number <= first + math.prod(sizes) - 1)  # 256 is no byte
+    rest = number - first
+    values: list[Array] = []
+    for size in reversed(sizes[1:]):
+        values.append(rest % size)
+        rest = rest // size
+    return there, rest, *reversed(values)
 
 
 def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> Array:

@@ -1,7 +1,13 @@
 """Movement of all agents at once: a collision on a cell is settled at random, swaps are blocked, chains and cycles work."""
 
+from functools import partial
+
 import jax.numpy as jnp
 from jax import Array, lax
+
+from sjdsl.runtime.forms import by_platform
+
+PACKED = 32  # agents up to which a GPU walks along chains of movers inside a few words
 
 
 def resolve(position: Array, target: Array, word: Array, exchange: bool = False) -> Array:
@@ -21,6 +27,46 @@ def resolve(position: Array, target: Array, word: Array, exchange: bool = False)
     n = position.shape[0]
     if n == 1:
         return target
+    if n > PACKED:
+        return _by_spreading(position, target, word, exchange)
+    result: Array = by_platform(partial(_by_spreading, exchange=exchange), partial(_by_walking, exchange=exchange), position, target, word)
+    return result
+
+
+def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> Array:
+    """The form for GPUs: each agent follows those it waits for, as far as there are agents, in a table that is kept in a few words."""
+    n = position.shape[0]
+    index = jnp.arange(n, dtype=jnp.uint32)
+    rank = (word & jnp.uint32(0xFFFFFF00)) | index
+    moving = target != position
+    into = (target[:, None] == position[None, :]) & moving[:, None]
+    lost = (target[:, None] == target[None, :]) & moving[None, :] & (rank[None, :] > rank[:, None])
+    if not exchange:
+        lost = lost | (into & ((target[None, :] == position[:, None]) & moving[None, :]))
+    # one sum for both: the number of the one that is waited for, one up, and above it how many reasons there are to stay
+    reasons = jnp.where(into, index[None, :] + 1, jnp.uint32(0)) + jnp.where(lost, jnp.uint32(256), jnp.uint32(0))
+    said = jnp.sum(reasons, axis=1, dtype=jnp.uint32)
+    bits = max(1, (n - 1).bit_length())
+    follows = jnp.where((said & 255) == 0, index, (said & 255) - 1)
+    stays = ((said >= 256) | ~moving).astype(jnp.uint32)
+    entry = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8)).astype(jnp.uint32)
+    some = 32 // (bits + 1)  # entries of a word
+    places = jnp.arange(some, dtype=jnp.uint32) * jnp.uint32(bits + 1)
+    table = [jnp.sum(entry[k : k + some] << places[: n - k], dtype=jnp.uint32) for k in range(0, n, some)]
+    at, stuck = index, jnp.zeros(n, jnp.uint32)
+    for _ in range(n):
+        held = table[0]
+        for number, other in enumerate(table[1:], 1):
+            held = jnp.where(at >= number * some, other, held)
+        found = held >> ((at % some) * jnp.uint32(bits + 1))
+        stuck = stuck | ((found >> bits) & 1)
+        at = found & jnp.uint32((1 << bits) - 1)
+    return jnp.where(stuck != 0, position, target)
+
+
+def _by_spreading(position: Array, target: Array, word: Array, exchange: bool) -> Array:
+    """The form for CPUs: who stays is told to those who wait for it, again and again, as one word of bits."""
+    n = position.shape[0]
     index = jnp.arange(n, dtype=jnp.uint32)
     rank = (word & jnp.uint32(0xFFFFFF00)) | index
     moving = target != position

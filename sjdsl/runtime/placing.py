@@ -1,4 +1,4 @@
-"""Random choices: picks members, places agents on free cells (spawn and respawn), and forms pairs."""
+"""Random choices: picks members, places agents on free cells (spawn and respawn), brings back who was away, and forms pairs."""
 
 from collections.abc import Callable
 from functools import reduce
@@ -9,8 +9,10 @@ from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime import bits
+from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.counting import in_rows, size_of_set
-from sjdsl.runtime.random_bits import below
+from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.random_bits import below, random_bits
 
 
 def pick(member: Array, word: Array) -> tuple[Array, Array]:
@@ -135,6 +137,14 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
     """
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
+    if _is_long(cells, position):
+        return _place_one_by_one(cells, free, words, position, sent)
+    result: tuple[Array, Array] = by_platform(_place_one_by_one, _place_unrolled, cells, free, words, position, sent)
+    return result
+
+
+def _place_one_by_one(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place` for CPUs: a loop with a turn for each agent that is sent."""
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
 
     def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
@@ -165,6 +175,14 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
     """
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
+    if _is_long(cells, position):
+        return _place_fitting_one_by_one(cells, free, own, words, position, sent)
+    result: tuple[Array, Array] = by_platform(_place_fitting_one_by_one, _place_fitting_unrolled, cells, free, own, words, position, sent)
+    return result
+
+
+def _place_fitting_one_by_one(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place_fitting` for CPUs."""
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
     fitting = bits.pack(own)
 
@@ -183,6 +201,84 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
 
     start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, start)[2:]
+
+
+LONG = 16_384  # agents times cells
+
+
+def _is_long(cells: Array, position: Array) -> bool:
+    """Returns whether placing would be too long a program if it were unrolled."""
+    return position.shape[0] > bits.WIDTH or position.shape[0] * cells.shape[0] > LONG
+
+
+def _place_unrolled(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place` for GPUs: one agent after the other, on scalars, none of which is written to memory."""
+    return _unrolled(cells, free, None, words, position, sent)
+
+
+def _place_fitting_unrolled(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form of `place_fitting` for GPUs."""
+    return _unrolled(cells, free, bits.pack(own), words, position, sent)
+
+
+def _unrolled(cells: Array, free: Array, fitting: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """Places agents as `place` does. fitting: `[N, W]` uint32, the cells that fit each agent as bits; None: all fit all."""
+    agents = position.shape[0]
+    index = jnp.arange(agents, dtype=jnp.int32)
+    left = _scalars(lax.optimization_barrier(bits.pack(free)))
+    going = lax.optimization_barrier(bits.as_bits(sent, jnp.uint32))
+    site, placed = jnp.zeros_like(position), jnp.zeros_like(sent)
+    for who in range(agents):
+        among = left if fitting is None else [one & fit for one, fit in zip(left, _scalars(fitting[who]), strict=True)]
+        counts = [lax.population_count(one).astype(jnp.int32) for one in among]
+        total = reduce(lax.add, counts)
+        rank = below(words[who], total)
+        chosen, before, number, passed = among[0], jnp.zeros_like(rank), jnp.zeros_like(rank), counts[0]
+        for place, (one, count) in enumerate(zip(among[1:], counts[1:], strict=True), 1):
+            later = rank >= passed
+            chosen, before = jnp.where(later, one, chosen), jnp.where(later, passed, before)
+            number, passed = jnp.where(later, place, number), passed + count
+        bit = bits.nth_bit(chosen, rank - before)
+        there = (((going >> who) & 1) != 0) & (total > 0)
+        taken = jnp.where(there, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
+        left = [jnp.where(number == place, one & ~taken, one) for place, one in enumerate(left)]
+        here = (index == who) & there
+        site, placed = jnp.where(here, number * bits.WIDTH + bit, site), placed | here
+    return jnp.where(placed, _entry(cells, site), position), placed
+
+
+def _scalars(words: Array) -> list[Array]:
+    return [words[place] for place in range(words.shape[0])]
+
+
+def come_back(
+    cells: Array,
+    free: Array,
+    back: Array,
+    key: Array,
+    stream: int,
+    heading_stream: int,
+    position: Array,
+    heading: Array,
+    away_facing: Array,
+    own: Array | None = None,
+) -> tuple[Array, Array, Array]:
+    """Returns the positions and headings after some come back, in id order, each to one of the cells that are still free; and who did.
+
+    Args:
+      back: `[N]` bool, who is due; who finds no cell stays away.
+      key: two uint32 words; stream: that of the cells; heading_stream: that of the headings that are drawn.
+      heading: `[N]` integers; away_facing: `[N]` int32, the heading each will have, ANY_HEADING or SAME_HEADING.
+      cells, free, position: as of `place`; own: as of `place_fitting`, None if each cell fits everybody.
+    """
+    words, turns = (random_bits(key, number, position.shape[0]) for number in (stream, heading_stream))
+    if own is None:
+        position, placed = place(cells, free, words, position, back)
+    else:
+        position, placed = place_fitting(cells, free, own, words, position, back)
+    facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing).astype(heading.dtype)
+    facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
+    return position, jnp.where(placed, facing, heading), placed
 
 
 def _entry(values: Array, number: Array) -> Array:

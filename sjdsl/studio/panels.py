@@ -31,8 +31,15 @@ def rules_panel(opened: Opened) -> dict[str, Any]:
 
 def python_panel(opened: Opened) -> dict[str, Any]:
     """Returns the generated module line by line, each with the line of the game that it comes from, or null."""
-    text = compile_build(opened.build, opened.source)
-    return {"lines": [[line, int(found[1]) if (found := LINE.search(line)) else None] for line in text.splitlines()]}
+    lines: list[list[Any]] = []
+    place: int | None = None
+    for line in compile_build(opened.build, opened.source).splitlines():
+        if found := LINE.search(line):
+            place = int(found[1])
+        elif not line.startswith("    ") or line.startswith("    return"):  # a comment is about all that follows, to the end of the phase
+            place = None
+        lines.append([line, place])
+    return {"lines": lines}
 
 
 def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, Any]:

@@ -61,7 +61,7 @@ def _checked(root: Path, name: str, game: str, deep: int) -> Path:
         raise PolicyRefused(f"`{name}` does not say which game it was trained on: the file {file.stem}.json beside it is damaged") from None
     if trained_on != game:
         raise PolicyRefused(f"`{name}` was trained on the game `{trained_on}`, and this is `{game}`: choose a run of this game")
-    own = next((thing for thing in (str(config.get("network", "")), *partners) if ":" in thing), None)
+    own = next((thing for thing in (str(config.get("algorithm", "")), str(config.get("network", "")), *partners) if ":" in thing), None)
     if own is not None:
         raise PolicyRefused(
             f"`{name}` needs Python code of your own ({own}), which the studio does not run; `sjdsl play --others --allow-code` does"

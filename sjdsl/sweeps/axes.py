@@ -8,6 +8,7 @@ from typing import Any
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.near_names import meant
 from sjdsl.trainers.config import KEYS_OF
+from sjdsl.trainers.own_settings import OWN
 
 PARAM = "param."  # before the name of one of the game's numbers
 VARIANT = "variant"
@@ -18,7 +19,7 @@ SEEDS = ("seed", "seeds")  # every cell has all seeds: they are no axis
 class Axis:
     """What is varied, and the values it takes: as they were written, or as they are."""
 
-    name: str  # a key of the configuration, `variant`, or `param.NAME`, NAME a number of the game, `table[word]` included
+    name: str  # a key of the configuration, `own.NAME`, `variant`, or `param.NAME`, NAME a number of the game, `table[word]` included
     values: tuple[Any, ...]
 
 
@@ -52,12 +53,12 @@ def check_name(name: str) -> str:
     if name in SEEDS:
         raise ExperimentError(f"`{name}` is no axis, for each cell has all seeds: say --seed and --seeds")
     keys = [key for key in dict.fromkeys(key for known in KEYS_OF.values() for key in known) if key not in SEEDS]
-    if name.startswith(PARAM) and name != PARAM:
+    if any(name.startswith(prefix) and name != prefix for prefix in (PARAM, OWN)):
         return name
     if name not in (*keys, VARIANT):
-        near = meant(name, [*keys, VARIANT, PARAM], "")
+        near = meant(name, [*keys, VARIANT, PARAM, OWN], "")
         raise ExperimentError(
-            f"there is no axis `{name}`{near or ': an axis is a key of the configuration (`sjdsl train --keys` lists them), variant, or param.NAME'}"
+            f"there is no axis `{name}`{near or ': an axis is a key of the configuration (`sjdsl train --keys` lists them), own.NAME, variant, or param.NAME'}"
         )
     return name
 

@@ -13,6 +13,8 @@ from sjdsl.sweeps.axes import PARAM, VARIANT, as_configured, as_number, with_num
 from sjdsl.sweeps.protocols import Point
 from sjdsl.trainers.config import Config, make_config, require_code, stored_config
 from sjdsl.trainers.config_errors import ConfigError
+from sjdsl.trainers.extensions import short_name
+from sjdsl.trainers.own_settings import spread
 from sjdsl.trainers.preset import load_preset
 
 LONGEST = 120  # characters of a name, which is one of a folder
@@ -47,7 +49,7 @@ class Cell:
 
     def require_code(self) -> None:
         """Checks that the caller has named the code of its configuration. Raises NotAllowed."""
-        require_code(self.configuration(), f"the cell {self.name} of a sweep", ("network", "reward", "policy"))
+        require_code(self.configuration(), f"the cell {self.name} of a sweep", to_act=False)
 
     def described(self) -> dict[str, Any]:
         """Returns what `sweep.json` says of it."""
@@ -81,7 +83,7 @@ def make_cell(game: str, point: Point, chosen: Mapping[str, Any], fixed: Fixed, 
       ExperimentError: the values do not fit each other, the algorithm or the game.
     """
     keys = {name: as_configured(value) for name, value in chosen.items() if name != VARIANT and not name.startswith(PARAM)}
-    changes = {**fixed.settings, **keys, **point.values} | ({} if first_seed is None else {"seed": first_seed})
+    changes = {**spread(fixed.settings), **keys, **point.values} | ({} if first_seed is None else {"seed": first_seed})
     where = f"{Path(game).stem} with {', '.join(f'{name} {value}' for name, value in {**point.values, **chosen}.items()) or 'no axis'}"
     asked = {*keys, *point.values}  # settings of all cells are those of some: which ones, the plan looks at
     try:
@@ -101,7 +103,7 @@ def make_cell(game: str, point: Point, chosen: Mapping[str, Any], fixed: Fixed, 
         raise ExperimentError(f"{where}: {error}") from None
     provenance = provenance | {key: value for key, value in kept.items() if provenance.get(key) is None}
     described = config.model_dump(mode="json")
-    values = dict(_values({**point.values, **chosen}, described))
+    values = dict(_values({**point.values, **chosen}, spread(described)))
     suffix = f"_stage-{point.stage}" if point.stage > 1 else ""
     return Cell(name_of(own_name, values) + suffix, own_name, digest, provenance, described, values, point.stage, point.place)
 
@@ -124,8 +126,7 @@ def name_of(game: str, values: Mapping[str, Any]) -> str:
 
 
 def _word(value: Any) -> str:
-    if isinstance(value, str):  # of FILE.py:NAME the last
-        value = value.rpartition(":")[2]
+    value = short_name(value) if isinstance(value, str) else value
     text = f"{value:g}" if isinstance(value, float) else str(value)
     return UNUSUAL.sub("-", text).strip("-") if not isinstance(value, int | float) else text
 

@@ -11,6 +11,7 @@ from sjdsl.near_names import meant
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, check_axes
 from sjdsl.sweeps.cells import Cell, Describe, Fixed, make_cell
 from sjdsl.sweeps.protocols import PROTOCOLS, SETS, angles_at, points_of
+from sjdsl.trainers.own_settings import OWN, spread
 
 if TYPE_CHECKING:
     from sjdsl.trainers.loggers import LoggerName
@@ -120,7 +121,9 @@ def _check_angles(cells: Sequence[Cell]) -> None:
 def _check_settings(asked: Asked, cells: Sequence[Cell]) -> None:
     """Raises ExperimentError for a setting of all cells that none of them reads."""
     unread = [cell.configuration().unread for cell in cells]
-    for name in asked.settings:
+    for name in spread(asked.settings):
+        if name.startswith(OWN) and not any(name.removeprefix(OWN) in cell.config["own"] for cell in cells):
+            raise ExperimentError(f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your own takes it")
         if all(name in of_cell for of_cell in unread):
             mark = unread[0][name]
             raise ExperimentError(f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is {mark.values}")
@@ -166,7 +169,7 @@ def _check(asked: Asked) -> None:
     for axis in asked.axes:
         if axis.name in sets:
             raise ExperimentError(f"the protocol {asked.protocol} sets `{axis.name}` itself: leave out the axis, or the protocol")
-        of_all = {*asked.settings, *(f"{PARAM}{name}" for name in asked.params), *([VARIANT] if asked.variant is not None else [])}
+        of_all = {*spread(asked.settings), *(f"{PARAM}{name}" for name in asked.params), *([VARIANT] if asked.variant is not None else [])}
         if axis.name in of_all:
             raise ExperimentError(f"`{axis.name}` is an axis, and is also set for all cells; say it once")
     for name in asked.settings:

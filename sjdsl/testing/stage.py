@@ -6,7 +6,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sjdsl.factory import make
+from sjdsl.compiler import Build
+from sjdsl.factory import build_game, environment_of
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import reset
@@ -29,7 +30,7 @@ class Stage:
 
     Attributes:
       game: a path to any `.sj` file, or the name of a bundled or installed game.
-      map: rows of the map's glyphs, or a file of them; None: the game's own.
+      map: rows of the map's glyphs, or a file of them; None: the game's own. It needs no cells to start on.
       agents: how many; None: as the game says.
       variant: a variant of the file, several as `"a+b"`.
       params: numbers of the game for all scenes, sizes among them.
@@ -53,8 +54,11 @@ class Stage:
 
     @cached_property
     def env(self) -> Environment:
-        """The environment, compiled once."""
-        return make(self.game, variant=self.variant, num_agents=self.agents, params=dict(self.params), map=self.map)
+        """The environment, compiled once. Its map may lack cells to send agents to: `put` places them, and `start` refuses."""
+        return environment_of(*self._built(placed_by_hand=True))
+
+    def _built(self, placed_by_hand: bool) -> tuple[Build, dict[str, Any]]:
+        return build_game(self.game, self.variant, self.agents, self.params, self.map, placed_by_hand)
 
     @cached_property
     def signs(self) -> Signs:
@@ -63,6 +67,11 @@ class Stage:
     @cached_property
     def compiled(self) -> Compiled:
         return compile_quickly(self.env)
+
+    @cached_property
+    def _with_places(self) -> Build:
+        """The game on a map that has the cells it sends agents to."""
+        return self._built(placed_by_hand=False)[0]
 
     @property
     def board(self) -> Board:
@@ -113,7 +122,7 @@ class Stage:
         Raises ValueError: what does not fit the game.
         """
         game, board = self.env.game, self.board
-        world = reset(game, self.numbers(params or {}).interpreted, Threefry(*key_words(0)))
+        world = reset(game, self.numbers(params or {}).interpreted, Threefry(*key_words(0)), sends=False)
         rows, gone = read_picture(picture, self.signs), away or {}
         poses = numbered(rows, self.signs, board.agents, gone)
         put_picture(rows, poses, under or {}, self.signs, board, world)
@@ -136,7 +145,11 @@ class Stage:
         return Scene(self, world, params or {}, seed)
 
     def start(self, seed: int = 0, params: Mapping[str, Any] | None = None) -> Scene:
-        """Returns the scene an episode starts with: the phase `start`, on both engines (unless `interpreted`) with the same draws."""
+        """Returns the scene an episode starts with: the phase `start`, on both engines (unless `interpreted`) with the same draws.
+
+        Raises CompileError where the map lacks cells that the game sends agents or movers to.
+        """
+        _ = self._with_places
         given = self.numbers(params or {}).interpreted
         scene = Scene(self, reset(self.env.game, given, Threefry(*key_words(seed))), params or {}, seed)
         if not self.interpreted:

@@ -2,19 +2,23 @@
 
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lark import Token, Tree, UnexpectedToken
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.diagnostics.limits import MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS
-from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.syntax.build_ast import build_ast
+from sjdsl.compiler.diagnostics.limits import MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, check_tree
+from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.syntax import rules
 from sjdsl.compiler.syntax.direct import read_directly
-from sjdsl.compiler.syntax.parse import parse, parser, read_tree
+from sjdsl.compiler.syntax.node_builders import Part, unquote
+from sjdsl.compiler.syntax.parse import mistakes, parse, parser, tree_of
 from sjdsl.compiler.syntax.soft_words import SOFT
+from sjdsl.compiler.syntax.tokens import scan
 from tests.damage import edits
 from tests.format.damage import damaged
 
@@ -24,15 +28,36 @@ SMALL = [path.read_text("utf-8") for path in sorted((FOLDER.parent / "tests/case
 
 
 def with_care(text: str) -> ast.File | None:
-    """Returns the tree by way of the grammar's own, None if there is a mistake."""
-    try:
-        return build_ast(read_tree(Source("game.sj", text))[1], "game.sj")
-    except CompileError:
+    """Returns the tree by way of Lark's own, None if there is a mistake."""
+    source = Source("game.sj", text)
+    found = scan(source, parser())
+    if found.problems:
         return None
+    try:
+        tree = tree_of(found.tokens)[1]
+    except UnexpectedToken:
+        return None
+    return None if check_tree(tree, source) else built(tree)
+
+
+def built(tree: Tree[Token]) -> Any:
+    items = [built(child) if isinstance(child, Tree) else leaf(child) for child in tree.children if child is not None]
+    if tree.data in {*rules.CLAUSES, "names"}:
+        return Part(tree.data, tuple(items) if tree.data == "names" else items[0] if items else None)
+    span = Span("game.sj", tree.meta.start_pos, tree.meta.end_pos, tree.meta.line, tree.meta.column)
+    return rules.RULES[tree.data](span, *items)
+
+
+def leaf(token: Token) -> ast.Name | ast.String | str:
+    span = Span("game.sj", token.start_pos or 0, token.end_pos or 0, token.line or 0, token.column or 0)
+    if token.type == "STRING":
+        return ast.String(span, unquote(token))
+    return str(token) if token.type in rules.AS_WRITTEN else ast.Name(span, str(token))
 
 
 def directly(text: str) -> ast.File | None:
-    return read_directly(Source("game.sj", text), parser())
+    found = read_directly(Source("game.sj", text), parser())
+    return found if isinstance(found, ast.File) else None
 
 
 @pytest.mark.parametrize("name", GAMES)
@@ -57,6 +82,17 @@ def test_edited_words(game: str, kind: str, seed: int) -> None:
     """A text with a mistake is left to the careful reading; one that is still a game is read as that reads it."""
     edited = edits.edit(game, kind, Random(seed)).text
     assert directly(edited) == with_care(edited)
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.sampled_from(SMALL), st.sampled_from(["}", "(", "}}", "not", "at", "+= 1", "for each agent {", "any"]), st.floats(0, 1))
+def test_mistakes_are_those_found_from_the_beginning(text: str, inserted: str, where: float) -> None:
+    """The search for mistakes begins a little before the first, with the stack that the direct reading hands over."""
+    at = round(where * len(text))
+    source = Source("game.sj", f"{text[:at]} {inserted} {text[at:]}")
+    so_far = read_directly(source, parser())
+    if not isinstance(so_far, ast.File):
+        assert mistakes(source, [], so_far) == mistakes(source, [], None)
 
 
 def game(inside: str) -> str:
@@ -93,9 +129,12 @@ def test_soft_words_as_names(word: str) -> None:
     ],
 )
 def test_near_the_limits(inside: str) -> None:
-    """What is read directly is what the careful reading gives, which refuses what is beyond a limit."""
-    careful, found = with_care(game(inside)), directly(game(inside))
-    assert found in (None, careful)
+    """What is read directly is what the careful reading gives, which refuses what is beyond a limit, and says why."""
+    found = directly(game(inside))
+    assert found == with_care(game(inside))
+    if found is None:
+        with pytest.raises(CompileError):
+            parse(Source("game.sj", game(inside)))
 
 
 @pytest.mark.parametrize(

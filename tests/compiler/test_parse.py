@@ -9,7 +9,7 @@ import pytest
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax import build_ast
+from sjdsl.compiler.syntax import rules
 from sjdsl.compiler.syntax.parse import parse, parser
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
@@ -263,9 +263,9 @@ def test_heads(head: str, tree: str) -> None:
 
 
 def test_every_rule_has_a_builder() -> None:
-    rules = {str(rule.alias or rule.origin.name) for rule in parser().rules if rule.alias or not rule.options.expand1}
-    named = {name for name in rules if not name.startswith("_")}
-    assert named <= {*build_ast.RULES, *build_ast.CLAUSES, "names"} | single_children()
+    all_rules = {str(rule.alias or rule.origin.name) for rule in parser().rules if rule.alias or not rule.options.expand1}
+    named = {name for name in all_rules if not name.startswith("_")}
+    assert named <= {*rules.RULES, *rules.CLAUSES, "names"} | single_children()
 
 
 def single_children() -> set[str]:

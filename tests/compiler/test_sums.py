@@ -13,10 +13,11 @@ import sjdsl
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
 from sjdsl.compiler.ir.implications import facts, narrowed
-from sjdsl.compiler.ir.types import integer, interval, rounded
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
+from sjdsl.compiler.ir.types import integer
 
+QUOTIENT = CALCULATIONS["quotient"].interval
 GAME = """sj 1
 game frame "Sums" {{
   episode 9
@@ -119,8 +120,9 @@ def test_intervals_of_sums_hold_whatever_the_facts() -> None:
         for _ in range(random.randint(1, 4)):
             part = random.choice(parts)
             fn = random.choice("+-")
-            type_ = integer(*interval(fn, found.type, part.type), "number")
-            found = ir.Arithmetic(type=type_, fn=fn, args=(found, part))  # type: ignore[arg-type]
+            low, high = CALCULATIONS[fn].interval((found.type.low, found.type.high), (part.type.low, part.type.high))
+            type_ = integer(low, high, "number")
+            found = ir.Arithmetic(type=type_, fn=fn, args=(found, part))
         return found
 
     def value(e: ir.Expr, values: dict[str, int]) -> int:
@@ -142,7 +144,7 @@ def test_intervals_of_sums_hold_whatever_the_facts() -> None:
         narrower += (low, high) != (asked.type.low, asked.type.high)
         for values in product(*(range(low_, low_ + 4) for low_ in lows)):
             here = dict(zip(names, values, strict=True))
-            if all(COMPARISONS[test.fn](value(test.left, here), value(test.right, here)) for test in told):
+            if all(COMPARISONS[test.fn].holds(value(test.left, here), value(test.right, here)) for test in told):
                 assert low <= value(asked, here) <= high, (told, asked)
     assert narrower > 50, "the facts are used"
 
@@ -151,20 +153,20 @@ def test_the_interval_of_a_whole_quotient_is_the_least_that_holds() -> None:
     for a, b, c, d in product(range(-4, 5), range(0, 4), range(-4, 5), range(0, 4)):
         values = {x // y for x in range(a, a + b + 1) for y in range(c, c + d + 1) if y}
         if values:
-            assert interval("//", integer(a, a + b), integer(c, c + d)) == (min(values), max(values))
+            assert QUOTIENT((a, a + b), (c, c + d)) == (min(values), max(values))
 
 
 def test_the_interval_of_a_quotient_of_endless_numbers() -> None:
     endless = float("inf")
-    assert interval("//", integer(0, endless), integer(1, endless)) == (0, endless)
-    assert interval("//", integer(-3, 5), integer(2, endless)) == (-2, 2)
+    assert QUOTIENT((0, endless), (1, endless)) == (0, endless)
+    assert QUOTIENT((-3, 5), (2, endless)) == (-2, 2)
 
 
 def test_rounding_stays_inside_its_interval_in_float32_too() -> None:
     random = np.random.default_rng(0)
     ends = np.sort(random.uniform(-9, 9, (2000, 2)), axis=1)
     for low, high in [*ends, *((np.floor(a) + 0.5, np.floor(b) + 0.5) for a, b in ends)]:
-        found = rounded(float(low), float(high))
+        found = CALCULATIONS["round"].interval((float(low), float(high)))
         for x in (low, high, (low + high) / 2):
             for near in (np.float32(x), np.nextafter(np.float32(x), np.float32(99)), np.nextafter(np.float32(x), np.float32(-99))):
                 assert found[0] <= np.rint(near) <= found[1], (low, high, near)
@@ -172,5 +174,4 @@ def test_rounding_stays_inside_its_interval_in_float32_too() -> None:
 
 def test_a_quotient_by_0_alone_is_bounded_by_what_is_divided() -> None:
     """Such a divisor stands where nothing is ever divided: behind `k != 0 and k <= 0`, for example."""
-    whole, zero = ir.Type(kind="int", low=-4, high=9), ir.Type(kind="int", low=0, high=0)
-    assert interval("//", whole, zero) == (-9, 9)
+    assert QUOTIENT((-4, 9), (0, 0)) == (-9, 9)

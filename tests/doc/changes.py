@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any, Literal, get_args, get_origin
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES
 
 # Fields that are no part of the rules: positions, types that follow from the rest, numbers of streams, and what is said twice.
 SILENT = {
@@ -121,6 +122,12 @@ def changed_nodes(node: ir.Node, name: str, game: ir.Game) -> Iterator[ir.Node]:
         others = _other_types(value)
     elif (type(node).__name__, name) in ORDERLESS:
         others = iter([value[:-1]] if len(value) > 1 else [])
+    elif isinstance(node, ir.Arithmetic):
+        given = ((fn, node.args) for fn in CALCULATIONS) if name == "fn" else ((node.fn, args) for args in _other_tuples(value))
+        takes = ((fn, args) for fn, args in given if CALCULATIONS[fn].least <= len(args) <= CALCULATIONS[fn].most)
+        others = (fn if name == "fn" else args for fn, args in takes if (fn, args) != (node.fn, node.args))
+    elif isinstance(node, ir.MatrixClass) and name == "name":
+        others = (other for other in PAYOFF_CLASSES if other != value)
     else:
         others = _others(value, type(node).model_fields[name].annotation, name, game)
     for other in others:

@@ -6,6 +6,7 @@ import pytest
 
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.doc.conditions import condition
@@ -21,12 +22,12 @@ SIMPLE = vocabulary(build(read_source(next(path for path in SMALL if path.stem =
 
 
 def arithmetic(fn: str, *args: ir.Expr) -> ir.Expr:
-    return ir.Arithmetic(type=NUMBER, fn=fn, args=args)  # type: ignore[arg-type]
+    return ir.Arithmetic(type=NUMBER, fn=fn, args=args)
 
 
 def calculations(of: list[ir.Expr]) -> list[ir.Expr]:
-    pairs = [arithmetic(fn, x, y) for fn in ("+", "-", "*", "/", "%", "min", "max") for x, y in product(of, of)]
-    return [*pairs, *(arithmetic("neg", x) for x in of)]
+    rows = [(row, many) for row in CALCULATIONS.values() for many in (1, 2) if row.least <= many <= row.most]
+    return [arithmetic(row.name, *args) for row, many in rows for args in product(of, repeat=many)]
 
 
 def test_no_two_calculations_read_the_same() -> None:

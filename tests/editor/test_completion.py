@@ -98,6 +98,12 @@ def test_the_word_begun_is_replaced() -> None:
     assert apple.detail == "param apple : reward = 1"
 
 
+def test_a_function_comes_with_what_it_gives() -> None:
+    session, uri, position = with_cursor(inside("each agent { give rou| to agent }"))
+    (found,) = [item for item in session.completion(uri, position) if item.label == "round"]
+    assert found.detail == "round(x): the nearest whole number; of two, the even one"
+
+
 def test_names_of_a_text_that_was_never_right_are_offered() -> None:
     text = (
         'sj 1\ngame g {\n  param one : reward = \n  kind pond "~" { field depth : { low, deep } = low }\n  phase p { each pond where pond.|'

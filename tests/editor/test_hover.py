@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler.diagnostics.explanations import explain
+from sjdsl.compiler.ir.operations import FUNCTIONS, Function
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.hover import examples, meanings
 from tests.editor.asked import ORCHARD, opened, place
@@ -46,6 +47,12 @@ def test_a_message_is_explained_with_the_name_that_it_is_about() -> None:
 
 def test_a_mistake_of_one_variant_is_explained_too() -> None:
     assert explain("SJ108") in shown("set orang", ORCHARD.replace("set apple", "set orange"))
+
+
+@pytest.mark.parametrize("function", [row for row in FUNCTIONS.values() if not row.word], ids=lambda row: row.name)
+def test_a_function_is_explained(function: Function) -> None:
+    text = shown(f"give {function.name[:-1]}", ORCHARD.replace("give apple", f"give {function.name}(apple)"))
+    assert [use for use in function.uses if f"`{use[0]}`: {use[1]}" not in text] == []
 
 
 def test_nothing_is_said_of_nothing() -> None:

@@ -59,6 +59,28 @@ def test_references_cross_games_that_extend_one_another(tmp_path: Path) -> None:
     assert [location.uri for location in session.definition(small, place(session, small, 'extends "orch'))] == [uri]
 
 
+LIT = (
+    ORCHARD.replace('kind grass "."', 'kind grass "." { field lit : 0 .. 1 = 0 }')
+    .replace('kind gate  "G"', 'kind gate  "G" { field lit : 0 .. 1 = 0 }')
+    .replace("  define ready", "  define glows(place) = place.lit > 0\n  define ready")
+    .replace("checks { ", "checks { always not any(gate where glows(gate))  ")
+)
+
+
+def test_a_define_means_what_games_that_stand_on_its_own_make_of_it(tmp_path: Path) -> None:
+    """The base asks gates alone whether they glow; once another game asks the grass too, its field has the same name in the define."""
+
+    def lines() -> list[int]:
+        session, uri = opened(LIT, tmp_path)
+        found = texts(session, session.references(uri, place(session, uri, '"." { field li')))
+        return [line for file, line, _ in found if file == "orchard.sj"]
+
+    (tmp_path / "orchard.sj").write_text(LIT)
+    assert lines() == [7]
+    (tmp_path / "small.sj").write_text(SMALL.replace("set apple = 3", "checks { always not any(grass where glows(grass)) }"))
+    assert lines() == [7, 10, 20]
+
+
 def test_a_local_name_stays_in_its_scope() -> None:
     session, uri = opened()
     found = texts(session, session.references(uri, place(session, uri, "agent as eat")))

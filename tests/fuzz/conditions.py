@@ -3,13 +3,13 @@
 from math import inf
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import COMPARISONS
 from sjdsl.compiler.ir.types import element
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.quantities import integer, key_for, real
 from tests.fuzz.reading import Scope, Typed
 
 Word = tuple[str, tuple[str, ...]]  # text, and the words it can be
-COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 def condition(scope: Scope, depth: int) -> str:
@@ -60,7 +60,7 @@ def compared(scope: Scope, depth: int) -> str:
         if r.random() < 0.25:
             low = r.randint(0, 3)
             return f"{_operand(left)} in {low} .. {low + r.randint(0, 3)}"
-    return f"{_operand(left)} {r.choice(COMPARISONS)} {_operand(right)}"
+    return f"{_operand(left)} {r.choice(tuple(COMPARISONS))} {_operand(right)}"
 
 
 def _operand(value: Typed) -> str:

@@ -2,8 +2,10 @@
 
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.sorts import sort_of
 
 
@@ -15,6 +17,10 @@ def _holds(node: ir.Node, kind: str) -> bool:
     return isinstance(node, ir.VarField) and node.type.kind == kind
 
 
+def _calculates(name: str, node: ir.Node) -> bool:
+    return isinstance(node, ir.Arithmetic) and node.fn == name
+
+
 CONSTRUCTS: dict[str, Callable[[ir.Node], bool]] = {
     "`each`": lambda n: isinstance(n, ir.Each),
     "`pick`": lambda n: isinstance(n, ir.Pick),
@@ -23,7 +29,7 @@ CONSTRUCTS: dict[str, Callable[[ir.Node], bool]] = {
     "`when`": lambda n: isinstance(n, ir.When),
     "`chance`": lambda n: isinstance(n, ir.Chance),
     "`draw` of numbers with weights": lambda n: isinstance(n, ir.Draw) and bool(n.numbers),
-    "`quotient`, `round`": lambda n: isinstance(n, ir.Arithmetic) and n.fn in ("//", "round"),
+    **{f"`{name}`": partial(_calculates, name) for name, row in CALCULATIONS.items() if not row.sign},
     "`before` in checks": lambda n: isinstance(n, ir.Before),
     "`show` of `step` and of defines": lambda n: isinstance(n, ir.Observable) and n.value is not None,
     "`draw` of words or whole numbers": lambda n: isinstance(n, ir.Draw) and (bool(n.words) or (n.low is not None and not _real(n))),

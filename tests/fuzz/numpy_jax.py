@@ -17,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.compiler.ir.operations import CALCULATIONS
+
 NUMBERS = {"float32": np.float32, "int32": np.int32, "uint32": np.uint32, "uint8": np.uint8, "bool_": np.bool_}
 NARROW = {np.dtype(np.float64): np.float32, np.dtype(np.int64): np.int32, np.dtype(np.uint64): np.uint32}
 
@@ -150,16 +152,17 @@ def where(condition: Any, a: Any, b: Any) -> Array:
 
 
 def _namespace() -> SimpleNamespace:
-    same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "abs", "max", "min", "argmax", "clip", "minimum", "maximum", "take_along_axis",
+    same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "max", "min", "argmax", "clip", "take_along_axis",
             "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like",
-            "moveaxis", "split", "add", "logical_or", "rint")  # fmt: skip
+            "moveaxis", "split", "add", "logical_or")  # fmt: skip
+    calculating = {row.array.removeprefix("jnp.") for row in CALCULATIONS.values() if row.array.startswith("jnp.")}
     return SimpleNamespace(
         asarray=as_array,
         where=where,
         issubdtype=np.issubdtype,
         dtype=np.dtype,
         inf=np.inf,
-        **{name: _wrapping(getattr(np, name)) for name in same},
+        **{name: _wrapping(getattr(np, name)) for name in {*same, *calculating}},
         **NUMBERS,
     )
 
@@ -231,6 +234,11 @@ def _vmap(function: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *arrays: as_array(np.stack([function(*row) for row in zip(*arrays, strict=True)]))
 
 
+def _on_cpu(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: Any) -> Any:
+    del gpu
+    return cpu(*arguments)
+
+
 def _dataclass(cls: type) -> type:
     made = dataclasses.dataclass(frozen=True)(cls)
     made.replace = dataclasses.replace  # type: ignore[attr-defined]
@@ -267,6 +275,7 @@ STANDING_IN = {
     "jax.numpy": JNP,
     "jax.custom_batching": SimpleNamespace(custom_vmap=_CustomVmap),
     "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass)),
+    "sjdsl.runtime.forms": SimpleNamespace(by_platform=_on_cpu),
 }
 
 

@@ -3,10 +3,11 @@
 from math import inf
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.sorts import sort_of
-from sjdsl.compiler.ir.types import element, hull, interval
+from sjdsl.compiler.ir.types import element, hull
 from tests.fuzz.reading import Scope, Typed
-from tests.fuzz.typed_numbers import combined, ends_of, fitted, real_type, whole_type
+from tests.fuzz.typed_numbers import combined, ends_of, fitted, interval, real_type, whole_type
 
 LARGE = 1e6  # beyond this nothing is multiplied: whole numbers have 32 bits
 
@@ -16,7 +17,7 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
     w = scope.world
     if depth <= 0 or w.is_now(0.35):
         return atom(scope, "int", unit)
-    choices = ["sum", "sum", "difference", "product", "remainder", "quotient", "round", "extreme", "case", "negation", "define"]
+    choices = ["sum", "sum", "difference", "product", "remainder", "quotient", "round", "plain", "case", "negation", "define"]
     if scope.counts:
         choices += ["total", "total", "over"] + (["count"] * 3 if unit == "count" else [])
     if unit == "cells":
@@ -42,15 +43,15 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
         case "quotient":
             left, divisor = integer(scope, unit, depth - 1), w.random.choice((2, 3, -2))
             below = whole_type(divisor, divisor, "number")
-            return f"quotient({left[0]}, {divisor})", whole_type(*interval("//", left[1], below), left[1].unit)
+            return f"quotient({left[0]}, {divisor})", whole_type(*interval("quotient", left[1], below), left[1].unit)
         case "round":
             text = fitted(real(scope, "number", depth - 1), -9, 9)
             return f"round({text})", whole_type(-9, 9, "number")
         case "negation":
             inner = integer(scope, unit, depth - 1)
             return f"-({inner[0]})", whole_type(-inner[1].high, -inner[1].low, inner[1].unit)
-        case "extreme":
-            return extreme(scope, [integer(scope, unit, depth - 1) for _ in range(w.random.choice((2, 2, 3)))], "int")
+        case "plain":
+            return plain(scope, [integer(scope, unit, depth - 1) for _ in range(w.random.choice((2, 2, 3)))], "int")
         case "case":
             return case(scope, lambda s: integer(s, unit, depth - 1), depth)
         case "count":
@@ -74,7 +75,7 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
     w = scope.world
     if depth <= 0 or w.is_now(0.3):
         return atom(scope, "real", unit)
-    choices = ["sum", "difference", "product", "quotient", "extreme", "case", "whole", "define", "ramp"]
+    choices = ["sum", "difference", "product", "quotient", "plain", "case", "whole", "define", "ramp"]
     if scope.counts:
         choices += ["total", "share", "mix", "over"]
     match w.random.choice(choices):
@@ -84,8 +85,8 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
             return product(scope, unit, depth)
         case "quotient":
             return quotient(scope, unit, depth)
-        case "extreme":
-            return extreme(scope, [real(scope, unit, depth - 1) for _ in range(2)], "real")
+        case "plain":
+            return plain(scope, [real(scope, unit, depth - 1) for _ in range(2)], "real")
         case "case":
             return case(scope, lambda s: real(s, unit, depth - 1), depth)
         case "whole":
@@ -192,12 +193,23 @@ def quotient(scope: Scope, unit: str, depth: int) -> Typed:
     return f"({left[0]}) / {divisor[0]}", real_type(low, high, left[1].unit)
 
 
-def extreme(scope: Scope, parts: list[Typed], kind: str) -> Typed:
-    """Returns `min(…)` or `max(…)`."""
-    pick, name = scope.world.random.choice(((min, "min"), (max, "max")))
-    low, high = pick(p[1].low for p in parts), pick(p[1].high for p in parts)
-    unit = next((p[1].unit for p in parts if p[1].unit != "number"), "number")
-    return f"{name}({', '.join(p[0] for p in parts)})", ir.Type(kind=kind, unit=unit, low=low, high=high)
+# Functions of any numbers; those that want more of them, and reals alone, are made one by one.
+PLAIN = [
+    row
+    for row in CALCULATIONS.values()
+    if not (row.sign or row.whole_only or row.bounded or row.apart or row.divisor is not None or row.kind == "real")
+]
+
+
+def plain(scope: Scope, parts: list[Typed], kind: str) -> Typed:
+    """Returns a function of numbers of one kind, such as `min(…)`; of several if it takes several."""
+    row = scope.world.random.choice(PLAIN)
+    parts = parts[: row.most]
+    low, high = interval(row.name, *(p[1] for p in parts))
+    unit = row.unit(*(p[1].unit for p in parts))
+    assert unit is not None
+    type_ = ir.Type(kind="int" if row.kind == "whole" else kind, unit=unit, low=low, high=high)
+    return f"{row.name}({', '.join(p[0] for p in parts)})", type_
 
 
 def case(scope: Scope, value, depth: int) -> Typed:

@@ -1,7 +1,7 @@
 """Numbers of random programs with their intervals: combined, and fitted into limits."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.types import interval
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from tests.fuzz.reading import Typed
 
 
@@ -13,6 +13,11 @@ def fitted(value: Typed, low: float, high: float) -> str:
     if type_.low < low:
         text = f"max({text}, {plain_number(low)})"
     return text
+
+
+def interval(fn: str, *of: ir.Type) -> tuple[float, float]:
+    """Returns the interval of a calculation by those of numbers."""
+    return CALCULATIONS[fn].interval(*((type_.low, type_.high) for type_ in of))
 
 
 def plain_number(number: float) -> str:

@@ -249,7 +249,7 @@ def test_a_table_at_two_mixes_is_the_expected_payoff(here):
 
 @pytest.mark.parametrize(("value", "expected"), [(0.0, 1), (0.1, 0.75), (0.4, 0), (0.9, 0)])
 def test_ramp(here, value, expected):
-    ramp = ir.Ramp(type=g.REAL, value=real(value), zero_at=real(0.4), one_at=real(0.0))
+    ramp = ir.Arithmetic(type=g.REAL, fn="ramp", args=(real(value), real(0.4), real(0.0)))
     assert evaluate(ramp, here) == pytest.approx(expected)
 
 

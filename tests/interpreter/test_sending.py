@@ -130,7 +130,7 @@ def test_without_room_an_agent_stays_where_it_was_and_keeps_its_heading():
     world = run(game, [(0, 0), (0, 1), (1, 0)], headings=(1, 1, 1))
     assert world.position == [(1, 2), (0, 1), (1, 0)]
     assert world.heading == [0, 1, 1]
-    with pytest.raises(AssertionError, match="no free cell"):
+    with pytest.raises(AssertionError, match="agent 1 is sent to den, where no cell is free"):
         run(den_game(home(), rows=("...", "..Q")), [(0, 0), (0, 1), (1, 0)])
 
 

@@ -13,9 +13,10 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics import limits
 from sjdsl.compiler.diagnostics.explanations import all_codes
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate import declarations, expressions, lookup, observations, shapes, windows
+from sjdsl.compiler.elaborate import declarations, lookup, observations, shapes, windows
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.ir import types
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import read_tree
 from sjdsl.compiler.syntax.soft_words import SOFT
 from sjdsl.interpreter.state import Facing
@@ -26,7 +27,7 @@ from .blocks import MANUAL, examples
 EXECUTED = [e for e in examples(MANUAL) if e.said("result")]
 WORDS_OF_RULES = {
     "units": UNITS,
-    "functions": ("min", "max", "ramp", "distance", *expressions.ROW_FUNCTIONS, *expressions.MATRIX_CLASSES),
+    "functions": tuple(FUNCTIONS),
     "actions": actions.BUILT_IN,
     "attributes": (*lookup.AGENT_ATTRIBUTES, *lookup.CELL_ATTRIBUTES),
     "shapes": (*shapes.BUILT_IN, "centre"),

@@ -173,6 +173,7 @@ def test_what_is_false_for_other_numbers_is_not_proved(check: str) -> None:
         "always delta % 3 < 3",
         "always sum(purse) in 0 .. 18",
         "always count(grass where grass.col > 2) / count(grass) <= 1",
+        "always round(pot * 0.25) <= 2",
     ],
 )
 def test_what_holds_for_all_numbers_is_proved(check: str) -> None:
@@ -195,6 +196,8 @@ def test_what_holds_for_all_numbers_is_proved(check: str) -> None:
         ("pot * (delta - 2)", "pot", "rising"),
         ("pot * huge * huge", "pot", ""),
         ("pot * 1000", "pot", "rising"),
+        ("round(pot * 0.5) - round(pot / (0 - 2))", "pot", "rising"),
+        ("round(pot * loss)", "pot", ""),
     ],
 )
 def test_which_slopes_are_proved(value: str, argument: str, proved: str) -> None:

@@ -17,7 +17,8 @@ UPDATES = 4
 SMALL = {"num_envs": 10, "num_steps": 10, "num_minibatches": 1, "network": "mlp", "total_timesteps": 100 * UPDATES}
 RULES = {"coins": "c01", "harvest_open": "4a7", "pd_arena": "9da"}  # hashes
 POLICIES = ("cooperators", "defectors")
-VARIANTS = {"c02": "socialjax"}  # by hash
+VARIANTS = {"c02": "socialjax", "402": "socialjax"}  # by hash
+PAPERS: Mapping[str, Any] = {"rules": "c02", "provenance": {"variant": "socialjax"}}  # how the paper played Coins
 AGENTS = {"coins": 2, "harvest_open": 7, "pd_arena": 4}
 
 
@@ -175,34 +176,36 @@ def write_training(path: Path, seconds: Mapping[str, Sequence[float]]) -> None:
     write_found(path, Training(MACHINE, 1e9, splits))
 
 
-def random_returns(path: Path, returns: Mapping[str, float]) -> None:
-    """Writes the file that `sjdsl doc --all` keeps the figures of a random policy in."""
+def random_returns(path: Path, returns: Mapping[str, float], rules: str | None = None) -> None:
+    """Writes the file that `sjdsl doc --all` keeps the figures of a random policy in; `rules`: a hash that all games have."""
     figures = {game: {"return, summed over agents": {"mean": mean, "low": mean - 1, "high": mean + 1}} for game, mean in returns.items()}
-    write_json(path, {game: {"hash": RULES[game], "episodes": 200, "seed": 0, "values": values} for game, values in figures.items()})
+    write_json(
+        path, {game: {"hash": rules or RULES[game], "episodes": 200, "seed": 0, "values": values} for game, values in figures.items()}
+    )
 
 
 def write_everything(folder: Path) -> list[Path]:
     """Writes one of everything that a report is made of, as its golden shows it; returns what to name."""
     own, shared = (17.0, 14.0, 18.5), (158.0, 154.5, 160.0)
     coins = {"event own_coins": (92.0, 90.5, 93.0)}
-    write_run(folder / "coins_individual", "coins", own, measures=coins, reward="individual")
-    write_run(folder / "coins_common", "coins", shared, measures={"event own_coins": (159.0, 156.0, 161.0)}, reward="common")
-    write_run(folder / "coins_apart", "coins", (150.0, 157.0, 149.0), reward="common", sharing="per_agent")
-    write_run(folder / "coins_exchange_50", "coins", (150.0, 160.0), reward="exchange", exchange_ratio=0.5)
-    write_run(folder / "coins_exchange_25", "coins", (None, 90.0), diverged=(0,), reward="exchange", exchange_ratio=0.25)
+    write_run(folder / "coins_individual", "coins", own, measures=coins, reward="individual", **PAPERS)
+    write_run(folder / "coins_common", "coins", shared, measures={"event own_coins": (159.0, 156.0, 161.0)}, reward="common", **PAPERS)
+    write_run(folder / "coins_apart", "coins", (150.0, 157.0, 149.0), reward="common", sharing="per_agent", **PAPERS)
+    write_run(folder / "coins_exchange_50", "coins", (150.0, 160.0), reward="exchange", exchange_ratio=0.5, **PAPERS)
+    write_run(folder / "coins_exchange_25", "coins", (None, 90.0), diverged=(0,), reward="exchange", exchange_ratio=0.25, **PAPERS)
     write_run(folder / "harvest_individual", "harvest_open", (77.0, 77.0), measures={"mean apples_left": (2.0, 2.1)}, reward="individual")
     write_run(folder / "harvest_common", "harvest_open", (310.0, 330.0), measures={"mean apples_left": (20.0, 24.0)}, reward="common")
     write_run(folder / "harvest_going_on", "harvest_open", (None, None), status="running", reward="common", learning_rate=0.01)
     write_run(folder / "pd_once", "pd_arena", (150.0,), measures={"event collected[coop]": (60.0,)}, reward="individual")
     sweep = folder / "svo"
-    write_run(sweep / "cells/coins_weight-0.4", "coins", (100.0, 120.0), reward="svo", svo_weight=0.4)
-    write_run(sweep / "cells/coins_weight-0.6", "coins", (140.0, 150.0), reward="svo", svo_weight=0.6)
-    write_run(sweep / "cells/coins_angle-45", "coins", (60.0, 80.0), first=2, reward="svo", svo_weight=0.6, svo_angle=45)
-    write_run(sweep / "cells/coins_angle-90", "coins", (130.0, 144.0), first=2, reward="svo", svo_weight=0.6)
+    write_run(sweep / "cells/coins_weight-0.4", "coins", (100.0, 120.0), reward="svo", svo_weight=0.4, **PAPERS)
+    write_run(sweep / "cells/coins_weight-0.6", "coins", (140.0, 150.0), reward="svo", svo_weight=0.6, **PAPERS)
+    write_run(sweep / "cells/coins_angle-45", "coins", (60.0, 80.0), first=2, reward="svo", svo_weight=0.6, svo_angle=45, **PAPERS)
+    write_run(sweep / "cells/coins_angle-90", "coins", (130.0, 144.0), first=2, reward="svo", svo_weight=0.6, **PAPERS)
     stages = {"coins_weight-0.4": 1, "coins_weight-0.6": 1, "coins_angle-45": 2, "coins_angle-90": 2}
     write_sweep(sweep, "svo", stages, absent=["coins_angle-0"])
     contrasts = {"A": (60.0, 50.0, 70.0), "B": (5.0, -1.0, 11.0), "fear": (40.0, 30.0, 50.0), "greed": (2.0, -3.0, 7.0)}
-    write_diagram(folder / "coins_diagram", "coins", contrasts, "undecided")
+    write_diagram(folder / "coins_diagram", "coins", contrasts, "undecided", rules="c02")
     write_cross_play(folder / "coins_random", "coins", {"random": (-0.5, -1.5, 0.5), "runs/coins_common": (79.0, 77.0, 81.0)})
     rates = {("coins", None, 1): 5_000.0, ("coins", None, 128): 400_000.0, ("harvest_open", 20, 1024): 900_000.0}
     write_speeds(folder / "speed.json", rates)

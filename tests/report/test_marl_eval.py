@@ -39,10 +39,10 @@ def test_the_documented_structure(written: Path) -> None:
     data = json.loads((written / "marl_eval.json").read_text())
     assert [*data] == ["sjdsl"]
     found = check_structure(data)
-    assert ("coins", "IPPO, common", "seed_2") in found
+    assert ("coins, variant socialjax", "IPPO, common", "seed_2") in found
     assert not any(way == "IPPO, exchange 0.25" for _, way, _ in found)  # a seed of it has failed
     assert not any(task == "harvest_open" and "learning" in way for task, way, _ in found)
-    coins = data["sjdsl"]["coins"]["IPPO, common"]["seed_0"]
+    coins = data["sjdsl"]["coins, variant socialjax"]["IPPO, common"]["seed_0"]
     assert coins["step_3"] == {"step_count": 400, "return": [158.0]}
     assert coins["absolute_metrics"] == {"return": [158.0]}
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 import pytest
-from report_folders import random_returns, write_cross_play, write_diagram, write_run
+from report_folders import PAPERS, random_returns, write_cross_play, write_diagram, write_run
 
 from sjdsl.cli import commands
 from sjdsl.experiments.bundled_rules import is_usual
@@ -49,13 +49,14 @@ def test_golden(written: Path, golden: Golden) -> None:
 
 def test_pictures(written: Path) -> None:
     pictures = sorted((written / "figures").iterdir())
-    assert {path.stem for path in pictures} == {"curves_coins", "curves_harvest_open", "curves_pd_arena", "exchange", "speed", "svo"}
+    curves = {f"curves_{game}" for game in ("coins_variant_socialjax", "harvest_open", "pd_arena")}
+    assert {path.stem for path in pictures} == {*curves, "exchange", "speed", "svo"}
     assert all(path.read_bytes()[:4] in (b"\x89PNG", b"<?xm") for path in pictures)
     assert len(pictures) == 12
 
 
 def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None:
-    found = records(report_of(write_run(tmp_path / "run", "coins", (150.0, 160.0, 155.0), reward="common")), "exchange")
+    found = records(report_of(write_run(tmp_path / "run", "coins", (150.0, 160.0, 155.0), reward="common", **PAPERS)), "exchange")
     cell = next(row for row in found if row["column"] == "1: common")
     # Student's t at 97.5 % with two degrees of freedom, from a printed table: 4.303; the standard error of 150, 160, 155 is 5 / sqrt(3).
     margin = 4.303 * 5 / 3**0.5
@@ -66,21 +67,21 @@ def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None
 
 
 def test_one_seed_has_no_interval_and_no_test(tmp_path: Path) -> None:
-    runs = [write_run(tmp_path / reward, "coins", (100.0,), reward=reward) for reward in ("individual", "common")]
+    runs = [write_run(tmp_path / reward, "coins", (100.0,), reward=reward, **PAPERS) for reward in ("individual", "common")]
     report = report_of(*runs)
-    assert line(report, "coins | ours")[2] == "100"
+    assert line(report, "coins, variant socialjax | ours")[2] == "100"
     assert line(report, " | ours - published")[2] == "+61"  # neither inside nor outside of an interval
-    assert line(report, "coins | easy")[5:7] == ["0", ""]
+    assert line(report, "coins, variant socialjax | easy")[5:7] == ["0", ""]
     assert any("too few seeds for an interval" in note for note in report.notes)
 
 
 @pytest.mark.parametrize(("diverged", "said"), [((1,), "failed: 1 of 3 seeds"), ((0, 1, 2), "failed: 3 of 3 seeds")])
 def test_a_cell_with_a_seed_that_has_failed_is_never_averaged(tmp_path: Path, diverged: tuple[int, ...], said: str) -> None:
-    runs = [write_run(tmp_path / "own", "coins", (10.0, 20.0, 30.0), reward="individual")]
-    runs += [write_run(tmp_path / "shared", "coins", (150.0, 160.0, 170.0), diverged=diverged, reward="common")]
+    runs = [write_run(tmp_path / "own", "coins", (10.0, 20.0, 30.0), reward="individual", **PAPERS)]
+    runs += [write_run(tmp_path / "shared", "coins", (150.0, 160.0, 170.0), diverged=diverged, reward="common", **PAPERS)]
     report = report_of(*runs)
-    assert line(report, "coins | easy")[3:7] == ["20 [-4.841, 44.84]", said, "", ""]
-    row = line(report, "coins | ours")
+    assert line(report, "coins, variant socialjax | easy")[3:7] == ["20 [-4.841, 44.84]", said, "", ""]
+    row = line(report, "coins, variant socialjax | ours")
     assert row[6] == said
     cell = next(row for row in records(report, "exchange") if row["column"] == "1: common")
     assert {row["way"].split(", ")[1] for row in records(report, "learning_curves")} == {"individual"}
@@ -199,11 +200,13 @@ def test_metrics_are_on_the_scale_of_the_paper(tmp_path: Path) -> None:
         "coins": ("event own_coins", 60.0, "60"),
     }
     runs = [
-        write_run(tmp_path / game, game, (1.0, 1.0), measures={name: (value, value)}, reward="individual")
+        write_run(tmp_path / game, game, (1.0, 1.0), measures={name: (value, value)}, reward="individual", **PAPERS)
         for game, (name, value, _) in games.items()
     ]
     found = {row["game"]: row["mean"] for row in records(report_of(*runs), "metrics") if row["column"] == "IPPO individual"}
-    assert found == {game: wanted for game, (_, _, wanted) in games.items()}  # 8 a gold ore; mushrooms of one agent of three
+    assert found == {
+        f"{game}, variant socialjax": wanted for game, (_, _, wanted) in games.items()
+    }  # 8 a gold ore; mushrooms of one agent of three
 
 
 def test_other_numbers_and_maps_are_other_games_without_published_figures(tmp_path: Path) -> None:
@@ -215,6 +218,18 @@ def test_other_numbers_and_maps_are_other_games_without_published_figures(tmp_pa
     assert "| coins, harm=0 | ours |" in page
     assert "| coins, variant socialjax | ours |" in page
     assert page.split("## Returns")[1].split("## Social")[0].count("| published |") == 1
+
+
+def test_numbers_that_the_released_code_sets_for_one_way_of_training_are_part_of_the_papers_rules(tmp_path: Path) -> None:
+    more = {"params": {"spawn_iron": 0.0004, "spawn_gold": "1.6e-4"}}
+    ways = {"exchange": more, "svo": more, "individual": {}}
+    runs = [
+        write_run(tmp_path / way, "coop_mining", (10.0, 12.0), reward=way, provenance={"variant": "socialjax", **asked})
+        for way, asked in ways.items()
+    ]
+    assert [game.label for game in contents_of(read_folders(runs), False).games] == ["coop_mining, variant socialjax"]
+    other = write_run(tmp_path / "other", "coop_mining", (10.0, 12.0), reward="individual", provenance={"variant": "socialjax", **more})
+    assert len(contents_of(read_folders([other]), False).games[0].label.split(", ")) == 3
 
 
 def test_a_number_that_the_game_has_anyway_makes_no_other_game(tmp_path: Path) -> None:
@@ -272,21 +287,23 @@ def test_a_diagram_of_another_form_of_a_game_does_not_pass_for_the_game(tmp_path
         write_diagram(tmp_path / f"d_{rules}", "coins", CONTRASTS, "dilemma", caution="Zeros.", rules=rules, agents=agents)
     report = report_of(tmp_path)
     section = report.page.split("## Schelling")[1].split("## Cross-play")[0]
-    for label, _ in forms.values():
+    for rules, (label, _) in forms.items():
         row = next(row for row in section.splitlines() if row.startswith(f"| coins, {label} |"))
-        assert "| dilemma, fear and greed |  | 5 training seeds |" in row
+        published = "fear, called a prisoner's dilemma (a prisoner's dilemma has greed as well)" if rules == "c02" else ""
+        assert f"| dilemma, fear and greed | {published} | 5 training seeds |" in row
         assert f"coins, {label}: Zeros." in section
-    assert "| coins |  |  |  |  |  |  |  | fear, called a prisoner's dilemma" in section
     assert "sjdsl schelling coins --cooperators runs/rewards/cells/coins_reward-common" in section
-    assert {row["published_shape"] for row in records(report, "schelling")} == {""}
+    assert {row["hash"]: row["published_shape"] for row in records(report, "schelling")} == {"c02": "fear", "ab12cd34": "", "map1": ""}
     assert [note for note in report.notes if "the diagram" in note] == [
         "the diagram of coins is of other rules (ab12cd34) than the game has now (c01)"
     ]
 
     write_diagram(tmp_path / "d", "coins", CONTRASTS, "dilemma")
     section = report_of(tmp_path).page.split("## Schelling")[1].split("## Cross-play")[0]
-    assert next(row for row in section.splitlines() if row.startswith("| coins")).startswith("| coins | `runs/coins_common` |")
-    assert "| fear, called a prisoner's dilemma" in section
+    assert [row.split(" | ")[0] for row in section.splitlines() if row.startswith("| coins")][:2] == [
+        "| coins, variant socialjax",
+        "| coins",
+    ]
     assert "sjdsl schelling" not in section
 
 
@@ -309,27 +326,33 @@ def test_a_diagram_of_scripted_policies_leaves_the_command_of_the_trained_one(tm
     write_diagram(tmp_path / "scripted", "coins", CONTRASTS, "dilemma", scripted=True)
     section = report_of(tmp_path).page.split("## Schelling")[1].split("## Cross-play")[0]
     assert "| coins | `cooperator` | `defector` |" in section
-    assert "| fear, called a prisoner's dilemma" in section
+    assert "| coins, variant socialjax |  |  |  |  |  |  |  | fear, called a prisoner's dilemma" in section
     assert "its command is below" in section
     assert "sjdsl schelling coins --cooperators runs/rewards/cells/coins_reward-common" in section
     write_diagram(tmp_path / "trained", "coins", CONTRASTS, "dilemma")
     first, second = [row for row in report_of(tmp_path).page.splitlines() if row.startswith("| coins | `") and "dilemma, " in row]
     assert "`runs/coins_common`" in first
-    assert "| fear, called a prisoner's dilemma" in first
-    assert "called a" not in second
+    assert "called a" not in first + second
     assert "sjdsl schelling" not in report_of(tmp_path).page
 
 
 def test_a_verdict_on_samples_without_spread_says_so(tmp_path: Path) -> None:
-    write_diagram(tmp_path, "coins", dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 1.0, 1.0)), "dilemma", caution="This rests on zeros.")
+    write_diagram(
+        tmp_path,
+        "coins",
+        dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 1.0, 1.0)),
+        "dilemma",
+        caution="This rests on zeros.",
+        rules="c02",
+    )
     page = report_of(tmp_path).page
-    assert "coins: This rests on zeros." in page
+    assert "coins, variant socialjax: This rests on zeros." in page
     assert "| 1 [1, 1] | dilemma, fear and greed | fear, called a prisoner's dilemma" in page
 
 
 def test_the_suite_is_shown_whole_where_nothing_is_known_and_says_what_finds_it() -> None:
     report = make_report(Evidence(), "sjdsl report", whole_suite=True)
-    assert line(report, "pd_arena | ours") == ["pd_arena", "ours", *[""] * 7]
+    assert line(report, "pd_arena, variant socialjax | ours") == ["pd_arena, variant socialjax", "ours", *[""] * 7]
     assert line(report, " | published", which=8)[2] == "144 ± 40"
     called = [shlex.split(row) for row in report.page.splitlines() if row.startswith("sjdsl ")]
     assert {call[1] for call in called} == {"sweep", "train", "schelling", "crossplay", "bench"}

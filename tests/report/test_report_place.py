@@ -5,7 +5,7 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
-from report_folders import random_returns, write_run, write_sweep
+from report_folders import PAPERS, random_returns, write_run, write_sweep
 
 from sjdsl.cli import run
 from sjdsl.report import Evidence, ReportError, check_report, read_folders, write_report
@@ -116,8 +116,8 @@ def test_what_is_not_up_to_date(tmp_path: Path, found: Evidence) -> None:
 
 
 def test_a_section_stays_where_its_extra_is_missing_and_nothing_has_changed(tmp_path: Path) -> None:
-    runs = [write_run(tmp_path / game, game, (30.0, 50.0), reward="common") for game in ("coins", "harvest_open")]
-    random_returns(tmp_path / "games.json", {"coins": 0.0, "harvest_open": 10.0})
+    runs = [write_run(tmp_path / game, game, (30.0, 50.0), reward="common", **PAPERS) for game in ("coins", "harvest_open")]
+    random_returns(tmp_path / "games.json", {"coins": 0.0, "harvest_open": 10.0}, PAPERS["rules"])
     found, out = read_folders([*runs, tmp_path / "games.json"]), tmp_path / "out"
     means = {"IPPO, common": (0.12345, 0.1, 0.2)}
     with mock.patch(INSTALLED, return_value=True), mock.patch("sjdsl.report.sections.over_games.interquartile_means", return_value=means):
@@ -127,7 +127,7 @@ def test_a_section_stays_where_its_extra_is_missing_and_nothing_has_changed(tmp_
     report = write_report(found, out, COMMAND)
     assert [*report.kept] == ["Over games"]
     assert {"tables/over_games.csv", "figures/performance_profiles.svg"} <= files(out)
-    more = read_folders([out / "data", write_run(tmp_path / "more", "coins", (90.0,), first=0, reward="common")])
+    more = read_folders([out / "data", write_run(tmp_path / "more", "coins", (90.0,), first=0, reward="common", **PAPERS)])
     report = write_report(more, out, COMMAND)
     assert report.lacks == (
         "This section takes the extra `rliable`: install it with `pip install 'sjdsl[rliable]'` and make the report again.",
@@ -140,10 +140,10 @@ def test_svo_at_each_games_chosen_weight_is_one_way_over_games(tmp_path: Path) -
     """The seeds that chose the weight are not among its scores, and other weights are ways of their own."""
     for game, weight in (("coins", 0.4), ("harvest_open", 0.8)):
         cells = tmp_path / "svo/cells"
-        write_run(cells / f"{game}_chose", game, (1000.0, 1010.0), reward="svo", svo_weight=weight)
-        write_run(cells / f"{game}_is", game, (30.0, 50.0), first=2, reward="svo", svo_weight=weight)
+        write_run(cells / f"{game}_chose", game, (1000.0, 1010.0), reward="svo", svo_weight=weight, **PAPERS)
+        write_run(cells / f"{game}_is", game, (30.0, 50.0), first=2, reward="svo", svo_weight=weight, **PAPERS)
     write_sweep(tmp_path / "svo", "svo", {path.name: 1 + path.name.endswith("is") for path in cells.iterdir()})
-    random_returns(tmp_path / "games.json", {"coins": 0.0, "harvest_open": 10.0})
+    random_returns(tmp_path / "games.json", {"coins": 0.0, "harvest_open": 10.0}, PAPERS["rules"])
     with mock.patch(INSTALLED, return_value=True), mock.patch("sjdsl.report.sections.over_games.interquartile_means") as means:
         means.return_value = {"IPPO, SVO 90°, chosen weight": (0.2, 0.1, 0.3)}
         write_report(read_folders([tmp_path / "svo", tmp_path / "games.json"]), tmp_path / "out", COMMAND)

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sjdsl.runtime.forms import forced
 from sjdsl.runtime.movement import resolve
 
 from . import references
@@ -23,7 +24,11 @@ def moved(position: list[int], target: list[int], word: list[int] | None = None)
 
 
 def assert_equal_to_reference(position: np.ndarray, target: np.ndarray, word: np.ndarray) -> None:
-    found = np.asarray(RESOLVE(jnp.asarray(position, jnp.int32), jnp.asarray(target, jnp.int32), jnp.asarray(word, jnp.uint32)))
+    """Compares the form for CPUs with the reference, and that for GPUs with it."""
+    given = jnp.asarray(position, jnp.int32), jnp.asarray(target, jnp.int32), jnp.asarray(word, jnp.uint32)
+    found = np.asarray(RESOLVE(*given))
+    with forced("gpu"):
+        np.testing.assert_array_equal(RESOLVE(*given), found)
     for case in range(len(position)):
         said = position[case].tolist(), target[case].tolist(), word[case].tolist()
         assert found[case].tolist() == references.resolve(*said), said

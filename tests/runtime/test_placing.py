@@ -1,13 +1,19 @@
 """Sending, choosing and pairing against sorted lists."""
 
+from collections.abc import Callable
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.bits import pack
+from sjdsl.runtime.forms import forced
 from sjdsl.runtime.placing import (
     choose,
+    come_back,
     member_of,
     pair,
     pair_reached,
@@ -25,6 +31,15 @@ from . import references
 PLACE = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0, 0)))
 PLACE_FITTING = jax.jit(jax.vmap(place_fitting, in_axes=(None, 0, 0, 0, 0, 0)))
 CHOOSE = jax.jit(jax.vmap(choose))
+
+
+def same_in_both_forms(kernel: Callable[..., Any], *arrays: Any) -> list[np.ndarray]:
+    """Returns what a kernel gives in the form for CPUs, and compares that for GPUs with it."""
+    found = [np.asarray(array) for array in kernel(*arrays)]
+    with forced("gpu"):
+        for array, expected in zip(kernel(*arrays), found, strict=True):
+            np.testing.assert_array_equal(array, expected)
+    return found
 
 
 def sizes(usual: list[tuple], more: list[tuple]) -> list:
@@ -49,7 +64,7 @@ def test_place(cells: int, agents: int) -> None:
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < random.choice([0, 0.5, 1], (cases, 1))
     arrays = jnp.asarray(free), jnp.asarray(word, jnp.uint32), jnp.asarray(position, jnp.int32), jnp.asarray(sent)
-    found, placed = map(np.asarray, PLACE(jnp.asarray(site, jnp.int32), *arrays))
+    found, placed = same_in_both_forms(PLACE, jnp.asarray(site, jnp.int32), *arrays)
     assert (found.dtype, placed.dtype) == (jnp.int32, jnp.bool_)
     for case in range(cases):
         expected = references.place(site.tolist(), *(x[case].tolist() for x in (free, word, position, sent)))
@@ -70,7 +85,7 @@ def test_place_fitting(cells: int, agents: int) -> None:
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < 0.7
     arrays = [jnp.asarray(x) for x in (free, own, word.astype(np.uint32), position.astype(np.int32), sent)]
-    found, placed = map(np.asarray, PLACE_FITTING(jnp.asarray(site, jnp.int32), *arrays))
+    found, placed = same_in_both_forms(PLACE_FITTING, jnp.asarray(site, jnp.int32), *arrays)
     for case in range(cases):
         left, expected, done = free[case].copy(), position[case].tolist(), [False] * agents
         for agent in np.flatnonzero(sent[case]):
@@ -91,6 +106,24 @@ def test_place_by_hand() -> None:
     found, placed = jax.jit(place)(cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True]))
     assert found.tolist() == [1, 30, 10, 4]
     assert placed.tolist() == [False, True, True, False]
+
+
+@pytest.mark.parametrize("dtype", [jnp.int32, jnp.uint8])
+def test_come_back(dtype: jnp.dtype) -> None:
+    """To the cells that `place` gives: with a drawn heading, the one it had, or one that was given; who finds none stays away."""
+    cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([0, 0, 0, 0, 7], jnp.int32)
+    back, free, key = jnp.array([True, True, True, True, False]), jnp.ones(3, bool), jnp.array([3, 4], jnp.uint32)
+    facing = jnp.array([ANY_HEADING, SAME_HEADING, 2, 2, 2], jnp.int32)
+    where = (key, 8, 9, position, jnp.full(5, 1, dtype), facing)
+    drawn = int(random_bits(key, 9, 5)[0] >> 30)
+    assert drawn != 1
+    new, heading, placed = jax.jit(come_back, static_argnums=(4, 5))(cells, free, back, *where)
+    assert new.tolist() == place(cells, free, random_bits(key, 8, 5), position, back)[0].tolist()
+    assert (heading.tolist(), placed.tolist()) == ([drawn, 1, 2, 1, 1], [True, True, True, False, False])
+    assert heading.dtype == dtype
+    own = jnp.eye(5, 3, dtype=bool)[jnp.array([2, 0, 3, 1, 0])]
+    new, _, placed = jax.jit(come_back, static_argnums=(4, 5))(cells, free, back, *where, own)
+    assert (new.tolist(), placed.tolist()) == ([30, 10, 0, 20, 7], [True, True, False, True, False])
 
 
 @pytest.mark.parametrize("members", [1, 33, 600, *(pytest.param(size, marks=pytest.mark.thorough) for size in (2, 6, 32, 147))])

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, look_fields, look_number, paint, planes_of, windows
 
 from . import references
 
@@ -119,3 +119,15 @@ def test_planes_side_by_side(number: int) -> None:
     np.testing.assert_array_equal(found, np.stack(planes, axis=1).reshape(3, number, 5, 7))
     without = planes_of((5, 7), jnp.array([True, False, True]), *(jnp.asarray(p) for p in planes))
     np.testing.assert_array_equal(without, np.where([[[[True]]], [[[False]]], [[[True]]]], found, 0))
+
+
+@pytest.mark.parametrize(("first", "sizes"), [(3, (3, 3, 10)), (0, (2,)), (200, (7, 8)), (93, (163,))])
+def test_looks_are_numbered_and_taken_apart(first: int, sizes: tuple[int, ...]) -> None:
+    """Each combination of values has its number, in the order in which they are counted; all other numbers are no looks of the kind."""
+    values = np.indices(sizes).reshape(len(sizes), -1)
+    numbers = jax.jit(look_number, static_argnums=(0, 1))(first, sizes, *map(jnp.asarray, values))
+    assert numbers.dtype == jnp.uint8
+    assert numbers.tolist() == list(range(first, first + values.shape[1]))
+    there, *found = jax.jit(look_fields, static_argnums=(1, 2))(jnp.arange(256, dtype=jnp.uint8), first, sizes)
+    assert np.flatnonzero(there).tolist() == numbers.tolist()
+    assert [np.asarray(f)[np.asarray(there)].tolist() for f in found] == values.tolist()

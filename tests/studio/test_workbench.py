@@ -201,6 +201,8 @@ def test_python_has_the_lines_it_comes_from(bench: Bench) -> None:
     lines = ask(bench, do="panel", panel="python")["lines"]
     eat = GAME[: GAME.index("phase eat")].count("\n") + 1
     assert any(line == eat and "params.fine" in text for text, line in lines)
+    assert [text for text, line in lines if line == eat and "return " in text] == []  # a comment is about the lines up to there
+    assert len([text for text, line in lines if line == eat and ".sj:" not in text]) > 1
 
 
 def test_what_an_agent_sees(bench: Bench) -> None:

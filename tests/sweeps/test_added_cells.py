@@ -61,7 +61,7 @@ def test_new_values_with_all_else_as_it_was(tmp_path: Path, before: str, now: st
         ),
         ("param.apple=1", "param.apple=2", {"params": {"regrow": 0.2}}, "params of the game regrow None there, 0.2 here"),
         ("param.apple=1", "param.apple=2", {"game": "mine/coins.sj"}, "game of the game coins there, mine/coins.sj here"),
-        ("algorithm=ippo", "algorithm=mappo", {"preset": "two_cores"}, "learning_rate 0.0005 there, 0.001 here"),
+        ("algorithm=ippo", "algorithm=mappo", {"preset": "two_cores"}, "total_timesteps 10000000 there, 3000000 here"),
         ("algorithm=ippo", "algorithm=vdn", {"settings": {"seeds": 5}}, "its cell coins_algorithm-ippo has seeds 2 there, 5 here"),
         ("gamma=0.9", "gamma=0.99", {"settings": {"seed": 7}}, "its cell coins_gamma-0.9 has seed 0 there, 7 here"),
     ],

@@ -9,6 +9,7 @@ import pytest
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import read_axis, with_number
 from sjdsl.sweeps.plan import second_stage
+from sjdsl.trainers import register
 from tests.sweeps.described import plan
 
 
@@ -63,6 +64,26 @@ def test_presets_lay_their_tables_under_each_cell() -> None:
     assert own.config["anneal_learning_rate"] is True
     assert other.config["anneal_learning_rate"] is False
     assert own.seeds == range(30, 32)
+
+
+def learner(env: Any, config: Any, *, bonus: float = 0.5) -> None:
+    """An algorithm that is never made."""
+
+
+def test_settings_of_ones_own_on_axes() -> None:
+    register("algorithm", "mine", learner)
+    first, second = plan("own.bonus=.10,2", settings={"algorithm": "mine"}).cells
+    assert (first.name, first.values, first.config["own"]) == ("coins_own.bonus-0.1", {"own.bonus": 0.1}, {"bonus": 0.1})
+    assert second.config["own"] == {"bonus": 2}
+    for settings in ({"own.bonus": "3"}, {"own": {"bonus": 3}}):  # of those cells that take it
+        ippo, mine = plan("algorithm=ippo,mine", settings=settings).cells
+        assert (ippo.config["own"], mine.config["own"], mine.configuration().own) == ({}, {"bonus": 3}, (("bonus", 3),))
+        with pytest.raises(ExperimentError, match=r"`own\.bonus` does nothing in any cell"):
+            plan("algorithm=ippo,mappo", settings=settings)
+    with pytest.raises(ExperimentError, match=r"coins with own\.bonos 1: `own\.bonos` does nothing: .*; did you mean `bonus`\?"):
+        plan("own.bonos=1", settings={"algorithm": "mine"})
+    with pytest.raises(ExperimentError, match=r"`own\.bonus` is an axis, and is also set for all cells"):
+        plan("own.bonus=1,2", settings={"algorithm": "mine", "own": {"bonus": 1}})
 
 
 EXCHANGE = [("individual", None), ("exchange", 0.25), ("exchange", 0.5), ("exchange", 0.75), ("common", None)]

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 import pytest
 
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.testing import Scene, Stage
 from sjdsl.testing.differences import outcome_differences, state_differences
 
@@ -114,6 +115,18 @@ def test_numbers_of_a_stage_and_of_a_scene() -> None:
     scene = put("PPP..#", "..TT..", "..^^.<").change(pay={"red": 5}).change(pay={"blue": 6}, heat=2)
     assert scene.params.pay.tolist() == [5, 6]
     scene.step("forward, forward").has({"reward": [5.5, 5.5, 0], "tree.bare": 1})
+
+
+@pytest.mark.parametrize("interpreted", [False, True])
+def test_a_picture_needs_no_cells_to_start_on(interpreted: bool) -> None:
+    """Agents start on grass and return through gates: this map has neither."""
+    stage = Stage(GAME, map=("TTTT",), interpreted=interpreted)
+    stage.put(">T^^", under={0: "t", 1: "t", 2: "t"}).step("forward").shows("t>^^", under={0: "t", 1: "t", 2: "t"})
+    shot = stage.put("T>^^").step("zap").has({"agent.ticks": [0, 1, 1]})
+    with pytest.raises(AssertionError, match="agent 1 is sent to gate, where no cell is free"):
+        shot.step()
+    with pytest.raises(CompileError, match="grass"):
+        stage.start()
 
 
 def test_the_next_step_has_the_next_seed() -> None:

@@ -46,6 +46,10 @@ def act(key, observation):
 
 def told(update):
     pass
+
+def learner(env, config):
+    from sjdsl.trainers import make_train
+    return make_train(env, config)
 """
 
 
@@ -80,20 +84,20 @@ def ran(code: Path) -> bool:
 
 
 def test_a_reward_of_ones_own_is_no_part_of_acting(tmp_path: Path, code: Path) -> None:
-    path = store(tmp_path, reward=f"{code}:reward")
+    path = store(tmp_path, reward=f"{code}:reward", loss=f"{code}:reward")
     assert np.asarray(load_policy(path, matching())(jax.random.key(0), SEEN)).shape == (2,)
     assert not ran(code)
     path = store(tmp_path, reward="registered in another process")
     load_policy(path, matching())
 
 
-@pytest.mark.parametrize("which", ["network", "partners"])
+@pytest.mark.parametrize("which", ["algorithm", "network", "partners"])
 def test_code_that_only_the_files_of_a_policy_name_does_not_run(which: str, tmp_path: Path, code: Path) -> None:
-    name = f"{code}:{'Net' if which == 'network' else 'act'}"
-    path = store(tmp_path, **{which: name if which == "network" else [[1, name]]})
+    name = f"{code}:{ {'algorithm': 'learner', 'network': 'Net', 'partners': 'act'}[which] }"
+    path = store(tmp_path, **{which: name if which != "partners" else [[1, name]]})
     for load in (load_policy, find_policy):
         with pytest.raises(
-            PolicyError, match=rf"last\.json names a .* of your own, `.*{name[-8:]}`.*: --allow-code .*allow_code\('"
+            PolicyError, match=rf"last\.json names an? .* of your own, `.*{name[-8:]}`.*: --allow-code .*allow_code\('"
         ) as refused:
             load(path, matching())
         assert str(refused.value).count("theirs.py") == 3
@@ -130,13 +134,15 @@ def test_names_of_code_have_a_form() -> None:
     assert command_line(["render", "coins", "--allow-code", "mine"]) == 2
 
 
-@pytest.mark.parametrize(("key", "name"), [("network", "Net"), ("reward", "reward"), ("partners", "act")])
+@pytest.mark.parametrize(
+    ("key", "name"), [("network", "Net"), ("reward", "reward"), ("loss", "reward"), ("algorithm", "learner"), ("partners", "act")]
+)
 def test_resuming_runs_no_code_that_only_the_folder_names(key: str, name: str, tmp_path: Path, code: Path) -> None:
     value: Any = f"{code}:{name}" if key != "partners" else [[1, f"{code}:{name}"]]
     config = {**make_config(SMALL).model_dump(mode="json"), key: value}
     manifest = {"game": describe_game(matching()), "config": config, "versions": versions(), "provenance": {}, "status": "interrupted"}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    with pytest.raises(RunError, match=r"manifest\.json names a .* of your own, `.*: --allow-code"):
+    with pytest.raises(RunError, match=r"manifest\.json names an? .* of your own, `.*: --allow-code"):
         resume(matching(), tmp_path, "none")
     assert not ran(code)
 

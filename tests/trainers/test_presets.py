@@ -192,7 +192,7 @@ def test_a_preset_made_for_some_games_refuses_others() -> None:
         load_preset("paper", game="chicken")
 
 
-@pytest.mark.parametrize("name", ["paper", "released", "two_cores"])
+@pytest.mark.parametrize("name", ["paper", "released", "two_cores", "overnight"])
 @pytest.mark.parametrize("game", NINE)
 def test_every_algorithm_and_reward_has_a_valid_configuration(name: str, game: str) -> None:
     for algorithm, reward in PPO:

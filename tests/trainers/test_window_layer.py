@@ -48,7 +48,7 @@ class Ours(nn.Module):
 
 def draw_windows(seed: int, *lead: int) -> Array:
     high = np.array(VALUES)[:, None, None]
-    return jnp.asarray(np.random.default_rng(seed).integers(0, high, (*lead, len(PLANES), 4, 4)), jnp.uint8)
+    return jnp.asarray(np.random.default_rng(seed).integers(0, high, (*lead, len(PLANES), 5, 5)), jnp.uint8)
 
 
 @pytest.fixture(params=["multiplied", 1, 12, 256])
@@ -85,6 +85,22 @@ def test_the_layer_is_a_dense_one(lead: tuple[int, ...], dtype: jnp.dtype, toler
         of(Ours(dtype)),
         of(Plain(dtype)),
     )
+
+
+@pytest.mark.usefixtures("_way")
+def test_gradients_of_gradients() -> None:
+    """As algorithms take them that differentiate through a learning step."""
+    tokens = draw_windows(0, 2, 5)
+    parameters = Plain(jnp.dtype(jnp.float32)).init(jax.random.key(1), tokens)
+
+    def after_a_step(layer: nn.Module) -> dict:
+        def loss(own: dict) -> Array:
+            return jnp.square(jnp.tanh(layer.apply(own, tokens)) - 0.5).mean()
+
+        return jax.jit(jax.grad(lambda own: loss(jax.tree.map(lambda leaf, step: leaf - 2.0 * step, own, jax.grad(loss)(own)))))(parameters)
+
+    ours, plain = (after_a_step(layer(jnp.dtype(jnp.float32))) for layer in (Ours, Plain))
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6), ours, plain)
 
 
 @pytest.mark.usefixtures("_way")
@@ -133,9 +149,9 @@ def test_planes_share_a_table_where_that_is_less_work() -> None:
     assert groups_of((PLANES[2],), 10**6) == ()
 
 
-@pytest.mark.parametrize(("windows", "groups"), [(79, ((0,), (1,), (3,))), (81, ((0, 1), (3,))), (337, ((0, 1, 3),))])
+@pytest.mark.parametrize(("windows", "groups"), [(19, ((0,), (1,), (3,))), (21, ((0, 1), (3,))), (85, ((0, 1, 3),))])
 def test_tables_of_few_windows_are_small(windows: int, groups: tuple[tuple[int, ...], ...]) -> None:
-    """Planes of 3, 4 and 3 values: 10 rows and three lookups a window, 15 and two, or 36 and one; a row costs 16 lookups."""
+    """Planes of 3, 4 and 3 values: 10 rows and three lookups a window, 15 and two, or 36 and one; a row costs 4 lookups."""
     assert groups_of(PLANES[:4], windows) == groups
 
 

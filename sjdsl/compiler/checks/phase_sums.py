@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit, visit_children
 from sjdsl.compiler.ir.members import lanes_of, most_members
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.queries import declared_field, written_field
 from sjdsl.compiler.ir.types import times
 
@@ -190,7 +191,7 @@ def _counted_on(value: ir.Expr, held: tuple[str, str]) -> ir.Expr | None:
     match value:
         case ir.Named():
             return _counted_on(value.value, held)
-        case ir.Arithmetic(fn="+", args=(left, right)):
+        case ir.Arithmetic(fn=fn, args=(left, right)) if CALCULATIONS[fn].factors == (1, 1):
             for one, other in ((left, right), (right, left)):
                 if isinstance(one, ir.FieldRead) and (one.held_by, one.name) == held:
                     return other

@@ -10,9 +10,9 @@ from sjdsl.compiler.checks.start_values import Place, holds_at_start, places, re
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.implications import conjuncts
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.queries import mover_sort, phases_of
 
@@ -119,14 +119,7 @@ def _decide_one(test: ir.Expr, agent: Body) -> bool | None:
             left, right = _number(test.left, agent), _number(test.right, agent)
             if left is None or right is None:
                 return None
-            return {
-                "<": left < right,
-                "<=": left <= right,
-                ">": left > right,
-                ">=": left >= right,
-                "==": left == right,
-                "!=": left != right,
-            }[test.fn]
+            return bool(COMPARISONS[test.fn].holds(left, right))
         case ir.Truth():
             return test.value
         case _:
@@ -139,9 +132,11 @@ def _number(e: ir.Expr, agent: Body) -> float | None:
             return e.value
         case ir.Attribute(name="index") if _is_of(e.owner, agent):
             return agent.number
-        case ir.Arithmetic(fn="%" | "//" as fn):
-            left, right = _number(e.args[0], agent), _number(e.args[1], agent)
-            return None if left is None or not right else fold(fn, left, right)
+        case ir.Arithmetic() if e.type.kind == "int":
+            row, values = CALCULATIONS[e.fn], [_number(a, agent) for a in e.args]
+            if None in values or (row.divisor is not None and not values[row.divisor]):
+                return None
+            return row.fold(*values)
         case _:
             return None
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.evaluate_constant import COMPARISONS, fold
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.queries import glyphs_of, movers_named, starts_of
 
 
@@ -92,20 +92,13 @@ def _attribute(e: ir.Attribute, names: Mapping[str, Place | int]) -> int:
 
 
 def _number(e: ir.Arithmetic, names: Mapping[str, Place | int], game: ir.Game) -> Any:
-    if e.type.kind != "int":
+    """Returns what is calculated from whole numbers; reals are rounded in play."""
+    if any(part.type.kind != "int" for part in (e, *e.args)):
         raise NotKnown
-    values = [_value(a, names, game) for a in e.args]
-    match e.fn:
-        case "neg":
-            return -values[0]
-        case "min" | "max":
-            return (min if e.fn == "min" else max)(values)
-        case "//" | "%" if not values[1]:
-            raise NotKnown
-        case "+" | "-" | "*" | "//" | "%":
-            return fold(e.fn, *values)
-        case _:
-            raise NotKnown
+    row, values = CALCULATIONS[e.fn], [_value(a, names, game) for a in e.args]
+    if row.divisor is not None and not values[row.divisor]:
+        raise NotKnown
+    return row.fold(*values)
 
 
 def _condition(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> bool:
@@ -122,7 +115,7 @@ def _condition(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> b
         case ir.Same():
             return bool(_value(e.left, names, game) == _value(e.right, names, game))
         case ir.Compare():
-            return bool(COMPARISONS[e.fn](_value(e.left, names, game), _value(e.right, names, game)))
+            return bool(COMPARISONS[e.fn].holds(_value(e.left, names, game), _value(e.right, names, game)))
         case ir.InRange():
             return bool(_value(e.low, names, game) <= _value(e.value, names, game) <= _value(e.high, names, game))
         case ir.InWords():

@@ -1,10 +1,11 @@
 """Checks for unused declarations: kinds not on the map, names never read, actions never used, events never counted."""
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.elaborate.scope import Declared, Static
+from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.ir.queries import phases_of
 from sjdsl.compiler.ir.sorts import Level, sort_of
 from sjdsl.runtime.actions import MOVES
@@ -54,28 +55,28 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
         if static.cells.get(kind.name, 0) == 0 and not kind.blocks:  # walls are for other maps too
             problems.add(errors.KindAbsent(composition.kinds[kind.name].name.span, name=kind.name))
         for attribute in kind.fields:
-            if Declared(attribute.name, kind.name) not in used and attribute.type.kind != "word":
+            if Symbol("field", attribute.name, kind.name) not in used and attribute.type.kind != "word":
                 problems.add(errors.Unused(attribute.span, what="the field", name=f"{kind.name}.{attribute.name}"))
     for sort in game.movers:
-        if Declared(sort.name) not in used:
+        if Symbol("name", sort.name) not in used:
             problems.add(errors.Unused(composition.movers[sort.name].name.span, what="the sort of movers", name=sort.name))
         for attribute in sort.fields:
-            if Declared(attribute.name, sort.name) not in used and attribute.name != "heading":
+            if Symbol("field", attribute.name, sort.name) not in used and attribute.name != "heading":
                 problems.add(errors.Unused(attribute.span, what="the field", name=f"{sort.name}.{attribute.name}"))
     for name, constant in composition.constants.items():
-        if Declared(name) not in used:
+        if Symbol("name", name) not in used:
             what = "the size" if constant.is_size else "the parameter"
-            help_ = "a `require` reads it, but no rule does" if Declared(name) in static.required else ""
+            help_ = "a `require` reads it, but no rule does" if Symbol("name", name) in static.required else ""
             problems.add(errors.Unused(constant.name.span, what=what, name=name, help=help_))
     for name, define in composition.defines.items():
-        if Declared(name) not in used and define.span.file == composition.file:  # a base has defines for all games built on it
+        if Symbol("name", name) not in used and define.span.file == composition.file:  # a base has defines for all games built on it
             problems.add(errors.Unused(define.name.span, what="the define", name=name))
     for name, shape in composition.shapes.items():
-        if Declared(name, among="shapes") not in used:
+        if Symbol("shape", name) not in used:
             problems.add(errors.Unused(shape.name.span, what="the shape", name=name))
     for name, declared in static.agent_fields.items():
-        if Declared(name, "agent") not in used:
+        if Symbol("field", name, "agent") not in used:
             problems.add(errors.Unused(declared.span, what="the field", name=f"agent.{name}"))
     for name, declared in static.fields.items():
-        if Declared(name) not in used:
+        if Symbol("name", name) not in used:
             problems.add(errors.Unused(declared.span, what="the field", name=name))

@@ -13,8 +13,9 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
 from sjdsl.compiler.ir.equivalence import Form, form
-from sjdsl.compiler.ir.implications import MIRROR, conjuncts, interval_of_parts, limits_of
+from sjdsl.compiler.ir.implications import conjuncts, limits_of
 from sjdsl.compiler.ir.members import most_members
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import times
 
@@ -77,7 +78,7 @@ def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, i
     """Yields what a condition says of whole numbers; beside a real they are rounded, and then it says less."""
     match condition:
         case ir.Compare(fn=fn, left=left, right=right):
-            found: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = [(left, fn, right), (right, MIRROR[fn], left)]
+            found: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = [(left, fn, right), (right, COMPARISONS[fn].mirror, left)]
         case ir.InRange(value=value, low=low, high=high):
             found = [(value, ">=", low), (value, "<=", high)]
         case _:
@@ -179,7 +180,7 @@ def _sum(e: ir.Sum, here: Here) -> Interval:
 
 def _of_row(e: ir.SumRow, here: Here) -> Interval:
     low, high = interval_of(e.row, here)
-    number = len(e.row.type.by[0]) if e.fn == "sum" else 1
+    number = len(e.row.type.by[0]) if REDUCTIONS[e.fn].adds else 1
     return times(low, number), times(high, number)
 
 
@@ -217,7 +218,7 @@ _VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
     ir.At: _entry,
     ir.Step: lambda _, here: (0, here.played.steps),
     ir.EventTotal: lambda e, here: (0, here.played.totals.get(e.name, 0)),
-    ir.Arithmetic: lambda e, here: interval_of_parts(e, [interval_of(a, here) for a in e.args]),
+    ir.Arithmetic: lambda e, here: CALCULATIONS[e.fn].interval(*[interval_of(a, here) for a in e.args]),
     ir.Sum: _sum,
     ir.SumRow: _of_row,
     ir.ShiftRow: lambda e, here: _hull([interval_of(e.row, here), interval_of(e.filler, here)]),

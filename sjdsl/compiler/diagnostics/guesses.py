@@ -12,7 +12,7 @@ SHAPES = {
     **dict.fromkeys(("cone", "sector", "wedge"), "`fan(length, radius)` is a line of that length with `radius` lines on each side"),
 }
 
-# Functions: `when random() < 0.5`, `abs(a - b)`.
+# Functions: `when random() < 0.5`, `mean(a, b)`.
 FUNCTIONS = {
     **dict.fromkeys(
         ("random", "rand", "uniform", "bernoulli"), "`chance 0.5 { … }` happens with a probability, `draw x from 1 .. 6` draws a number"
@@ -32,7 +32,7 @@ FUNCTIONS = {
         ("mean", "average", "avg"), "write a sum divided by a count: `sum(e over KIND) / count(KIND)`, where the count is not 0"
     ),
     **dict.fromkeys(("clip", "clamp"), "`min(max(x, 0), 9)` keeps a number between two others"),
-    "abs": "`max(x, -x)` is the absolute value of x",
+    **dict.fromkeys(("fabs", "absolute", "magnitude"), "`abs(x)` is x without its sign"),
     "if": "`case c { yes: 1, no: 0 }` is one value or the other",
 }
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -20,18 +21,22 @@ from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, 
 from sjdsl.compiler.elaborate.observations import observables
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.schedule import schedule, start
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.windows import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 
 
 class Overrides(Record):
-    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand."""
+    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand.
+
+    placed_by_hand: a test puts agents and movers on the map, which needs no cells to send them to.
+    """
 
     sizes: Mapping[str, Any] | None = None
     num_agents: int | None = None
     rows: tuple[str, ...] | None = None
     row_spans: tuple[Span, ...] = ()
+    placed_by_hand: bool = False
 
 
 def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tuple[ir.Game | None, Static]:
@@ -101,7 +106,7 @@ def _build_game(game: Composition, static: Static, rows: tuple[str, ...], proble
         counted = events([p for p in (begin, *turns) if p is not None], scope)
     of_rules, known = set(static.used), set(static.shapes)
     played = policies(game, static, problems)
-    of_policies = {name for name in static.shapes if name not in known or Declared(name, among="shapes") in static.used - of_rules}
+    of_policies = {name for name in static.shapes if name not in known or Symbol("shape", name) in static.used - of_rules}
     lineups = scenarios(game, static, problems, own_number)
     if agents is None or begin is None or episode is None or game.schedule is None:
         return None

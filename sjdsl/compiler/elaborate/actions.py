@@ -7,6 +7,7 @@ from itertools import product
 from math import prod
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import near
@@ -102,6 +103,10 @@ def declared_action(action: ast.Chosen, name: str, scope: Scope) -> ir.ActionWit
         raise Poisoned
     if name not in static.action_names:
         raise scope.problems.fail(errors.NoAction(action.name.span, name=name, near=near(name, static.action_names, "the actions")))
+    if action.name.text in scope.variables:
+        scope.refer(action.name)
+    else:
+        static.refer(action.name, Symbol("action", name))
     declared = static.with_arguments.get(name)
     given = 0 if action.arguments is None else len(action.arguments)
     wanted = 0 if declared is None else len(declared.arguments)
@@ -213,6 +218,7 @@ def argument_read(agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], sco
     number, used = 0, 1
     if len(declared.arguments) > 1 or declared.arguments[0].name:
         number, used = _named(declared, steps, scope), 2
+    scope.static.refer(steps[0].name, Symbol("action", declared.name))
     argument, last = declared.arguments[number], steps[used - 1]
     if not (isinstance(agent, ir.Member) and agent.who == "agent"):
         raise not_named(agent, ast.Path(last.span, steps[0].name, ()), scope)
@@ -226,6 +232,7 @@ def argument_read(agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], sco
 def _named(declared: ir.ActionWithArguments, steps: tuple[ast.Member | ast.Index, ...], scope: Scope) -> int:
     names = [argument.name for argument in declared.arguments]
     if len(steps) > 1 and isinstance(steps[1], ast.Member) and steps[1].name.text in names:
+        scope.static.refer(steps[1].name, Symbol("argument", steps[1].name.text, declared.name))
         return names.index(steps[1].name.text)
     named = [name for name in names if name]
     how = (

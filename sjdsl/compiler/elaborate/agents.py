@@ -1,6 +1,7 @@
 """Elaborates agents: their number, actions and fields."""
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -8,7 +9,7 @@ from sjdsl.compiler.elaborate.actions import declare_actions
 from sjdsl.compiler.elaborate.blocking import blocked
 from sjdsl.compiler.elaborate.fields import one_field
 from sjdsl.compiler.elaborate.forbidden import forbids
-from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, Static
 
 
 def override_number(game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems) -> None:
@@ -42,7 +43,7 @@ def declare_agents(game: Composition, scope: Scope) -> None:
     if game.moves is not None and game.moves.frame.text not in ("relative", "compass"):
         problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
     for name, declared in game.agent_fields.items():
-        with problems.survive(static.broken, Declared(name, "agent")):
+        with problems.survive(static.broken, Symbol("field", name, "agent")):
             static.agent_fields[name] = one_field(declared, scope, "agent", "")
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:

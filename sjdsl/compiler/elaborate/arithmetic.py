@@ -1,5 +1,7 @@
 """Elaborates arithmetic and comparison: refuses units that do not mix, such as reward and steps; intervals of results."""
 
+from collections.abc import Sequence
+
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
@@ -7,56 +9,56 @@ from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import can_be_empty
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.evaluate_constant import fold
 from sjdsl.compiler.ir.implications import compares, narrowed
-from sjdsl.compiler.ir.ranges import range_of
-from sjdsl.compiler.ir.types import (
-    describe,
-    hull,
-    integer,
-    interval,
-    is_number,
-    join_units,
-    over_unit,
-    real,
-    rounded,
-    times_unit,
-    without_zero,
-)
-
-VERBS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide", "//": "divide", "%": "take the remainder of"}
+from sjdsl.compiler.ir.operations import Calculation
+from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.ranges import apart, range_of
+from sjdsl.compiler.ir.types import INTEGER_UNITS, describe, hull, is_number, join_units, real, without_zero
 
 
 def mismatch(scope: Scope, span: Span, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
     return scope.problems.fail(errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help))
 
 
-def arithmetic(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
-    """Returns `left op right`; two constants become one."""
-    a, b = left.type, right.type
-    if a.by and b.by == a.by and e.op in ("+", "-") and a.kind in ("int", "real"):
-        return _typed(e, left, right, join_units(a.unit, b.unit), scope)
-    if not (is_number(a) and is_number(b)):
-        raise mismatch(scope, e.span, VERBS[e.op], a, b)
-    match e.op:
-        case "*":
-            unit = times_unit(a.unit, b.unit)
-        case "/":
-            if divisor_can_be_zero(right, scope):
-                raise _zero_divisor(e.right.span, right, scope)
-            if is_share(left, right):
-                return ir.Arithmetic(type=real(0.0, 1.0, "fraction"), fn="/", args=(left, right), origin=e.span)
-            unit = over_unit(a.unit, b.unit)
-        case "%" | "//":
-            if a.kind != "int" or b.kind != "int":
-                written = "%" if e.op == "%" else "quotient"
-                raise mismatch(scope, e.span, VERBS[e.op], a, b, f"`{written}` is for whole numbers")
-            if divisor_can_be_zero(right, scope):
-                raise _zero_divisor(e.right.span, right, scope)
-            unit = join_units(a.unit, b.unit) if e.op == "%" else over_unit(a.unit, b.unit)
-        case _:
-            unit = join_units(a.unit, b.unit)
-    return _typed(e, left, right, unit, scope)
+def calculation(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: Sequence[ir.Expr], scope: Scope) -> ir.Expr:
+    """Returns what a row of the table makes of numbers; constants become one."""
+    types = [a.type for a in args]
+    if not (row.rows and _rows_alike(types)):
+        _check_numbers(row, e, trees, types, scope)
+    if row.divisor is not None and divisor_can_be_zero(args[row.divisor], scope):
+        raise _zero_divisor(trees[row.divisor].span, args[row.divisor], scope)
+    if row.share and is_share(args[0], args[1]):
+        return ir.Arithmetic(type=real(0.0, 1.0, "fraction"), fn=row.name, args=tuple(args), origin=e.span)
+    if row.unchanged and types[0].kind == "int":
+        return args[0]
+    type_ = _result(row, e, args, scope)
+    if row.apart is not None:
+        one, other = row.apart
+        _check_apart(e, args[one], args[other], scope)
+    if all(isinstance(a, ir.Number) for a in args):
+        value = row.fold(*(a.value for a in args if isinstance(a, ir.Number)))
+        return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
+    return ir.Arithmetic(type=type_, fn=row.name, args=tuple(args), origin=e.span)
+
+
+def _rows_alike(types: Sequence[ir.Type]) -> bool:
+    """Returns whether all are rows of numbers with the same keys."""
+    return all(t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types)
+
+
+def _check_numbers(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], types: Sequence[ir.Type], scope: Scope) -> None:
+    for tree, type_ in zip(trees, types, strict=True):
+        if not is_number(type_):
+            raise mismatch(scope, e.span, row.verb, types[0], types[1]) if row.verb else wrong_type(scope, tree, "a number", type_)
+    if row.whole_only and any(t.kind != "int" for t in types):
+        raise mismatch(scope, e.span, row.verb, types[0], types[1], f"`{row.name}` is for whole numbers")
+
+
+def _check_apart(e: ast.Expr, a: ir.Expr, b: ir.Expr, scope: Scope) -> None:
+    """Reports two numbers that may be equal: by their ranges (as float32), a guard, and a `require`."""
+    known = scope.facts_and_requires
+    if not (apart(a, b) or any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))):
+        raise scope.problems.fail(errors.Crossed(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
 
 
 def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
@@ -70,38 +72,38 @@ def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
     return scope.problems.fail(errors.ZeroDivisor(span, labels=parameters_read(scope.static, divisor), help=help_))
 
 
-def _typed(e: ast.Binary, left: ir.Expr, right: ir.Expr, unit: ir.Unit | None, scope: Scope) -> ir.Expr:
+def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope) -> ir.Type:
+    """Returns the type of what is calculated from numbers, or from rows of them."""
+    types = [a.type for a in args]
+    unit = row.unit(*(t.unit for t in types))
     if unit is None:
-        raise mismatch(scope, e.span, VERBS[e.op], left.type, right.type)
-    divisor = without_zero(right.type) if e.op == "/" else right.type
-    low, high = interval(e.op, left.type, divisor)
-    kind = "int" if left.type.kind == right.type.kind == "int" and e.op != "/" else "real"
-    if kind == "real" and unit in ("count", "steps", "cells"):
+        left, right = _not_mixing(types)
+        raise mismatch(scope, e.span, row.verb or "compare", left, right)
+    ends = [(t.low, t.high) for t in types]
+    if row.divisor is not None:
+        divisor = without_zero(types[row.divisor])
+        ends[row.divisor] = divisor.low, divisor.high
+    if row.bounded:
+        ends = [narrowed(a, scope.facts_and_requires) for a in args]
+    low, high = row.interval(*ends)
+    if row.bounded and max(-low, high) > limits.MAX_VALUE:
+        labels = parameters_read(scope.static, *args)
+        raise scope.problems.fail(errors.RoundsTooFar(e.span, labels=labels, name=f"`{row.name}`", limit=limits.MAX_VALUE))
+    is_whole = row.kind == "whole" or (row.kind == "joined" and all(t.kind == "int" for t in types))
+    if not row.keeps_unit and ((not is_whole and unit in INTEGER_UNITS) or (unit == "fraction" and (low < 0 or high > 1))):
         unit = "number"
-    if unit == "fraction" and (low < 0 or high > 1):
-        unit = "number"
-    type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=left.type.by)  # type: ignore[arg-type]
-    if isinstance(left, ir.Number) and isinstance(right, ir.Number):
-        value = fold(e.op, left.value, right.value)
-        return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
-    return ir.Arithmetic(type=type_, fn=e.op, args=(left, right), origin=e.span)  # type: ignore[arg-type]
+    return ir.Type(kind="int" if is_whole else "real", unit=unit, low=low, high=high, by=types[0].by)
 
 
-def nearest_whole(e: ast.Call, value: ir.Expr, scope: Scope) -> ir.Expr:
-    """Returns `round(value)`, which is a reward if that is one, else a bare number."""
-    if not is_number(value.type):
-        raise wrong_type(scope, e.arguments[0], "a number", value.type)
-    if value.type.kind == "int":
-        return value
-    low, high = rounded(*narrowed(value, scope.facts_and_requires))
-    if max(-low, high) > limits.MAX_VALUE:
-        labels = parameters_read(scope.static, value)
-        raise scope.problems.fail(errors.RoundsTooFar(e.span, labels=labels, name="`round`", limit=limits.MAX_VALUE))
-    unit = "reward" if value.type.unit == "reward" else "number"
-    type_ = integer(low, high, unit)  # type: ignore[arg-type]
-    if isinstance(value, ir.Number):
-        return ir.Number(type=type_, value=round(value.value), origin=e.span)
-    return ir.Arithmetic(type=type_, fn="round", args=(value,), origin=e.span)
+def _not_mixing(types: list[ir.Type]) -> tuple[ir.Type, ir.Type]:
+    """Returns the first number whose unit does not mix with those before it, behind what these are together."""
+    before, *others = types
+    for type_ in others[:-1]:
+        unit = join_units(before.unit, type_.unit)
+        if unit is None:
+            return before, type_
+        before = before.model_copy(update={"unit": unit})
+    return before, others[-1]
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
@@ -137,24 +139,6 @@ def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Ex
     if join_units(left.type.unit, right.type.unit) is None:
         raise mismatch(scope, e.span, "compare", left.type, right.type)
     return ir.Compare(fn=e.op, left=left, right=right, origin=e.span)  # type: ignore[arg-type]
-
-
-def extreme(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
-    """Returns `min(...)` or `max(...)`."""
-    type_ = join_types([a.type for a in args], scope, "compare", e)
-    if not is_number(type_):
-        raise scope.problems.fail(errors.WrongType(e.span, wanted="a number", given=describe(type_)))
-    pick = min if e.name.text == "min" else max
-    low, high = pick(a.type.low for a in args), pick(a.type.high for a in args)
-    type_ = _regain_unit(type_.model_copy(update={"low": low, "high": high}), args)
-    values = [a.value for a in args if isinstance(a, ir.Number)]
-    if len(values) == len(args):
-        return ir.Number(type=type_, value=pick(values), origin=e.span)
-    return ir.Arithmetic(type=type_, fn=e.name.text, args=tuple(args), origin=e.span)  # type: ignore[arg-type]
-
-
-def _regain_unit(type_: ir.Type, args: list[ir.Expr]) -> ir.Type:
-    return type_.model_copy(update={"unit": next((a.type.unit for a in args if a.type.unit != "number"), "number")})
 
 
 def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) -> ir.Type:

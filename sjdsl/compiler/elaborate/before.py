@@ -5,11 +5,12 @@ from dataclasses import replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.ir.operations import Function
 
 WHERE = "`before` stands in `always` and `once` of `checks`, not inside another; a rule keeps what it needs later in a field"
 
 
-def before(e: ast.Call, scope: Scope) -> ir.Expr:
+def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `before(e)`; what is known of the state now, and who has a place now, says nothing of that state."""
     if not scope.about_steps:
         wrong = errors.WrongType(e.span, wanted="a value of one state", given="`before`, which is about a step", help=WHERE)

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.elaborate.scope import Declared, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 
 
 def blocked(blocks: ast.Blocks, tests: Mapping[str, ir.Expr | None], scope: Scope) -> list[ir.Block]:
@@ -14,11 +15,13 @@ def blocked(blocks: ast.Blocks, tests: Mapping[str, ir.Expr | None], scope: Scop
     """
     static, found = scope.static, []
     for what in blocks.what:
-        if {Declared(what.text, among="shapes"), Declared(what.text)} & static.broken:
+        if {Symbol("shape", what.text), Symbol("name", what.text)} & static.broken:
             continue
         if what.text != "agents" and what.text not in static.shapes and what.text not in static.movers:
             scope.problems.unknown(what, ["agents", *static.movers, *static.shapes], "what a cell can block")
             continue
+        if what.text != "agents":
+            static.refer(what, Symbol("shape" if what.text in static.shapes else "name", what.text))
         if what.text in static.shapes and static.shapes[what.text].see_through:
             problem = f"the shape `{what.text}` sees through everything"
             scope.problems.add(errors.NeverHappens(what.span, problem=problem))

@@ -3,6 +3,7 @@
 from math import inf
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.arithmetic import join_types
@@ -49,6 +50,8 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
             rest = value
         elif arm.word.text == subject.value:
             chosen = value
+        if arm.word is not None:
+            scope.static.refer(arm.word, Symbol("word", arm.word.text))
     found = chosen or rest
     if found is None:
         raise scope.problems.fail(errors.CaseLacks(e.span, words=(subject.value,)))
@@ -80,6 +83,8 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
         if arm.word.text in seen:
             raise scope.problems.fail(errors.CaseRepeats(arm.word.span, name=arm.word.text))
         seen.add(arm.word.text)
+        if subject.type.kind == "word":
+            scope.static.refer(arm.word, Symbol("word", arm.word.text))
         keys.append([(None, None, (arm.word.text,))])
     rest = tuple(n for n in names if n not in seen)
     _close(e, keys, [(None, None, rest)] if rest else [], errors.CaseLacks(e.span, words=rest), scope)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import near
@@ -15,7 +16,7 @@ from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.movers import declare_movers
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.runtime.actions import HEADINGS
 
 SEEN = {"outside": "what an agent sees off the map", "everyone": "all agents, in `observe`"}  # no names of kinds
@@ -24,7 +25,7 @@ RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "c
 
 def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[str, object], num_agents: int | None) -> Static:
     """Returns the static tables with word sets, sizes and parameters; sizes take their values from `overrides`."""
-    static = Static(game.sources, expression, defines=dict(game.defines))
+    static = Static(game.sources, expression, references=game.references, defines=dict(game.defines))
     _collect_words(game, static, problems)
     _check_names(game, static, problems)
     static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
@@ -37,7 +38,7 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
     for declared in (*(c for c in game.constants.values() if c not in by_agent), *by_agent):
         if by_agent and declared is by_agent[0]:
             declare_number(game, scope)
-        with problems.survive(static.broken, Declared(declared.name.text)):
+        with problems.survive(static.broken, Symbol("name", declared.name.text)):
             constant(declared, scope, overrides.get(declared.name.text))
     static.params = {name: static.params[name] for name in game.constants if name in static.params}
     if not by_agent:
@@ -107,7 +108,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     _check_counts(game, problems)
     scope = Scope(static, problems)
     for shape in game.shapes.values():
-        with problems.survive(static.broken, Declared(shape.name.text, among="shapes")):
+        with problems.survive(static.broken, Symbol("shape", shape.name.text)):
             static.shapes[shape.name.text] = shapes.declared(shape, scope)
     static.mover_sorts = tuple(game.movers)
     static.cell_types = {kind: (kind,) for kind in game.kinds}
@@ -117,14 +118,14 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
             with problems.survive():
                 static.event_levels[name] = level_of(event.by, scope)
     for kind in game.kinds.values():
-        with problems.survive(static.broken, Declared(kind.name.text)):
+        with problems.survive(static.broken, Symbol("name", kind.name.text)):
             static.kinds[kind.name.text] = fields_of(kind.attributes, scope, "cell", kind.name.text)
             _glyphs(kind, scope)
     for group in game.groups.values():
-        with problems.survive(static.broken, Declared(group.name.text)):
+        with problems.survive(static.broken, Symbol("name", group.name.text)):
             static.groups[group.name.text] = tuple(_kind(name, scope) for name in group.kinds)
     for declared in game.fields.values():
-        with problems.survive(static.broken, Declared(declared.name.text)):
+        with problems.survive(static.broken, Symbol("name", declared.name.text)):
             made_field = one_field(declared, scope, "world", "")
             static.fields[made_field.name] = made_field
     declare_agents(game, scope)
@@ -145,6 +146,7 @@ def _check_counts(game: Composition, problems: Problems) -> None:
 def _kind(name: ast.Name, scope: Scope) -> str:
     if name.text not in scope.static.kinds:
         raise scope.problems.unknown(name, scope.static.kinds, "the kinds")
+    scope.static.refer(name, Symbol("name", name.text))
     return name.text
 
 
@@ -158,12 +160,13 @@ def _glyphs(kind: ast.Kind, scope: Scope) -> None:
             continue
         starts = []
         for field_name, tree in attribute.starts:
-            if Declared(field_name.text, name) in scope.static.broken:
+            if Symbol("field", field_name.text, name) in scope.static.broken:
                 continue
             if field_name.text not in fields:
                 meant = near(field_name.text, fields, "its fields")
                 scope.problems.add(errors.NoField(field_name.span, owner=f"the kind `{name}`", name=field_name.text, near=meant))
                 continue
+            scope.static.refer(field_name, Symbol("field", field_name.text, name))
             with scope.problems.survive():
                 value = starting(tree, field_name.text, fields[field_name.text].type, scope)
                 starts.append((field_name.text, value))

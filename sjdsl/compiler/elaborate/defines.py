@@ -1,17 +1,16 @@
 """Expands `define`s: the expression replaces the name, with its free variables bound where it is used."""
 
-from dataclasses import replace
-
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.scope import Declared, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 
 
 def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
     """Writes a `define` out where it is used: its own names and its arguments, none of the variables around."""
     define = scope.static.defines[name.text]
-    scope.static.used.add(Declared(name.text))
+    scope.static.use(name, Symbol("name", name.text))
     if name.text in scope.defining:
         raise scope.problems.fail(errors.DefineCycle(name.span, name=name.text))
     if len(arguments) != len(define.parameters):
@@ -27,6 +26,7 @@ def use(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Exp
         raise Poisoned
     values = scope.expressions(arguments)
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), values, strict=True))
-    inner = replace(scope, variables=variables, defining=(*scope.defining, name.text), withheld={})
+    named = {p.text: local_symbol(p) for p in define.parameters}
+    inner = scope.but(variables=variables, locals=named, defining=(*scope.defining, name.text), withheld={})
     value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

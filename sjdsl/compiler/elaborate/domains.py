@@ -3,11 +3,12 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, kinds_named, unknown
-from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.types import integer
@@ -19,14 +20,14 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
     if d.kind.text == "agent":
         var = ir.Member(name=_own_name(chosen, scope), who="agent", origin=d.kind.span)
     elif d.kind.text in scope.static.movers:
-        scope.static.used.add(Declared(d.kind.text))
+        scope.static.use(d.kind, Symbol("name", d.kind.text))
         var = ir.Member(name=_own_name(chosen, scope), who="mover", kinds=(d.kind.text,), origin=d.kind.span)
     else:
         kinds = kinds_named(d.kind, scope)
         var = ir.Member(name=_own_name(chosen, scope), who="cell", kinds=kinds, origin=d.kind.span)
     check_free(chosen, scope, d.bind is not None)
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
-    inner = scope.bind(chosen.text, var)
+    inner = with_member(d.bind, d.kind, var, scope)
     on = None
     if d.on is not None:
         on, inner = _on(d, var, inner)
@@ -46,7 +47,12 @@ def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
     name = d.on.bind or d.on.kind
     check_free(name, scope, d.on.bind is not None)
     on = ir.Member(name=_own_name(name, scope), who="cell", kinds=kinds_named(d.on.kind, scope), origin=d.on.span)
-    return on, scope.bind(name.text, on)
+    return on, with_member(d.on.bind, d.on.kind, on, scope)
+
+
+def with_member(name: ast.Name | None, kind: ast.Name, var: ir.Member | None, scope: Scope) -> Scope:
+    """Returns a scope with the variable of a domain, which has the name of its kind if the text gives it none."""
+    return scope.bind(kind.text, var) if name is None else scope.bind_named(name, var)
 
 
 def _own_name(name: ast.Name, scope: Scope) -> str:
@@ -112,6 +118,7 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
 
 def _variable(name: ast.Name, scope: Scope) -> ir.Member:
     if name.text in scope.variables:
+        scope.refer(name)
         bound = scope.variables[name.text]
         if bound is None:
             raise Poisoned

@@ -1,6 +1,7 @@
 """Elaborates the effects `give`, `tally` and `send`, and whom they reach."""
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Fix, near
 from sjdsl.compiler.diagnostics.problems import Poisoned
@@ -63,6 +64,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     event = static.events.get(name.text)
     if event is None:
         raise scope.problems.fail(errors.NoEvent(name.span, name=name.text, near=near(name.text, static.events)))
+    static.refer(name, Symbol("metric", name.text))
     word = None
     if event.by is not None:
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):

@@ -3,17 +3,18 @@
 Every function takes the tree and the scope and returns IR, or reports what is wrong and raises `Poisoned`.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import actions
-from sjdsl.compiler.elaborate.arithmetic import arithmetic, compare, extreme, join_types, nearest_whole
+from sjdsl.compiler.elaborate.arithmetic import calculation, compare, join_types
 from sjdsl.compiler.elaborate.before import before
 from sjdsl.compiler.elaborate.cases import case
-from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain, most_members
 from sjdsl.compiler.elaborate.extremes import extreme as over_domain
@@ -29,14 +30,10 @@ from sjdsl.compiler.elaborate.lookup import (
     or_nowhere,
 )
 from sjdsl.compiler.elaborate.paths import distance, path
-from sjdsl.compiler.elaborate.row_functions import ROW_FUNCTIONS, beyond_one, extreme_of_row, row_function, shifted, sum_of_row
+from sjdsl.compiler.elaborate.row_functions import beyond_one, extreme_of_row, lowest, mix, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.implications import compares
-from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.ranges import apart
+from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, Calculation, Function
 from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
-
-MATRIX_CLASSES = ("prisoners_dilemma", "stag_hunt", "chicken")
 
 
 def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -80,14 +77,11 @@ def unary(e: ast.Unary, scope: Scope) -> ir.Expr:
     if e.op == "not":
         return ir.Not(value=scope.condition(e.operand), origin=e.span)
     operand = scope.expression(e.operand)
+    if e.op in PREFIX:
+        return calculation(PREFIX[e.op], e, [e.operand], [operand], scope)
     if not is_number(operand.type):
         raise wrong_type(scope, e.operand, "a number", operand.type)
-    if e.op == "+":
-        return operand
-    type_ = operand.type.model_copy(update={"low": -operand.type.high, "high": -operand.type.low})
-    if isinstance(operand, ir.Number):
-        return ir.Number(type=type_, value=-operand.value, origin=e.span)
-    return ir.Arithmetic(type=type_, fn="neg", args=(operand,), origin=e.span)
+    return operand
 
 
 def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
@@ -98,9 +92,9 @@ def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
         same = identity(e, left, right, scope)
         return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
     left, right = scope.expressions((e.left, e.right))
-    if e.op in ("<", "<=", ">", ">=", "==", "!="):
+    if e.op in COMPARISONS:
         return compare(e, left, right, scope)
-    return arithmetic(e, left, right, scope)
+    return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
 
 
 def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
@@ -183,6 +177,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
     """`nobody on soil` asks a cell variable; `x on grass` asks an agent and a kind or group."""
     if isinstance(e.who, ast.Nobody):
         cell = scope.variables.get(e.kind.text)
+        scope.refer(e.kind)
         if not (isinstance(cell, ir.Member) and cell.who == "cell"):
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
@@ -208,6 +203,7 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
         for name in e.container.names:
             if name.text not in value.type.words:
                 raise not_a_word(name.span, name.text, value, value.type.words, scope)
+            scope.static.refer(name, Symbol("word", name.text))
         return ir.InWords(value=value, words=names, origin=e.span)
     if e.high is not None:
         low, high = scope.expressions((e.container, e.high))
@@ -259,89 +255,48 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
 
 
 def call(e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns what a function makes of its arguments, or a `define` with arguments written out."""
     name = e.name.text
-    if name in ("min", "max"):
-        if len(e.arguments) == 1:
-            return extreme_of_row(e, scope.expression(e.arguments[0]), scope)
-        arity(e, scope, 2, 8)
-        return extreme(e, scope.expressions(e.arguments), scope)
-    if name == "ramp":
-        arity(e, scope, 3)
-        return ramp(e, scope.expressions(e.arguments), scope)
-    if name in ROW_FUNCTIONS:
-        arity(e, scope, 1)
-        return row_function(e, scope.expression(e.arguments[0]), scope)
-    if name in MATRIX_CLASSES:
-        arity(e, scope, 1)
-        return matrix_class(e, scope.expression(e.arguments[0]), scope)
-    if name in scope.static.defines:
+    row = FUNCTIONS.get(name)
+    if name in scope.static.defines and (row is None or row.yields):
         return use_define(e.name, e.arguments, scope)
-    if name == "distance":  # after the defines: some games have one of this name
-        arity(e, scope, 2)
-        return distance(e, scope)
-    if name == "shift":
-        arity(e, scope, 3)
-        return shifted(e, scope)
-    if name == "quotient":
-        arity(e, scope, 2)
-        left, right = scope.expressions(e.arguments)
-        return arithmetic(ast.Binary(e.span, "//", *e.arguments), left, right, scope)
-    if name == "round":
-        arity(e, scope, 1)
-        return nearest_whole(e, scope.expression(e.arguments[0]), scope)
-    if name == "before":
-        arity(e, scope, 1)
-        return before(e, scope)
-    classes = (*MATRIX_CLASSES, "before") if scope.part == "checks" else ()
-    candidates = [
-        "count",
-        "sum",
-        "min",
-        "max",
-        "ramp",
-        "distance",
-        "shift",
-        "quotient",
-        "round",
-        *ROW_FUNCTIONS,
-        *classes,
-        *scope.static.defines,
-    ]
-    raise scope.problems.unknown(e.name, candidates, "the functions and defines", guesses.FUNCTIONS)
+    if row is None:
+        found = [row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks]
+        raise scope.problems.unknown(e.name, [*found, *scope.static.defines], "the functions and defines", guesses.FUNCTIONS)
+    if row.reduces is not None and len(e.arguments) == 1:
+        return extreme_of_row(e, scope.expression(e.arguments[0]), scope)
+    arity(e, row, scope)
+    return BUILDERS[row.builds](row, e, scope)
 
 
-def arity(e: ast.Call, scope: Scope, least: int, most: int | None = None) -> None:
-    most = most or least
-    if not least <= len(e.arguments) <= most:
-        wanted = f"{least} arguments" if least != 1 else "1 argument"
-        wanted = wanted if most == least else f"{least} or more arguments"
+def arity(e: ast.Call, row: Function, scope: Scope) -> None:
+    if not row.least <= len(e.arguments) <= row.most:
+        wanted = f"{row.least} arguments" if row.least != 1 else "1 argument"
+        wanted = wanted if row.most == row.least else f"{row.least} or more arguments"
         raise scope.problems.fail(errors.WrongArguments(e.span, name=e.name.text, wanted=wanted, given=len(e.arguments)))
 
 
-def ramp(e: ast.Call, args: list[ir.Expr], scope: Scope) -> ir.Expr:
-    for tree, arg in zip(e.arguments, args, strict=True):
-        if not is_number(arg.type):
-            raise wrong_type(scope, tree, "a number", arg.type)
-    join_types([a.type for a in args], scope, "compare", e)
-    value, zero_at, one_at = args
-    if not _apart(zero_at, one_at, scope):
-        raise scope.problems.fail(
-            errors.Crossed(e.span, labels=parameters_read(scope.static, zero_at, one_at), low=text(zero_at), high=text(one_at))
-        )
-    return ir.Ramp(type=real(0.0, 1.0, "fraction"), value=value, zero_at=zero_at, one_at=one_at, origin=e.span)
+def calculated(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    assert isinstance(row, Calculation)
+    return calculation(row, e, e.arguments, scope.expressions(e.arguments), scope)
 
 
-def _apart(a: ir.Expr, b: ir.Expr, scope: Scope) -> bool:
-    """Returns whether two numbers are provably different: by their ranges (as float32), a guard, or a `require`."""
-    if apart(a, b):
-        return True
-    known = scope.facts_and_requires
-    return any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))
-
-
-def matrix_class(e: ast.Call, table: ir.Expr, scope: Scope) -> ir.Expr:
+def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    table = scope.expression(e.arguments[0])
     if scope.part != "checks":
         raise scope.problems.fail(errors.WrongSort(e.name.span, name=e.name.text, what="a class of games", wanted="a value"))
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
-    return ir.MatrixClass(name=e.name.text, table=table, origin=e.span)  # type: ignore[arg-type]
+    return ir.MatrixClass(name=row.name, table=table, origin=e.span)
+
+
+# What makes each class of node of a call.
+BUILDERS: dict[type[ir.Node], Callable[[Function, ast.Call, Scope], ir.Expr]] = {
+    ir.Arithmetic: calculated,
+    ir.Lowest: lowest,
+    ir.Mix: mix,
+    ir.ShiftRow: shifted,
+    ir.Distance: distance,
+    ir.Before: before,
+    ir.MatrixClass: matrix_class,
+}

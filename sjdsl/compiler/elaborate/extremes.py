@@ -5,15 +5,15 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.elaborate.arithmetic import join_types
 from sjdsl.compiler.elaborate.domains import can_be_empty, domain
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.ir.types import is_number
-
-OVER_DOMAINS = ("sum", "min", "max")
 
 
 def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
     """Returns the least or greatest value over a domain."""
-    if e.name.text not in ("min", "max"):
-        raise scope.problems.unknown(e.name, OVER_DOMAINS, "what there is over a domain", guesses.FUNCTIONS | guesses.OVER_DOMAINS)
+    reduction = REDUCTIONS.get(e.name.text)
+    if reduction is None or reduction.adds:  # a sum is `ast.Total`
+        raise scope.problems.unknown(e.name, REDUCTIONS, "what there is over a domain", guesses.FUNCTIONS | guesses.OVER_DOMAINS)
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
     otherwise = None if e.if_none is None else scope.expression(e.if_none)

@@ -4,10 +4,11 @@ from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text, not_a_word
-from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
 
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "reward")
@@ -23,7 +24,7 @@ def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: Holder, kin
             if attribute.name.text in made:
                 scope.problems.add(errors.WrittenTwice(attribute.name.span, what=f"the field `{attribute.name.text}`"))
                 continue
-            with scope.problems.survive(scope.static.broken, Declared(attribute.name.text, kind)):
+            with scope.problems.survive(scope.static.broken, Symbol("field", attribute.name.text, kind)):
                 made[attribute.name.text] = one_field(attribute, scope, held_by, kind)
     return made
 
@@ -72,6 +73,7 @@ def _cell_type(declared: ast.CellType, scope: Scope) -> ir.Type:
         raise scope.problems.unknown(declared.sort, ("cell", "set"), "what is of something")
     if declared.of.text not in scope.static.cell_types:
         raise scope.problems.unknown(declared.of, scope.static.cell_types, "the kinds and groups")
+    scope.static.refer(declared.of, Symbol("name", declared.of.text))
     return ir.Type(kind="cell", kinds=scope.static.cell_types[declared.of.text])
 
 

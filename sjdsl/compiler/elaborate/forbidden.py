@@ -43,7 +43,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
             action, names = declared.name, tuple(bound[i].text if i in bound else "" for i in range(len(declared.arguments)))
         for i, name in bound.items():
             check_free(name, inner, chosen=True)
-            inner = inner.bind(name.text, _variable(name.text, declared.arguments[i]))
+            inner = inner.bind_named(name, _variable(name.text, declared.arguments[i]))
             if declared.arguments[i].type.kind == "word":
                 named[name.text] = (name, declared.arguments[i])
     test = inner.condition(forbid.condition)

@@ -4,6 +4,7 @@ observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="ri
 """
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
@@ -56,6 +57,7 @@ def _hidden(hide: ast.Hide, static: Static, problems: Problems) -> ir.Hidden:
     if kinds is None:
         meant = near(on.text, [*static.kinds, *static.groups, "agents"])
         raise problems.fail(errors.UnknownName(on.span, name=on.text, near=meant))
+    static.refer(on, Symbol("name", on.text))
     scope = Scope(static, problems, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
     scope = scope.bind(on.text, ir.Member(name=on.text, who="cell", kinds=kinds))
     test = None if hide.condition is None else scope.condition(hide.condition)

@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
@@ -66,6 +67,8 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     if kinds is None:
         meant = near(name, ["agent", *static.kinds, *static.groups, *static.movers])
         raise scope.problems.fail(errors.UnknownName(look.what.span, name=name, near=meant))
+    if name != "agent":
+        static.refer(look.what, Symbol("name", name))
     what: Literal["agent", "cell", "mover"] = "agent" if name == "agent" else "mover" if name in static.movers else "cell"
     test = None
     if look.where is not None:

@@ -5,11 +5,12 @@ from collections.abc import Container, Iterable, Mapping
 from math import inf
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Near, near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems, named_first
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.printer import expression as text
 
@@ -71,18 +72,21 @@ def table_words(table: ast.Table, scope: Scope) -> tuple[str, ...]:
     for i, entry in enumerate(table.entries):
         if entry.key.text in names[:i]:
             raise scope.problems.fail(errors.TableRepeats(entry.key.span, name=entry.key.text))
+        if scope.static.is_word(entry.key.text):
+            scope.static.refer(entry.key, Symbol("word", entry.key.text))
     return names
 
 
 def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     """Returns the kinds a kind or group name stands for."""
     kinds = scope.static.kinds_of(name.text)
-    if kinds is None and Declared(name.text) in scope.static.broken:
+    if kinds is not None:
+        scope.static.refer(name, Symbol("name", name.text))
+        return kinds
+    if Symbol("name", name.text) in scope.static.broken:
         raise Poisoned
-    if kinds is None:
-        known = ["agent", *scope.static.movers, *scope.static.kinds, *scope.static.groups]
-        raise scope.problems.unknown(name, known, "the agents and kinds of this game")
-    return kinds
+    known = ["agent", *scope.static.movers, *scope.static.kinds, *scope.static.groups]
+    raise scope.problems.unknown(name, known, "the agents and kinds of this game")
 
 
 def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
@@ -114,7 +118,7 @@ def check_known_word(tree: ast.Expr | ast.Table, owner: ir.Expr | str, words: It
     if not isinstance(tree, ast.Path) or tree.steps or tree.name.text in scope.variables or static.is_word(tree.name.text):
         return
     name = tree.name.text
-    if name not in static.names() and Declared(name) not in static.broken and name not in static.events:
+    if name not in static.names() and Symbol("name", name) not in static.broken and name not in static.events:
         raise not_a_word(tree.span, name, owner, words, scope)
 
 
@@ -138,7 +142,7 @@ def declared_name(e: ir.Expr) -> str:
 def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     """Reports a name that is no value: something else, or nothing at all."""
     static = scope.static
-    if Declared(name.text) in static.broken:
+    if Symbol("name", name.text) in static.broken:
         return Poisoned()
     if name.text in scope.withheld:
         what, wanted = "a variable of the statements around", "the agent that is sent, or something of the world,"

@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import chain
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
@@ -111,6 +112,8 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
             known = ("agents", "mirror", *scope.static.movers)
             if check.what.text not in known:
                 raise scope.problems.unknown(check.what, known, "the symmetries")
+            if check.what.text in scope.static.movers:
+                scope.static.refer(check.what, Symbol("name", check.what.text))
             return ir.Check(sort="symmetric", words=(check.what.text,), origin=check.span)
         case ast.Expect():
             return _expect(check, game, scope)
@@ -150,6 +153,7 @@ def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
         built, _ = domain(policy.domain, seeker)
         return ir.Policy(name="seek", domain=built, origin=policy.span)
     if name in game.policies and not policy.actions:
+        scope.static.refer(policy.name, Symbol("policy", name))
         return ir.Policy(name="scripted", scripted=name, origin=policy.span)
     if name not in ("random", "never") or (name == "never") != bool(policy.actions):
         raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND", *game.policies), "the policies")

@@ -3,11 +3,12 @@
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.fields import fields_of
-from sjdsl.compiler.elaborate.scope import Declared, Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.world_map import check_glyph
 from sjdsl.compiler.ir.implications import narrow_word
@@ -22,7 +23,7 @@ def declare_movers(game: Composition, scope: Scope) -> None:
     static = scope.static
     for declared in game.movers.values():
         name = declared.name.text
-        with scope.problems.survive(static.broken, Declared(name)):
+        with scope.problems.survive(static.broken, Symbol("name", name)):
             heading = ir.VarField(
                 name="heading", held_by="mover", kind=name, type=words(HEADINGS), start="north", origin=declared.name.span
             )

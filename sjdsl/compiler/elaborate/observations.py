@@ -5,6 +5,7 @@ from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.diagnostic import Fix
@@ -15,7 +16,7 @@ from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.observation_help import attribute_unseen, no_agent_field, no_cell_field, of_a_kind, without_field
 from sjdsl.compiler.elaborate.observation_help import labels as example_labels
 from sjdsl.compiler.elaborate.paths import attribute_types
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.elaborate.seen_conditions import check_places, joined, observer_scope
 from sjdsl.compiler.ir.implications import facts, narrowed
 from sjdsl.compiler.ir.sorts import sort_of
@@ -119,16 +120,18 @@ def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems
         )
     if numbered or members:
         return [replace(seen, numbered=numbered) for seen in _of_owner(head, members[0], path, static, problems)]
+    kinds = static.kinds_of(head)
+    if head in static.movers or kinds:
+        static.refer(path.name, Symbol("name", head))
     if head in static.movers:
         return [Seen(("mover", head, ""))]
-    kinds = static.kinds_of(head)
     if kinds is not None and (head in static.kinds or (isinstance(observable, ast.Show) and observable.labels)):
         return [Seen(("cell", kind, "")) for kind in kinds]
     if isinstance(observable, ast.Show) and (head == "step" or head in static.defines):
         return [_computed(path, static, problems)]
     if head not in static.fields:
         raise without_field(observable, static, problems)
-    static.used.add(Declared(head))
+    static.use(path.name, Symbol("name", head))
     return [Seen(("world", "", head), static.fields[head])]
 
 
@@ -145,30 +148,36 @@ def _computed(path: ast.Path, static: Static, problems: Problems) -> Seen:
 
 def _of_owner(head: str, name: ast.Name, path: ast.Path, static: Static, problems: Problems) -> list[Seen]:
     """Returns what `head.name` is: of agents, or of the cells of a kind or group."""
-    if head in static.movers and Declared(name.text, head) not in static.broken:
+    if head in static.movers and Symbol("field", name.text, head) not in static.broken:
         fields = static.mover_fields(head)
         if name.text not in fields:
             raise no_field(name, f"a mover `{head}`", fields, guesses.PLACES, problems)
+        static.refer(path.name, Symbol("name", head))
+        static.refer(name, Symbol("field", name.text, head))
         return [Seen(("mover", head, name.text), fields[name.text])]
     kinds = static.kinds_of(head)
     owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
-    if any(Declared(name.text, owner) in static.broken for owner in owners):
+    if any(Symbol("field", name.text, owner) in static.broken for owner in owners):
         raise Poisoned
     if head in static.fields and name.text == "index":
-        static.used.add(Declared(head))
+        static.use(path.name, Symbol("name", head))
         return [Seen(("world", "", head), static.fields[head])]
     if head in OWNERS:
         if head == "other" and name.text == "heading":
             return [Seen(("heading", "", ""))]
+        if name.text in static.agent_fields:
+            static.refer(name, Symbol("field", name.text, "agent"))
         field = static.agent_fields.get(name.text) or _attribute(head, name, static, problems)
         return [Seen((OWNERS[head], "", name.text), field)]
     if kinds is None:
         raise problems.unknown(path.name, [*OWNERS, *static.kinds, *static.groups], "what has fields")
+    static.refer(path.name, Symbol("name", head))
     for kind in kinds:
         if name.text not in static.kinds[kind]:
             if head in static.kinds:
                 raise no_cell_field(head, name, static.kinds[kind], problems)
             raise no_field(name, f"the kind `{kind}` of the group", static.kinds[kind], guesses.PLACES, problems)
+        static.refer(name, Symbol("field", name.text, kind))
     return [Seen(("cell", kind, name.text), static.kinds[kind][name.text]) for kind in kinds]
 
 
@@ -194,7 +203,7 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], stati
         if what == "cell" and not name:
             seen[found.key] = _look(show, kind, static, problems)
         elif found.field is not None:
-            static.used.add(Declared(name, "agent" if what in OWNERS.values() else kind))
+            static.used.add(field_symbol(name, "agent" if what in OWNERS.values() else kind))
             seen[found.key] = _shown(show, found, found.field, static, problems)
         elif what == "mover":
             told = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"

@@ -1,6 +1,7 @@
 """Resolves dotted paths such as `agent.bag[raw]`: variables, their attributes, and entries of tables."""
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
@@ -20,7 +21,8 @@ from sjdsl.compiler.elaborate.lookup import (
     no_field,
     unknown,
 )
-from sjdsl.compiler.elaborate.scope import Declared, Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import describe, element, integer, words
@@ -46,6 +48,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns what the first name of a path stands for; variables come before all else."""
     name, static = e.name.text, scope.static
     if name in scope.variables:
+        scope.refer(e.name)
         bound = scope.variables[name]
         if bound is None:
             raise Poisoned
@@ -55,22 +58,23 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     if name == "step":
         return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
     if name in static.sizes:
-        static.used.add(Declared(name))
+        static.use(e.name, Symbol("name", name))
         size = static.sizes[name]
         if size.type.by:
             raise scope.problems.fail(errors.Unsupported(e.span, what="a size that is a table"))
         return ir.Number(type=size.type, value=size.value, origin=e.span)  # type: ignore[arg-type]
     if name in static.params:
-        static.used.add(Declared(name))
+        static.use(e.name, Symbol("name", name))
         return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
     if name in static.defines:
         return use_define(e.name, (), scope)
     if name in static.fields:
-        static.used.add(Declared(name))
+        static.use(e.name, Symbol("name", name))
         return ir.FieldRead(type=static.fields[name].type, owner=None, held_by="world", name=name, origin=e.span)
     if scope.events_readable and name in static.events:
         return event_total(e, scope)
     if static.is_word(name):
+        static.refer(e.name, Symbol("word", name))
         return ir.Word(type=words((name,)), value=name, origin=e.span)
     if name == NOWHERE:
         return ir.Nowhere(origin=e.span)
@@ -78,6 +82,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
 
 
 def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
+    scope.static.refer(e.name, Symbol("metric", e.name.text))
     type_ = integer(0, float("inf"), "count")
     if e.name.text in scope.static.event_levels and e.steps:
         type_ = type_.model_copy(update={"by": (scope.static.event_levels[e.name.text],)})
@@ -99,7 +104,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     static = scope.static
     check_somebody(owner, name.span, scope)
     if name.text in static.agent_fields:
-        static.used.add(Declared(name.text, "agent"))
+        static.use(name, Symbol("field", name.text, "agent"))
         type_ = static.agent_fields[name.text].type
         return ir.FieldRead(type=type_, owner=owner, held_by="agent", name=name.text, origin=name.span)
     types = attribute_types(static)
@@ -109,7 +114,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         check_placed(owner, name.span, f"{text(owner)}.{name.text}", scope)
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
-    if Declared(name.text, "agent") in static.broken:
+    if Symbol("field", name.text, "agent") in static.broken:
         raise Poisoned
     raise no_field(name, "an agent", [*static.agent_fields, *AGENT_ATTRIBUTES], guesses.AGENT_FIELDS | guesses.PLACES, scope.problems)
 
@@ -131,14 +136,14 @@ def mover_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
     static, sort = scope.static, owner.kinds[0]
     fields = static.mover_fields(sort)
     if name.text in fields:
-        static.used.add(Declared(name.text, sort))
+        static.use(name, Symbol("field", name.text, sort))
         return ir.FieldRead(type=fields[name.text].type, owner=owner, held_by="mover", kinds=owner.kinds, name=name.text, origin=name.span)
     if name.text in ("row", "col"):
         check_placed(owner, name.span, f"{text(owner)}.{name.text}", scope)
     types = attribute_types(static) | {"index": integer(0, static.movers[sort].number - 1, "number")}
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
-    if Declared(name.text, sort) in static.broken:
+    if Symbol("field", name.text, sort) in static.broken:
         raise Poisoned
     raise no_field(name, f"a mover `{sort}`", [*fields, *MOVER_ATTRIBUTES], guesses.PLACES, scope.problems)
 
@@ -149,7 +154,7 @@ def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: S
     return scope.problems.fail(errors.Unsupported(span, what=what, help=help_))
 
 
-def distance(e: ast.Call, scope: Scope) -> ir.Expr:
+def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
     said = f"distance({', '.join(map(_written, e.arguments))})"
     values = scope.expressions(e.arguments)
@@ -193,13 +198,13 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     found = []
     for kind in kinds:
         fields = static.kinds[kind]
-        if Declared(name.text, kind) in static.broken:
+        if Symbol("field", name.text, kind) in static.broken:
             raise Poisoned
         if name.text not in fields:
             what = f"the kind `{kind}`" if len(kinds) == 1 else f"the kind `{kind}` of the group"
             raise no_field(name, what, [*fields, *CELL_ATTRIBUTES], guesses.PLACES, scope.problems)
         found.append(fields[name.text])
-        static.used.add(Declared(name.text, kind))
+        static.use(name, Symbol("field", name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
         raise scope.problems.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
     return ir.FieldRead(type=found[0].type, owner=owner, held_by="cell", kinds=kinds, name=name.text, origin=name.span)

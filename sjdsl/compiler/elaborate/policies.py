@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -123,4 +124,6 @@ def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
     known = (*game.policies, *WITHOUT_RULES)
     if part.policy.text not in known:
         raise scope.problems.unknown(part.policy, known, "the policies")
+    if part.policy.text in game.policies:
+        scope.static.refer(part.policy, Symbol("policy", part.policy.text))
     return ir.Slots(number=number, policy=part.policy.text, origin=part.span)

@@ -5,11 +5,11 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, kinds_of_cell, not_a_word, or_nowhere
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
+from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import lowest_number, sort_of
 from sjdsl.compiler.ir.types import describe, element, hull, integer, is_number, join_units, words
 
-ROW_FUNCTIONS = ("lowest", "highest", "mix")
 NO_ORDER = "agents have no order: ask for one with `where`"
 
 
@@ -33,26 +33,36 @@ def extreme_of_row(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
     return ir.SumRow(type=element(row.type), row=row, fn=e.name.text, origin=e.span)  # type: ignore[arg-type]
 
 
-def row_function(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
-    """Returns `lowest(row)`, `highest(row)` or `mix(row)`."""
+def _row_of_numbers(e: ast.Call, scope: Scope) -> ir.Expr:
+    row = scope.expression(e.arguments[0])
     if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
         raise wrong_type(scope, e.arguments[0], "a row of numbers", row.type)
+    return row
+
+
+def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns `lowest(row)` or `highest(row)`."""
+    row = _row_of_numbers(e, scope)
     names = row.type.by[0]
-    if e.name.text != "mix":
-        if sort_of(names) == "agent":
-            raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
-        first = lowest_number(names)
-        type_ = words(names) if sort_of(names) == "word" else integer(first, first + len(names) - 1)
-        return ir.Lowest(type=type_, row=row, last=e.name.text == "highest", origin=e.span)
+    if sort_of(names) == "agent":
+        raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
+    first = lowest_number(names)
+    type_ = words(names) if sort_of(names) == "word" else integer(first, first + len(names) - 1)
+    return ir.Lowest(type=type_, row=row, last=function.last, origin=e.span)
+
+
+def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns `mix(row)`, of a row that is known not to be empty."""
+    row = _row_of_numbers(e, scope)
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
     entries = sum_of_row(row)
     if not compares(entries, ">", 0, scope.facts) and not narrowed(entries, scope.facts)[0] > 0:
         raise scope.problems.fail(errors.EmptyMix(e.span, row=text(row)))
-    return ir.Mix(type=ir.Type(kind="mix", words=names), row=row, origin=e.span)
+    return ir.Mix(type=ir.Type(kind="mix", words=row.type.by[0]), row=row, origin=e.span)
 
 
-def shifted(e: ast.Call, scope: Scope) -> ir.Expr:
+def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `shift(row, n, filler)`: entries moved on by n places, the filler where none comes from."""
     row = scope.expression(e.arguments[0])
     if len(row.type.by) != 1:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.scope import Scope
@@ -75,6 +76,7 @@ def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], fu
     phase = game.phases.get(name)
     if phase is None:
         return None
+    scope.static.refer(turn.name, Symbol("phase", name))
     if name == "start":
         raise scope.problems.fail(errors.StartScheduled(turn.name.span, name=name))
     if len(turn.arguments) != len(phase.parameters):
@@ -102,6 +104,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
     """Returns a word, something made of numbers alone (params too, which may change from run to run), or the name of an action."""
     if isinstance(argument, ast.Path) and not argument.steps and argument.name.text in scope.static.action_names:
         if not scope.static.is_word(argument.name.text):
+            scope.static.refer(argument.name, Symbol("action", argument.name.text))
             return argument.name.text
     value = scope.expression(argument)
     if not all(isinstance(node, ALIKE) for node in ir.walk(value)):
@@ -111,7 +114,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
 
 def _use(phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | str | None], scope: Scope) -> ir.Phase:
     use = PhaseUse(Streams(label, scope.static.sources))
-    inner = replace(scope, variables=values)
+    inner = replace(scope, variables=values, locals={p.text: local_symbol(p) for p in phase.parameters})
     body = block(phase.block, inner, use)
     marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
     return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)

@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Any, Literal
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -20,15 +21,7 @@ from sjdsl.near_names import nearest
 Part = Literal["phase", "start", "blocks", "forbid", "observe", "metrics", "checks", "look", "policy"]
 
 
-class Declared(NamedTuple):
-    """A declaration: its name, whose it is (of a kind, of the agents; empty for the game's own), and which sort of names it is among."""
-
-    name: str
-    owner: str = ""
-    among: Literal["names", "shapes", "actions"] = "names"
-
-
-ALL_ACTIONS = Declared("", "agent", "actions")
+ALL_ACTIONS = Symbol("action", "", "agent")
 
 
 @dataclass
@@ -67,9 +60,10 @@ class Static:
     map_rows: int = 0
     map_cols: int = 0
     wraps: bool = False
-    used: set[Declared] = field(default_factory=set)
-    required: set[Declared] = field(default_factory=set)  # numbers that a `require` reads, which does not use them
-    broken: set[Declared] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
+    references: list[tuple[Span, Symbol]] = field(default_factory=list)  # the names that were resolved, and what each stands for
+    used: set[Symbol] = field(default_factory=set)
+    required: set[Symbol] = field(default_factory=set)  # numbers that a `require` reads, which does not use them
+    broken: set[Symbol] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
     of_observed: tuple[Fact, ...] = ()  # of every state that is observed
@@ -80,6 +74,15 @@ class Static:
         """Whether a phase sends agents away for some ticks, or removes them."""
         nodes = (node for phase in self.phases for node in walk(phase))
         return any(isinstance(node, ast.Remove) or (isinstance(node, ast.Send) and node.after is not None) for node in nodes)
+
+    def refer(self, name: ast.Name, declared: Symbol) -> None:
+        """Records what a name of the text stands for."""
+        self.references.append((name.span, declared))
+
+    def use(self, name: ast.Name, declared: Symbol) -> None:
+        """Records what a name stands for, and that it makes a difference to the game."""
+        self.references.append((name.span, declared))
+        self.used.add(declared)
 
     @contextmanager
     def requiring(self) -> Iterator[None]:
@@ -111,6 +114,7 @@ class Scope(Record):
     """Variables and known facts at one place of the text.
 
     `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
+    `locals`: the variables that the text names in this place or around it; others have the name of their kind.
     `facts`: conditions that hold here. `part`: of the game; in `start` no agent stands anywhere.
     `withheld`: variables around that cannot be used here, with what to write instead. `returning`: an agent that is away until now.
     `about_steps`: in a check that compares the state with that before the step; `elsewhere`: variables of which nobody knows whether they were
@@ -120,6 +124,7 @@ class Scope(Record):
     static: Static
     problems: Problems
     variables: "dict[str, ir.Expr | str | None]" = field(default_factory=dict)
+    locals: Mapping[str, Symbol] = field(default_factory=dict)
     facts: tuple[Fact, ...] = ()
     part: Part = "phase"
     events_readable: bool = False
@@ -171,13 +176,30 @@ class Scope(Record):
                 raise self.problems.fail(errors.ShapeParam(e.span, name=node.name, what=what))
         raise self.problems.fail(errors.NotFixed(e.span, what=what))
 
+    def but(self, **changes: Any) -> "Scope":
+        """Returns this scope with other values in some fields; `dataclasses.replace` would take several times as long."""
+        return Scope(*(self.__dict__ | changes).values())
+
     def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
-        """Returns this scope with one more variable."""
-        return replace(self, variables={**self.variables, name: value})
+        """Returns this scope with one more variable, which has the name of its kind."""
+        known = {n: s for n, s in self.locals.items() if n != name} if name in self.locals else self.locals
+        return self.but(variables={**self.variables, name: value}, locals=known)
+
+    def bind_named(self, name: ast.Name, value: "ir.Expr | str | None") -> "Scope":
+        """Returns this scope with one more variable, which the text names here."""
+        return self.but(variables={**self.variables, name.text: value}, locals={**self.locals, name.text: local_symbol(name)})
+
+    def refer(self, name: ast.Name) -> None:
+        """Records which variable a name stands for; one that has the name of its kind stands for the kind."""
+        static = self.static
+        if name.text in self.locals:
+            static.refer(name, self.locals[name.text])
+        elif static.kinds_of(name.text) or name.text in static.movers:
+            static.refer(name, Symbol("name", name.text))
 
     def knowing(self, conditions: "Iterable[ir.Expr]") -> "Scope":
         """Returns this scope in which the conditions are known to hold."""
-        return replace(self, facts=(*self.facts, *(f for condition in conditions for f in facts(condition))))
+        return self.but(facts=(*self.facts, *(f for condition in conditions for f in facts(condition))))
 
     @property
     def facts_and_requires(self) -> tuple[Fact, ...]:
@@ -186,7 +208,7 @@ class Scope(Record):
 
     def unsure(self) -> "Scope":
         """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""
-        return replace(self, problems=Problems(self.problems.found, errors.GUARDABLE))
+        return self.but(problems=Problems(self.problems.found, errors.GUARDABLE))
 
     def near(self, name: str) -> str:
         """Returns the known name closest to `name`."""

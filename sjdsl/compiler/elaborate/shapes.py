@@ -3,9 +3,10 @@
 from collections.abc import Callable
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.scope import Declared, Scope
+from sjdsl.compiler.elaborate.scope import Scope
 
 Offset = tuple[int, int]
 BUILT_IN = {"line": ("n",), "fan": ("length", "radius"), "disc": ("r",), "diamond": ("r",), "square": ("r",)}
@@ -26,10 +27,10 @@ def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if ref.arguments is None:
         shape = static.shapes.get(ref.name.text)
         if shape is None:
-            if Declared(ref.name.text, among="shapes") in static.broken:
+            if Symbol("shape", ref.name.text) in static.broken:
                 raise Poisoned
             raise scope.problems.unknown(ref.name, [*static.shapes, *BUILT_IN], "the shapes", guesses.SHAPES)
-        static.used.add(Declared(ref.name.text, among="shapes"))
+        static.use(ref.name, Symbol("shape", ref.name.text))
         return shape
     shape = built_in(ref, scope)
     return static.shapes.setdefault(shape.name, shape)

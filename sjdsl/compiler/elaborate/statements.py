@@ -3,12 +3,13 @@
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.assignments import add, set_
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.domains import domain
+from sjdsl.compiler.elaborate.domains import domain, with_member
 from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
@@ -31,7 +32,7 @@ def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
             built.append(typed)
         except Poisoned:
             if isinstance(statement, ast.Let | ast.Draw):
-                scope = scope.bind(statement.name.text, None)
+                scope = scope.bind_named(statement.name, None)
     return tuple(built)
 
 
@@ -89,7 +90,7 @@ def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
     if isinstance(value, ir.Member):
         raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
     local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
-    inner = scope.bind(s.name.text, local)
+    inner = scope.bind_named(s.name, local)
     if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
         inner = inner.knowing([ir.Not(value=ir.Same(left=local, right=ir.Nobody()))])
     return ir.Let(name=s.name.text, value=value, origin=s.span), inner
@@ -114,7 +115,7 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             type_ = _draw_range(s, low, high, scope)
             statement = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
     local = ir.Local(type=statement.type, name=name, origin=s.name.span)
-    return statement, scope.bind(name, local)
+    return statement, scope.bind_named(s.name, local)
 
 
 def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
@@ -129,6 +130,7 @@ def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
             how = f"the words of a `draw` are those of a field, a row (`by`) or an event: declare some, `field NAME : {{ {listed} }} = {names[0].text}`"
             meant = near(name.text, known)
             raise scope.problems.fail(errors.UnknownName(name.span, name=name.text, near=meant, help="" if meant.nearest else how))
+        scope.static.refer(name, Symbol("word", name.text))
 
 
 def _check_different(names: tuple[ast.Name, ...], what: str, scope: Scope) -> None:
@@ -238,9 +240,9 @@ def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: 
         if not all(k == "agent" or k in scope.static.movers or scope.static.kinds_of(k) for k in kinds):
             raise  # a misspelt kind would make every use of its variable one more mistake
         around = scope if s.domain.where is None else scope.unsure()
-        inner = around.bind((s.domain.bind or s.domain.kind).text, None)
+        inner = with_member(s.domain.bind, s.domain.kind, None, around)
         if s.domain.on is not None:
-            inner = inner.bind((s.domain.on.bind or s.domain.on.kind).text, None)
+            inner = with_member(s.domain.on.bind, s.domain.on.kind, None, inner)
         inside(s.block, header, inner, use)
         raise
 

@@ -6,6 +6,7 @@ param taste by agent : reward = { 0: 2, 1 .. 3: 1, otherwise: 0 }   ->   the val
 from collections.abc import Iterator
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.lookup import not_a_word
 from sjdsl.compiler.elaborate.scope import Scope
@@ -50,6 +51,7 @@ def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
     if sort_of(level) == "word":
         if text not in level:
             raise not_a_word(entry.key.span, text, "this table", level, scope)
+        scope.static.refer(entry.key, Symbol("word", text))
         yield level.index(text)
         return
     if not text[0].isdigit():

@@ -16,18 +16,21 @@ def function_lines(function: Function) -> list[str]:
     parameters = Bracketed("(", tuple(f"{name}: {type_}" for name, type_ in function.parameters), ")")
     head = layout(Chain((f"def {function.name}", parameters)), 0, 0, len(f" -> {function.returns}:"))
     lines = f"{head} -> {function.returns}:".split("\n") + _docstring(function.doc)
+    said = ""
     for statement in function.body:
-        lines += statement_lines(statement)
+        comment = origin(statement.origin)
+        lines += statement_lines(statement, comment if comment != said else "")
+        said = comment or said
     return lines
 
 
-def statement_lines(statement: Statement, indent: int = INDENT) -> list[str]:
-    """Returns the lines of a statement; the first ends in its origin."""
+def statement_lines(statement: Statement, comment: str = "", indent: int = INDENT) -> list[str]:
+    """Returns the lines of a statement, with a comment."""
     match statement:
         case Assign(names=names, value=value):
-            return assignment(f"{', '.join(names)} = ", pieces(value), origin(statement.origin), indent)
+            return assignment(f"{', '.join(names)} = ", pieces(value), comment, indent)
         case Return(values=(value,)):
-            return assignment("return ", pieces(value), origin(statement.origin), indent)
+            return assignment("return ", pieces(value), comment, indent)
         case Return(values=values):
             several = tuple(map(pieces, values))
             on_one_line = "return " + ", ".join(map(flat, several))
@@ -64,8 +67,12 @@ def origin(span: Span | None) -> str:
 
 
 def _docstring(doc: str) -> list[str]:
-    spaces, doc = " " * INDENT, remark(doc)
-    if len(doc) + INDENT + 6 <= WIDTH:
-        return [f'{spaces}"""{doc}"""']
-    first, *rest = textwrap.wrap(doc, WIDTH - INDENT - 3)
-    return [f'{spaces}"""{first}', *(spaces + line for line in rest), f'{spaces}"""']
+    """Returns the lines of a docstring: those of the text, and what is too long for one on the next, farther in."""
+    spaces, lines = " " * INDENT, [remark(line.replace('"', "'")) for line in doc.splitlines() or [""]]
+    if len(lines) == 1 and len(lines[0]) + INDENT + 6 <= WIDTH:
+        return [f'{spaces}"""{lines[0]}"""']
+    found: list[str] = []
+    for line in lines:
+        inner = " " * (len(line) - len(line.lstrip()) + INDENT)
+        found += textwrap.wrap(line, WIDTH - INDENT - 3, subsequent_indent=inner) or [""]
+    return [f'{spaces}"""{found[0]}', *((spaces + line).rstrip() for line in found[1:]), f'{spaces}"""']

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
         "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
         "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
         "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | "
-        "Lowest | Mix | Ramp | Named | Narrowed | Before | EventTotal | MatrixClass"
+        "Lowest | Mix | Named | Narrowed | Before | EventTotal | MatrixClass"
     )
     Restriction: TypeAlias = "Near | InAgents | InCell | Among"
 else:
@@ -119,14 +119,10 @@ class Step(Expression):
 
 
 class Arithmetic(Expression):
-    """`neg` and `round` have one argument; `min` and `max` have two or more; `+` `-` `*` `/` `//` `%` have two. Rows go entry by entry.
-
-    `/` of integers is a real. `//` and `%` are of integers: the quotient rounded down, and the remainder, with the sign of the divisor.
-    `round` is an integer, of a real: the nearest one, of two the even one.
-    """
+    """A number made of others; `fn` is the name of its row in `CALCULATIONS` (`ir/operations.py`). Rows go entry by entry."""
 
     type: Type
-    fn: Literal["+", "-", "*", "/", "//", "%", "neg", "round", "min", "max"]
+    fn: str
     args: tuple[Expr, ...]
 
 
@@ -309,15 +305,6 @@ class Mix(Expression):
     row: Expr
 
 
-class Ramp(Expression):
-    """(x - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
-
-    type: Type
-    value: Expr
-    zero_at: Expr
-    one_at: Expr
-
-
 class Named(Expression):
     """A `define`, written out here; the name is kept for the reader."""
 
@@ -349,10 +336,10 @@ class EventTotal(Expression):
 
 
 class MatrixClass(Expression):
-    """In `require`: a two-level table belongs to a class of 2 x 2 games (`prisoners_dilemma`, `stag_hunt`, `chicken`)."""
+    """In `require`: a two-level table belongs to a class of 2 x 2 games, one of `PAYOFF_CLASSES`."""
 
     type: Type = CONDITION
-    name: Literal["prisoners_dilemma", "stag_hunt", "chicken"]
+    name: str
     table: Expr
 
 

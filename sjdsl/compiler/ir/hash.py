@@ -56,7 +56,6 @@ SAID: dict[type[ir.Node | ir.Type], str] = {
     ir.Arm: "arm low high words value",
     ir.Lowest: "lowest row last",
     ir.Mix: "mix row",
-    ir.Ramp: "ramp value zero_at one_at",
     ir.MatrixClass: "matrix_class name table",
     # domains
     ir.Domain: "domain var on restriction where",

@@ -9,11 +9,8 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
-from sjdsl.compiler.ir.linear import LINEAR, narrowed_sum
-from sjdsl.compiler.ir.types import interval, rounded
-
-MIRROR: dict[ir.Comparison, ir.Comparison] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
-_OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
+from sjdsl.compiler.ir.linear import narrowed_sum
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 
 
 def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
@@ -29,7 +26,7 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
             for part in condition.args:
                 yield from conjuncts(part, holds)
         case ir.Compare() if not holds:
-            yield condition.model_copy(update={"fn": _OPPOSITE[condition.fn]})
+            yield condition.model_copy(update={"fn": COMPARISONS[condition.fn].opposite})
         case _:
             yield condition if holds else ir.Not(value=condition, origin=condition.origin)
 
@@ -113,7 +110,7 @@ def compares(left: ir.Expr, fn: Comparison, right: ir.Expr | float, known: Itera
 def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
     if isinstance(condition, ir.Compare):
         fn, left, right = condition.fn, condition.left, condition.right
-        fn, left, right = (MIRROR[fn], right, left) if fn in ("<", "<=") else (fn, left, right)
+        fn, left, right = (COMPARISONS[fn].mirror, right, left) if fn in ("<", "<=") else (fn, left, right)
         return (ir.Compare, fn, form(left, names), form(right, names))
     return form(condition, names)
 
@@ -170,7 +167,7 @@ def _said(condition: ir.Expr) -> Said:
         case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
             return Said(subject, limits_of(fn, subject, (value, value)))
         case ir.Compare(fn=fn, left=ir.Number(value=value), right=subject):
-            return Said(subject, limits_of(MIRROR[fn], subject, (value, value)))
+            return Said(subject, limits_of(COMPARISONS[fn].mirror, subject, (value, value)))
         case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if right.type.kind == "int":
             return Said(subject, reach=limits_of(fn, subject, (right.type.low, right.type.high)))
         case _:
@@ -226,7 +223,7 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
     low, high = _narrowed(e, known)
-    if known and isinstance(e, ir.Arithmetic) and e.fn in LINEAR and not e.type.by:
+    if known and isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
         return narrowed_sum(e, (low, high), (f.condition for f in known))
     return low, high
 
@@ -236,7 +233,7 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     if not known:
         return low, high
     if isinstance(e, ir.Arithmetic) and not e.type.by:
-        by_parts = interval_of_parts(e, [narrowed(a, known) for a in e.args])
+        by_parts = CALCULATIONS[e.fn].interval(*(narrowed(a, known) for a in e.args))
         low, high = max(low, by_parts[0]), min(high, by_parts[1])
     elif isinstance(e, ir.Named):
         low, high = narrowed(e.value, known)
@@ -247,19 +244,3 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
                 if bounds is not None:
                     low, high = max(low, bounds[0]), min(high, bounds[1])
     return low, high
-
-
-def interval_of_parts(e: ir.Arithmetic, parts: list[tuple[float, float]]) -> tuple[float, float]:
-    """Returns the interval of an operation from those of its operands."""
-    match e.fn:
-        case "neg":
-            return -parts[0][1], -parts[0][0]
-        case "min":
-            return min(p[0] for p in parts), min(p[1] for p in parts)
-        case "max":
-            return max(p[0] for p in parts), max(p[1] for p in parts)
-        case "round":
-            return rounded(*parts[0])
-        case _:
-            left, right = (a.type.model_copy(update={"low": p[0], "high": p[1]}) for a, p in zip(e.args, parts, strict=True))
-            return interval(e.fn, left, right)

@@ -12,8 +12,8 @@ from math import isinf
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import Form, form
+from sjdsl.compiler.ir.operations import CALCULATIONS
 
-LINEAR = ("+", "-", "neg")
 Interval = tuple[float, float]
 
 
@@ -49,13 +49,14 @@ def linear(e: ir.Expr) -> Linear:
             return Linear(Fraction(e.value))
         case ir.Named() | ir.Narrowed():
             return linear(e.value)
-        case ir.Arithmetic(fn="+" | "-", args=(left, right)) if not e.type.by:
-            return linear(left).plus(linear(right), 1 if e.fn == "+" else -1)
-        case ir.Arithmetic(fn="neg", args=(value,)) if not e.type.by:
-            return Linear().plus(linear(value), -1)
+        case ir.Arithmetic(fn=fn, args=args) if CALCULATIONS[fn].factors and not e.type.by:
+            sum_ = Linear()
+            for part, factor in zip(args, CALCULATIONS[fn].factors, strict=True):
+                sum_ = sum_.plus(linear(part), factor)
+            return sum_
         case _:
-            part = form(e)
-            return Linear(Fraction(0), {part: Fraction(1)}, {part: (e.type.low, e.type.high)})
+            own = form(e)
+            return Linear(Fraction(0), {own: Fraction(1)}, {own: (e.type.low, e.type.high)})
 
 
 def narrowed_sum(e: ir.Expr, interval: Interval, known: Iterable[ir.Expr]) -> Interval:

@@ -39,6 +39,7 @@ KERNELS = {
     "sjdsl.runtime.placing": (
         "best_ranks",
         "choose",
+        "come_back",
         "drawn_by_lot",
         "member_of",
         "outranking",
@@ -54,9 +55,9 @@ KERNELS = {
     "sjdsl.runtime.planes": ("TokenPlane",),
     "sjdsl.runtime.rows": ("entry", "highest", "lowest", "mix", "ramp", "shifted"),
     "sjdsl.runtime.steering": ("gains", "gains_around", "is_one_of"),
-    "sjdsl.runtime.line_of_sight": ("reached",),
+    "sjdsl.runtime.line_of_sight": ("nearest_in_lanes", "reached"),
     "sjdsl.runtime.torus": ("cells_on", "joined_edges", "shorter_way"),
-    "sjdsl.runtime.egocentric_windows": ("fill", "paint", "planes_of", "windows"),
+    "sjdsl.runtime.egocentric_windows": ("fill", "look_fields", "look_number", "paint", "planes_of", "windows"),
 }
 RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step", "observe", "measures", "tick", "allowed",

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.sorts import entry_name, level_text
 
 
@@ -61,8 +62,6 @@ def expression(e: ir.Expr) -> str:
             return _extreme(e)
         case ir.Case():
             return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
-        case ir.Ramp():
-            return f"ramp({expression(e.value)}, {expression(e.zero_at)}, {expression(e.one_at)})"
         case ir.Named() | ir.Narrowed() | ir.Before():
             return f"before({expression(e.value)})" if isinstance(e, ir.Before) else expression(e.value)
         case ir.EventTotal():
@@ -118,15 +117,10 @@ def _test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEm
 
 
 def _arithmetic(e: ir.Arithmetic) -> str:
-    if e.fn in ("min", "max"):
-        return f"{e.fn}({', '.join(expression(a) for a in e.args)})"
-    if e.fn == "neg":
-        return f"(-{expression(e.args[0])})"
-    if e.fn == "round":
-        return f"round({expression(e.args[0])})"
-    if e.fn == "//":
-        return f"quotient({expression(e.args[0])}, {expression(e.args[1])})"
-    return f"({expression(e.args[0])} {e.fn} {expression(e.args[1])})"
+    row, args = CALCULATIONS[e.fn], [expression(a) for a in e.args]
+    if not row.sign:
+        return f"{row.name}({', '.join(args)})"
+    return f"({row.sign}{args[0]})" if len(args) == 1 else f"({args[0]} {row.sign} {args[1]})"
 
 
 def _arm(arm: ir.Arm) -> str:

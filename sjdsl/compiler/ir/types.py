@@ -112,53 +112,12 @@ def hull(types: list[ir.Type]) -> tuple[float, float]:
     return min(t.low for t in types), max(t.high for t in types)
 
 
-def interval(fn: str, a: ir.Type, b: ir.Type) -> tuple[float, float]:
-    """Returns the interval of `a fn b` by the corners of the operands' intervals."""
-    match fn:
-        case "+":
-            return a.low + b.low, a.high + b.high
-        case "-":
-            return a.low - b.high, a.high - b.low
-        case "*":
-            corners = [times(x, y) for x in (a.low, a.high) for y in (b.low, b.high)]
-            return min(corners), max(corners)
-        case "/":
-            if b.low <= 0 <= b.high:
-                return -inf, inf
-            corners = [x / y if abs(y) != inf else 0.0 for x in (a.low, a.high) for y in (b.low, b.high)]
-            return min(corners), max(corners)
-        case "//":
-            divisors = [y for y in (b.low, -1, 1, b.high) if y and b.low <= y <= b.high] or [-1, 1]  # where it is 0, nothing is divided
-            corners = [whole_quotient(x, y) for x in (a.low, a.high) for y in divisors]
-            return min(corners), max(corners)
-        case "%":
-            return (0, b.high - 1) if b.low > 0 else (min(b.low + 1, 0), max(b.high - 1, 0))
-        case _:
-            raise AssertionError(fn)
-
-
 def without_zero(divisor: ir.Type) -> ir.Type:
     """Returns the type of a divisor that is known not to be 0: a whole number that begins or ends there begins or ends beside it."""
     if divisor.kind != "int":
         return divisor
     low, high = divisor.low + (divisor.low == 0), divisor.high - (divisor.high == 0)
     return divisor.model_copy(update={"low": low, "high": high}) if low <= high else divisor
-
-
-def rounded(low: float, high: float) -> tuple[float, float]:
-    """Returns the interval of `round` of the reals `low` .. `high`, which float32 arithmetic may pass by a little."""
-    return _rounded(low, -SLACK), _rounded(high, SLACK)
-
-
-def _rounded(end: float, slack: float) -> float:
-    return end if abs(end) == inf else round(end + slack * max(1.0, abs(end)))
-
-
-def whole_quotient(x: float, y: float) -> float:
-    """Returns the quotient of two ends of intervals of whole numbers, rounded down."""
-    if abs(x) == inf:
-        return x if y > 0 else -x
-    return (-1 if x and (x < 0) != (y < 0) else 0) if abs(y) == inf else x // y
 
 
 def times(x: float, y: float) -> float:

@@ -6,6 +6,7 @@ Raises AssertionError: a game that fails is a bug of the compiler, never of its 
 from collections import Counter
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import CALCULATIONS
 
 
 def verify(game: ir.Game) -> ir.Game:
@@ -26,6 +27,9 @@ def verify(game: ir.Game) -> ir.Game:
                 assert 0 <= action < len(game.agents.actions), node
             case ir.ChoseWith(action=name) | ir.ArgumentOf(action=name):
                 assert name in {action.name for action in game.agents.with_arguments}, node
+            case ir.Arithmetic():
+                row = CALCULATIONS[node.fn]
+                assert row.least <= len(node.args) <= row.most, node
             case ir.Case():
                 assert node.arms, node
             case _:

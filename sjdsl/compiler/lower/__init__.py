@@ -6,9 +6,12 @@ Assumes a verified game; guarantees that every index stays in the padded frame a
 """
 
 import dataclasses
+import re
+from collections.abc import Mapping
 from typing import get_args
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, marking_phases, view_size
@@ -22,10 +25,10 @@ from sjdsl.compiler.lower.environment_facts import state_fields as described_fie
 from sjdsl.compiler.lower.lots import fields_of_several_lots
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
-from sjdsl.compiler.lower.phase_summary import summary
 from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
 from sjdsl.compiler.lower.relocation import finish as finish_sends
 from sjdsl.compiler.lower.scope import IterationScope, NotSupported
+from sjdsl.compiler.lower.shared_phases import Turn, share
 from sjdsl.compiler.lower.state import outcome_fields, param_value, params_fields, state_fields
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
@@ -43,13 +46,14 @@ def new_module(game: ir.Game) -> Module:
     return Module(game, Layout(game), expressions.lower)
 
 
-def lower(game: ir.Game, source: str) -> Program:
+def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = None) -> Program:
     """Returns the array program of a game. Raises NotSupported, with a place, for what it cannot say exactly.
 
     Args:
       game: its rules; source: the name of the file they come from.
+      sources: the texts that the rules come from, by name: functions show those of their phases.
     """
-    module = new_module(game)
+    module = Module(game, Layout(game), expressions.lower, sources or {})
     try:
         return _program(game, source, module)
     except NotSupported as refused:
@@ -61,8 +65,10 @@ def lower(game: ir.Game, source: str) -> Program:
 def _program(game: ir.Game, source: str, module: Module) -> Program:
     pools = all_pools(game)
     start = _phase(game.start, pools[game.start.name], module)
-    turns = [_tick(pools, module) if isinstance(t, ir.Tick) else _phase(t, pools[t.name], module) for t in game.schedule]
-    turns = [turn for turn in turns if turn.body != (array.Return((STATE, OUT)),)]
+    lowered = [(t, _tick(pools, module) if isinstance(t, ir.Tick) else _phase(t, pools[t.name], module)) for t in game.schedule]
+    lowered = [(t, function) for t, function in lowered if function.body != (array.Return((STATE, OUT)),)]
+    shared = iter(share([(t, function) for t, function in lowered if isinstance(t, ir.Phase)]))
+    turns = [Turn(function) if isinstance(t, ir.Tick) else next(shared) for t, function in lowered]
     others = [allowed_actions(module), _measures(module), _episode(module), _observe(module)]
     w = Writer(module)
     state, params, outcome = state_fields(game, w), params_fields(game), outcome_fields(game, w)
@@ -71,7 +77,8 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
         _made("initial_state", "State", "Returns the declared starting values, before the phase `start`.", state),
         _made("no_outcome", "Outcome", "Returns the outcome of a step in which nothing has happened yet.", outcome),
     ]
-    functions = (*made, _reset(), _step(turns, module), start, *turns, *others)
+    phases = dict.fromkeys(turn.function for turn in turns)
+    functions = (*made, _reset(), _step(turns, module), start, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
     return Program(
@@ -145,7 +152,7 @@ def _reset() -> Function:
     return Function("reset", parameters, "State", doc, (array.Return((array.Index(first, (array.Literal(0),)),)),))
 
 
-def _step(turns: list[Function], module: Module) -> Function:
+def _step(turns: list[Turn], module: Module) -> Function:
     """Unknown and forbidden actions become `stay`, marks of the last step go, then the phases follow in schedule order."""
     w = Writer(module)
     below, above = array.Binary("<", ACTIONS, array.Literal(0)), array.Binary(">=", ACTIONS, NUM_ACTIONS)
@@ -161,7 +168,10 @@ def _step(turns: list[Function], module: Module) -> Function:
     if marks:
         w.set(STATE, replaced("state", {mark: array.call("jnp.zeros_like", array.path(f"state.{mark}")) for mark in marks}))
     for turn in turns:
-        w.unpack((STATE, OUT), array.call(turn.name, STATE, OUT, PARAMS, ACTIONS, KEY))
+        marked = (array.Name("marked"),) if turn.marks else ()
+        w.unpack((STATE, OUT, *marked), array.call(turn.function.name, STATE, OUT, PARAMS, ACTIONS, KEY, *turn.given))
+        if turn.marks:
+            w.set(STATE, replaced("state", {turn.marks: array.Name("marked")}))
     w.give_back(STATE, OUT)
     doc = "Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."
     parameters = (("state", "State"), ("actions", "Array"), ("params", "Params"), ("key", "Array"))
@@ -178,7 +188,17 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
     if w.marked:
         w.changed[f"mark_{phase.name}"] = _all_marks(w.marked, mark_size(phase, module.game))
     w.give_back(replaced("state", w.changed), replaced("out", w.outcome))
-    return _function(w, phase.name, PHASE, "tuple[State, Outcome]", summary(phase, module.game))
+    return _function(w, phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources))
+
+
+def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
+    """Returns a phase as the rules have it, from its first column on; its name alone where their text is not known."""
+    span = phase.origin
+    if span is None or span.file not in sources:
+        return f"Phase `{phase.label}`."
+    first, *rest = sources[span.file].text[span.start : span.end].splitlines()
+    margin = re.compile(rf"\s{{0,{span.column - 1}}}")
+    return "\n".join([first, *(margin.sub("", line, count=1).rstrip() for line in rest)])
 
 
 def _all_marks(marked: dict[array.Name, int], size: int) -> array.Expression:

@@ -4,6 +4,7 @@ from dataclasses import replace
 from math import isinf
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, iota, literal, reduce, select, spread
 from sjdsl.compiler.lower.domains import enter, is_empty, shape_name, whole_set
 from sjdsl.compiler.lower.neighbours import is_over_neighbours, over_neighbours
@@ -43,7 +44,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
         assert otherwise is not None
         return otherwise
     if e.otherwise is not None and otherwise == _nothing(e, otherwise, dtype) and is_over_neighbours(e, scope, w):
-        return w.keep("least" if e.fn == "min" else "greatest", over_neighbours(e, scope, w, otherwise))
+        return w.keep(REDUCTIONS[e.fn].kept, over_neighbours(e, scope, w, otherwise))
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
     value, mask = as_dtype(w.value(e.value, inner.always()), dtype), inner.mask
@@ -51,7 +52,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
         nothing = _nothing(e, otherwise, dtype)
         if mask is not None and otherwise not in (None, nothing):
             mask = w.keep("member", mask)  # for it is read twice
-        value = w.keep("least" if e.fn == "min" else "greatest", reduce(e.fn, select(mask, value, nothing), new))
+        value = w.keep(REDUCTIONS[e.fn].kept, reduce(REDUCTIONS[e.fn].array, select(mask, value, nothing), new))
         if nothing == otherwise:
             return value
     if otherwise is None or mask is None:
@@ -61,7 +62,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
 
 def _nothing(e: ir.Extreme, otherwise: Value | None, dtype: DType) -> Value:
     """Returns what stands for those who are no members: the value for none if it yields to all others, else one that does."""
-    least = e.fn == "min"
+    least = REDUCTIONS[e.fn].nothing > 0
     if dtype == "f32":
         infinity = path("jnp.inf")
         return Value(infinity if least else Unary("-", infinity), "f32")

@@ -10,7 +10,7 @@ from math import prod
 from typing import Literal as OneOf
 
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.evaluate_constant import COMPARISONS
+from sjdsl.compiler.ir.operations import COMPARISONS
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
@@ -138,7 +138,7 @@ def as_dtype(value: Value, dtype: DType) -> Value:
 def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     """Returns `a op b`; of two literals a literal, and nothing for what changes nothing."""
     if a.literal and b.literal and op in COMPARISONS:
-        return literal(COMPARISONS[op](a.number, b.number), "bool")
+        return literal(COMPARISONS[op].holds(a.number, b.number), "bool")
     if a.literal and b.literal and op in _OPERATIONS and not (op in ("/", "//", "%") and not b.number):
         number = float32 if dtype == "f32" else int
         return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, invert, iota, literal, union
+from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.expressions import real
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
@@ -51,15 +52,21 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
             axes = union(before.axes, p.axes)
             limit = Value(call("next_threshold", aligned(before, axes), _array(p, axes)), "u32", axes)
         if len(s.branches) > 1:
-            limit = w.keep("limit", limit)
+            limit = w.keep(_named(branch, "limit"), limit)
         hit = binary("<", word, limit, "bool")
         if before is not None:
             hit = binary("&", hit, binary(">=", word, before, "bool"), "bool")
-        happens.append(w.keep("happens", hit))
+        happens.append(w.keep(_named(branch, "happens") if len(s.branches) > 1 else "happens", hit))
         before = limit
     assert before is not None
     last = happens[0] if len(s.branches) == 1 else binary("<", word, before, "bool")
     return happens, invert(last)
+
+
+def _named(branch: ir.Branch, what: str) -> str:
+    """Returns a name for a fact about one of several branches, after its probability if that has a name."""
+    name = "" if isinstance(branch.test, ir.Number) else value_name(branch.test)
+    return f"{name}_{what}".strip("_")
 
 
 def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:

@@ -1,11 +1,13 @@
 """Lowers expressions to array expressions."""
 
 from dataclasses import replace
+from functools import reduce
 from typing import Literal as OneOf
 from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
+from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
 from sjdsl.compiler.lower import cell_values, chosen, state_reads
 from sjdsl.compiler.lower.aggregates import extreme, total
 from sjdsl.compiler.lower.axes import (
@@ -17,12 +19,14 @@ from sjdsl.compiler.lower.axes import (
     binary,
     both,
     either,
+    float32,
     invert,
     literal,
     select,
     summed,
     union,
 )
+from sjdsl.compiler.lower.condition_names import condition_name
 from sjdsl.compiler.lower.entries import aligned_row, entry, to_words, words_first, words_last
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
@@ -77,8 +81,6 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return shift(e, scope, w)
         case ir.Case():
             return case(e, scope, w)
-        case ir.Ramp():
-            return ramp(e, scope, w)
         case ir.Named():
             return named(e, scope, w)
         case ir.Narrowed():
@@ -114,13 +116,6 @@ def logic(e: ir.Logic, scope: IterationScope, w: Writer) -> Value:
     return either(parts) if e.fn == "or" else both(*parts) or TRUE
 
 
-def ramp(e: ir.Ramp, scope: IterationScope, w: Writer) -> Value:
-    """Returns where a number lies between two others, as a float32 from 0 to 1."""
-    parts = [real(x, scope, w) for x in (e.value, e.zero_at, e.one_at)]
-    axes = union(*(p.axes for p in parts))
-    return Value(array.call("ramp", *(aligned(p, axes) for p in parts)), "f32", axes)
-
-
 def named(e: ir.Named, scope: IterationScope, w: Writer) -> Value:
     """Returns the value of a `define`, kept under its name for all who read it; short conditions are written out instead."""
     value = lower(e.value, scope, w)
@@ -143,10 +138,10 @@ def nobody(w: Writer) -> Value:
 def of_row(e: ir.SumRow | ir.Lowest | ir.Mix, row: Value) -> Value:
     """Returns what is made of a whole row: its sum, the word of its lowest or highest entry, or the shares of its entries."""
     match e:
-        case ir.SumRow(fn="sum"):
+        case ir.SumRow() if REDUCTIONS[e.fn].adds:
             return replace(row, node=array.Reduce("sum", summed(row.node, row.dtype), (-1,), row.dtype), levels=0)
         case ir.SumRow():
-            return replace(row, node=array.Reduce(e.fn, row.node, (-1,), None), levels=0)
+            return replace(row, node=array.Reduce(REDUCTIONS[e.fn].array, row.node, (-1,), None), levels=0)
         case ir.Lowest():
             return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
         case ir.Mix():
@@ -251,23 +246,31 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
-    """Returns a number computed from others: int32, or float32 if one of them is a real."""
-    if e.fn == "round":
-        value = real(e.args[0], scope, w)
-        if value.literal:
-            return literal(round(value.number), "i32")
-        return Value(array.Cast(array.call("jnp.rint", value.node), "i32", "f32"), "i32", value.axes, value.levels)
+    """Returns a number calculated from others: int32 or float32, the others all of one of the two."""
+    row = CALCULATIONS[e.fn]
     dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
-    args = [as_dtype(lower(a, scope, w), dtype) for a in e.args]
-    if e.fn == "neg":
-        return literal(-args[0].number, dtype) if args[0].literal else replace(args[0], node=array.Unary("-", args[0].node))
-    if e.fn in ("min", "max"):
-        result = args[0]
-        for other in args[1:]:
-            axes = union(result.axes, other.axes)
-            result = Value(array.call(f"jnp.{e.fn}imum", aligned(result, axes), aligned(other, axes)), dtype, axes)
-        return result
-    return binary(e.fn, args[0], args[1], dtype)
+    of: array.DType = "i32" if dtype == "i32" and all(a.type.kind == "int" for a in e.args) else "f32"
+    args = [as_dtype(lower(a, scope, w), of) for a in e.args]
+    if not row.array[0].isalpha():
+        return binary(row.array, args[0], args[1], dtype) if len(args) == 2 else _signed(row, args[0])
+    if all(a.literal for a in args) and row.rounding is None:
+        return literal(row.fold(*(float32(a.number) if of != dtype else a.number for a in args)), dtype)
+    if row.least == row.most:
+        return as_dtype(_called(row.array, args, of), dtype)
+    return reduce(lambda one, other: _called(row.array, [one, other], dtype), args)
+
+
+def _signed(row: Calculation, value: Value) -> Value:
+    """Returns a number behind a sign."""
+    if value.literal:
+        return literal(row.fold(value.number), value.dtype)
+    return replace(value, node=array.Unary(row.array, value.node))
+
+
+def _called(function: str, args: list[Value], dtype: array.DType) -> Value:
+    """Returns what a function of arrays makes of numbers."""
+    axes = union(*(a.axes for a in args))
+    return Value(array.call(function, *(aligned(a, axes) for a in args)), dtype, axes)
 
 
 def test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty, scope: IterationScope, w: Writer) -> Value:
@@ -344,7 +347,8 @@ def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, scope: IterationScope
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
     """Returns nested selections, the last arm for all that is left."""
-    subject = w.keep("subject", lower(e.subject, scope, w))
+    name = condition_name(e.subject, w.module.game)
+    subject = w.keep(name or "subject", lower(e.subject, scope, w))
     dtypes: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
     values = []
     for arm in e.arms:

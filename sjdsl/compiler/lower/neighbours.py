@@ -1,6 +1,7 @@
 """Lowers `count`, `sum`, `min` and `max` over the cells around each cell as a function of one of them, applied to one after another."""
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, literal, select, spread
 from sjdsl.compiler.lower.domains import neighbours_constant
@@ -63,7 +64,7 @@ def over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w:
     inner = scope.always().binding(**{d.var.name: CellVar(site, d.var.kinds, beside=True)}).when(state_reads.is_site(site, d.var.kinds, w))
     if d.where is not None:
         inner = inner.when(w.value(d.where, inner.always()))
-    fold = "sum" if isinstance(e, ir.Count | ir.Sum) else e.fn
+    fold = "sum" if isinstance(e, ir.Count | ir.Sum) else REDUCTIONS[e.fn].array
     if isinstance(e, ir.Count):
         value = inner.mask or TRUE
     else:

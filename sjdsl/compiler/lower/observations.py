@@ -18,9 +18,9 @@ from sjdsl.compiler.lower.cell_appearance import (
     shown_words,
 )
 from sjdsl.compiler.lower.expressions import first_of
-from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, paint_planes, parts_of, shift_of
+from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, look_number, paint_planes, parts_of, shift_of
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
-from sjdsl.compiler.lower.seen_cells import inside_kind, marks_seen, painted_values, seen_cell, somebody_seen, without_hidden_marks
+from sjdsl.compiler.lower.seen_cells import look_fields, marks_seen, seen_cell, somebody_seen, without_hidden_marks
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
@@ -139,29 +139,31 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     shown, shift = raw, 0
     for look in (look for look in found if look.same):  # those before this one may show more or fewer values than are painted
         if look.final - look.raw != shift:
-            from_here = as_dtype(binary(">=", raw, first_look(look, w), "bool"), "u8")
+            from_here = binary(">=", raw, first_look(look, w), "bool")
             more = look.final - look.raw - shift
-            shown = binary("+" if more > 0 else "-", shown, binary("*", from_here, literal(abs(more), "u8"), "u8"), "u8")
+            by = w.module.number(f"{look.kind.name}_{'up' if more > 0 else 'down'}", abs(more), "from its looks on, from painted to shown")
+            shown = binary("+" if more > 0 else "-", shown, select(from_here, Value(by, "u8"), literal(0, "u8")), "u8")
             shift = look.final - look.raw
     for look in found:
         if not look.same:
-            is_kind = w.keep(f"is_{look.kind.name}", inside_kind(look, raw, w))
-            shown = w.keep("content", select(is_kind, _shown(look, raw, axes, w), shown))
+            is_kind, values = look_fields(look, raw, w)
+            shown = w.keep("content", select(is_kind, _shown(look, values, axes, w), shown))
     return shown
 
 
-def _shown(look: Look, raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
+def _shown(look: Look, values: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:
     """Returns the number of a kind's look for each observer, from its painted values."""
-    values = painted_values(look, raw, w)
     place = seen_cell(look, look.kind.name, values, axes)
     if look.labels:
         return _labelled(look.observables[0], dict(zip(look.final_words[0], look.labels, strict=True)), place, w)
-    number: Value | None = None
-    for observable, words in zip(look.observables, look.final_words, strict=True):
-        one = _observable(observable, words, values, place, w)
-        number = one if number is None else binary("+", binary("*", number, literal(len(words), "u8"), "u8"), one, "u8")
-    first = literal(look.final, "u8")
-    return first if number is None else binary("+", number, first, "u8")  # of a kind of which only marks are seen, one look
+    first = Value(w.module.number(f"{look.kind.name}_shown", look.final, "as it is shown"), "u8")
+    if not look.observables:  # a kind of which only marks are seen has one look
+        return first
+    seen = [
+        w.keep(f"shown_{observable.field}", _observable(observable, words, values, place, w))
+        for observable, words in zip(look.observables, look.final_words, strict=True)
+    ]
+    return look_number(first, tuple(map(len, look.final_words)), seen)
 
 
 def _labelled(observable: ir.Observable, numbers: dict[str, int], place: IterationScope, w: Writer) -> Value:

@@ -4,10 +4,10 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Value, as_dtype, binary, literal
+from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, binary, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path
+from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, constant, path, scalar
 
 POSITION, HEADING = path("state.position"), path("state.heading")
 
@@ -111,13 +111,18 @@ def first_look(look: Look, w: Writer) -> Value:
 
 
 def _raw(look: Look, w: Writer) -> Value:
-    """Returns the number of each cell's look: its fields' values, the first most significant."""
-    number: Value | None = None
-    for field, values in look.painted:
+    """Returns the number of each cell's look."""
+    values = []
+    for field, _ in look.painted:
         stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
-        if field.type.kind == "agent":  # one up, 0 is nobody
-            stored = binary("+", stored, literal(1, "i32"), "i32")
-        value = as_dtype(stored, "u8")
-        number = value if number is None else binary("+", binary("*", number, literal(values, "u8"), "u8"), value, "u8")
-    assert number is not None
-    return binary("+", number, first_look(look, w), "u8")
+        values.append(binary("+", stored, literal(1, "i32"), "i32") if field.type.kind == "agent" else stored)  # one up, 0 is nobody
+    return look_number(first_look(look, w), tuple(size for _, size in look.painted), values)
+
+
+def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Value:
+    """Returns the numbers of looks: `first`, and how far each value is, of as many as `sizes` has for it, the first most significant."""
+    if len(values) == 1:
+        return binary("+", as_dtype(values[0], "u8"), first, "u8")
+    axes = union(*(value.axes for value in values))
+    nodes = [scalar(value.node, "u8") if value.literal else aligned(value, axes) for value in values]
+    return Value(call("look_number", first.node, constant(sizes), *nodes), "u8", axes)

@@ -1,5 +1,6 @@
 """Lowers `send` and `remove`: collects who is sent over the phase, then spawns or respawns them on free cells."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ir
@@ -16,9 +17,7 @@ from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import expressions as array
-from sjdsl.runtime.actions import HEADINGS
-
-ANY_HEADING, SAME_HEADING = 4, 5  # of an agent that is away
+from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
 
 class Pool(Record):
@@ -154,8 +153,7 @@ def finish(sends: Sends, w: Writer) -> None:
         left = None
         if not any(s.stay for s in _sends_of(pool, w.module)):
             left = _any_of([sent, *(leaving.who for leaving in sends.away if leaving.pool is pool)])
-        entered = [(p.sort, who) for p, who in earlier if set(p.kinds) & set(pool.kinds)]
-        placed = place(pool, sent, left, _fitting(parts), w, entered=entered)
+        placed = place(pool, sent, left, _fitting(parts), w, earlier)
         earlier.append((pool, placed))
         _headings(pool, parts, placed, w)
         if w.module.stores_away(pool.sort):
@@ -228,16 +226,31 @@ def place(
     leaving: array.Expression | None,
     own: array.Expression | None,
     w: Writer,
-    stream_change: int = 0,
-    entered: list[tuple[str, array.Name]] | None = None,
+    entered: list[tuple[Pool, array.Name]],
 ) -> array.Name:
     """Writes the placing of one pool; returns who found a cell. The cells of those who are `leaving` count as free.
 
-    own: the cells that fit each agent, `[N, S]` bool; None where they are the same for all. entered: who has been placed on such cells
-    before in this phase, by sort, `[N]` bool each.
+    own: the cells that fit each agent, `[N, S]` bool; None where they are the same for all. entered: who has been placed before in this
+    phase, by pool, `[N]` bool each.
     """
-    kinds, attribute = pool.kinds, attribute_of("position", pool.sort)
-    extent = w.module.num_cells(kinds)
+    attribute = attribute_of("position", pool.sort)
+    free = _free_cells(pool, leaving, own is None, w, entered)
+    placed = array.Name(w.names.fresh("placed"))
+    before = w.current(attribute)
+    position = w.changed.get(attribute) or array.Name(w.names.fresh(attribute))
+    assert isinstance(position, array.Name)
+    w.changed[attribute] = position
+    bits = array.call("random_bits", KEY, w.stream(pool.send.order_stream), w.module.extent(pool.sort))
+    among = (state_reads.cells_of(pool.kinds, w), free) if own is None else (state_reads.cells_of(pool.kinds, w), free, own)
+    w.unpack((position, placed), array.call("place" if own is None else "place_fitting", *among, bits, before, sent))
+    return placed
+
+
+def _free_cells(
+    pool: Pool, leaving: array.Expression | None, alike: bool, w: Writer, entered: Iterable[tuple[Pool, array.Name]] = ()
+) -> array.Expression:
+    """Returns which cells of a destination are free, `[S]` bool. `alike`: the same ones fit everybody; `leaving`, `entered`: as of `place`."""
+    extent = w.module.num_cells(pool.kinds)
     axis = w.axis("destination", extent)
     free: Value | None = None
 
@@ -247,25 +260,16 @@ def place(
 
     if pool.phase != "start":
         free = without("others", _sites(pool, leaving, w))
-    for sort in dict.fromkeys(sort for sort, _ in entered or ()):
-        who: list[array.Expression] = [one for other, one in entered or () if other == sort]
+    newly_there = [(other.sort, who) for other, who in entered if set(other.kinds) & set(pool.kinds)]
+    for sort in dict.fromkeys(sort for sort, _ in newly_there):
+        who: list[array.Expression] = [one for other, one in newly_there if other == sort]
         newly = array.Where(_any_of(who), w.current(attribute_of("position", sort)), state_reads.nowhere(w).node)
-        free = without("entered", state_reads.site_at(Value(newly, "i32"), kinds, w).node)
-    if pool.send.domain.where is not None and own is None:
+        free = without("entered", state_reads.site_at(Value(newly, "i32"), pool.kinds, w).node)
+    if pool.send.domain.where is not None and alike:
         free = both(free, _fits(pool.send, axis, IterationScope(), w))
-    free = TRUE if free is None else free
-    free = w.keep("free", free) if free.axes else Value(array.call("jnp.full", extent, free.node), "bool", (axis,))
-    placed = array.Name(w.names.fresh("placed"))
-    before = w.current(attribute)
-    position = w.changed.get(attribute) or array.Name(w.names.fresh(attribute))
-    assert isinstance(position, array.Name)
-    w.changed[attribute] = position
-    stream = w.stream(pool.send.order_stream ^ stream_change)
-    bits = array.call("random_bits", KEY, stream, w.module.extent(pool.sort))
-    cells = state_reads.cells_of(kinds, w)
-    among = (cells, free.node) if own is None else (cells, free.node, own)
-    w.unpack((position, placed), array.call("place" if own is None else "place_fitting", *among, bits, before, sent))
-    return placed
+    if free is None or not free.axes:
+        return array.call("jnp.full", extent, (free or TRUE).node)
+    return w.keep("free", free).node
 
 
 def _sites(pool: Pool, leaving: array.Expression | None, w: Writer) -> array.Expression:
@@ -278,9 +282,9 @@ def _sites(pool: Pool, leaving: array.Expression | None, w: Writer) -> array.Exp
     return found[0] if len(found) == 1 else array.call("jnp.concatenate", array.Sequence(tuple(found), is_list=True))
 
 
-def _any_heading(pool: Pool, w: Writer, stream_change: int = 0) -> array.Expression:
+def _any_heading(pool: Pool, w: Writer) -> array.Expression:
     """Returns a random heading for each agent, or each mover of the pool's sort."""
-    stream = w.stream(pool.send.heading_stream ^ stream_change)
+    stream = w.stream(pool.send.heading_stream)
     return array.call("below", array.call("random_bits", KEY, stream, w.module.extent(pool.sort)), array.Literal(4))
 
 
@@ -318,22 +322,20 @@ def _return(pool: Pool, due: array.Expression, w: Writer) -> None:
     """Writes how those come back to the map who were sent away to one pool."""
     w.forget()
     w.origin = pool.send.origin
-    away, away_pool, wanted, heading = (
-        array.path(f"state.{attribute_of(name, pool.sort)}") for name in ("away", "away_pool", "away_facing", "heading")
+    position, heading, away, away_facing, away_pool = (
+        array.path(f"state.{attribute_of(name, pool.sort)}") for name in ("position", "heading", "away", "away_facing", "away_pool")
     )
     to_pool = array.Binary("==", away_pool, array.Literal(pool.number))
     back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
-    placed = place(pool, back, None, _of_those_who_return(pool, w), w, ir.RETURN)
-    is_any = array.Binary("==", wanted, w.module.number("any_heading", ANY_HEADING))
-    is_same = array.Binary("==", wanted, w.module.number("same_heading", SAME_HEADING))
-    facing = w.bind("facing", array.Where(is_any, _any_heading(pool, w, ir.RETURN), wanted))
-    if pool.sort:
-        w.set(facing, array.Cast(facing, "u8"))
-    w.set(facing, array.Where(is_same, heading, facing))
-    w.assign(attribute_of("heading", pool.sort), array.Where(placed, facing, heading))
-    w.assign(attribute_of("away", pool.sort), array.Where(placed, array.Literal(0), away))
-    w.set(array.Name("state"), replaced("state", w.changed))
-    w.changed.clear()
+    own = _of_those_who_return(pool, w)
+    free = _free_cells(pool, None, own is None, w)
+    streams = (w.stream(number ^ ir.RETURN) for number in (pool.send.order_stream, pool.send.heading_stream))
+    among = (state_reads.cells_of(pool.kinds, w), free, back, KEY, *streams, position, heading, away_facing)
+    attributes = [attribute_of(name, pool.sort) for name in ("position", "heading", "away")]
+    new_position, new_heading, placed = (array.Name(w.names.fresh(name)) for name in (*attributes[:2], "placed"))
+    w.unpack((new_position, new_heading, placed), array.call("come_back", *among, *(() if own is None else (own,))))
+    new = (new_position, new_heading, array.Where(placed, array.Literal(0), away))
+    w.set(array.Name("state"), replaced("state", dict(zip(attributes, new, strict=True))))
 
 
 def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:

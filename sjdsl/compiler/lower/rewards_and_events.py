@@ -7,6 +7,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.queries import event_named
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, iota, joined, literal, reduce, select
+from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.domains import in_set
 from sjdsl.compiler.lower.entries import row_key
 from sjdsl.compiler.lower.expressions import owner, real
@@ -20,15 +21,17 @@ MANY = 64  # instances from which on agents are counted by the bits of sets
 def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
     """Adds to the rewards of this step."""
     amount = real(s.value, scope.always(), w)
+    named = "" if isinstance(s.value, ir.Number) else value_name(s.value)
+    name = f"num_{named}" if named else "times"  # how often each agent gets it
     if s.receiver is not None:
-        deliver("reward", (), per_agent(s.receiver, amount, scope, w), w)
+        deliver("reward", (), per_agent(s.receiver, amount, scope, w, name), w)
         return
     reached = scope.mask
     if s.but is not None:
         giver = scope.variables[s.but.name]
         assert isinstance(giver, AgentVar)
         reached = both(scope.mask, binary("!=", giver.index, iota(w.axis("receiver", w.module.agents)), "bool"))
-    deliver("reward", (), _summed(reached, amount, scope.axes, w), w)
+    deliver("reward", (), _summed(reached, amount, scope.axes, w, name), w)
 
 
 def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
@@ -47,7 +50,7 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     if agents is not None and s.receiver is not None:  # all columns at once: one sum instead of an update for each
         column = w.axis("word", w.module.num_words(event.by))
         here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
-        got = per_agent(s.receiver, amount, here, w)
+        got = per_agent(s.receiver, amount, here, w, s.event)
         deliver(attribute, (), replace(got, node=aligned(got, (agents, column))), w)  # the word may be the same for all agents
         return
     for word in (as_dtype(w.module.word(name, event.by), key.dtype) for name in event.by):  # it differs: one column at a time
@@ -57,9 +60,9 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
 
 def _count(s: ir.Tally, attribute: str, column: Expression | None, amount: Value, scope: IterationScope, w: Writer) -> None:
     if s.receiver is not None:
-        deliver(attribute, () if column is None else (ALL, column), per_agent(s.receiver, amount, scope, w), w)
+        deliver(attribute, () if column is None else (ALL, column), per_agent(s.receiver, amount, scope, w, s.event), w)
     else:
-        deliver(attribute, () if column is None else (column,), _summed(scope.mask, amount, scope.axes, w), w)
+        deliver(attribute, () if column is None else (column,), _summed(scope.mask, amount, scope.axes, w, s.event), w)
 
 
 def _one_each(receiver: ir.Expr | None, scope: IterationScope) -> Axis | None:
@@ -76,23 +79,23 @@ def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w:
     w.accumulate(attribute, Update(before, keys, "add", got.node) if keys else joined("+", before, got.node))
 
 
-def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer) -> Value:
-    """Returns what each agent gets in all: `[N]`, or a number if that is the same for all."""
+def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name: str) -> Value:
+    """Returns what each agent gets in all: `[N]`, or a number if that is the same for all. `name`: of how often it gets the amount."""
     axis = w.axis("receiver", w.module.agents)
     many = math.prod(a.size for a in scope.axes) >= MANY and not amount.axes and axis.size <= 32
     if e.type.kind == "agents":
         members = w.value(e, scope)
         if many:
-            return _counted(select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w)
-        return _summed(both(scope.mask, in_set(members, axis)), amount, scope.axes, w)
+            return _counted(select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w, name)
+        return _summed(both(scope.mask, in_set(members, axis)), amount, scope.axes, w, name)
     who = owner(e, scope, w)
     assert isinstance(who, AgentVar)
     if who.axis is not None:
-        return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w)
+        return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w, name)
     if many:
-        return _counted(_alone(who, scope, w), amount, axis, scope, w)
+        return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
     # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
-    return _summed(both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w)
+    return _summed(both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w, name)
 
 
 def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
@@ -106,19 +109,19 @@ def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
     return select(scope.mask, one, literal(0, one.dtype))
 
 
-def _counted(sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer) -> Value:
+def _counted(sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str) -> Value:
     """Returns an amount that is the same for all, times how many of the sets of the instances an agent is in."""
-    count = w.keep("times", Value(call("times_in", sets.node, axis.extent), "i32", (axis,)))
+    count = w.keep(name, Value(call("times_in", sets.node, axis.extent), "i32", (axis,)))
     alike = math.prod(a.size for a in scope.axes if a not in sets.axes)
     return _times(count, _times(literal(alike, "i32"), amount))
 
 
-def _summed(reached: Value | None, amount: Value, over: tuple[Axis, ...], w: Writer) -> Value:
+def _summed(reached: Value | None, amount: Value, over: tuple[Axis, ...], w: Writer, name: str) -> Value:
     """Returns the sum over the instances that are reached; where all give the same, they are counted, which is cheaper than adding."""
     if reached is None:
         return reduce("sum", amount, over)
     if over and not any(axis in amount.axes for axis in over):
-        return _times(w.keep("times", reduce("sum", reached, over)), amount)
+        return _times(w.keep(name, reduce("sum", reached, over)), amount)
     return reduce("sum", select(reached, amount, literal(0, amount.dtype)), over)
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from sjdsl.compiler.lower.axes import Axis, Value, binary, both, iota, literal, select
+from sjdsl.compiler.lower.axes import Axis, Value, binary, iota, literal, select
 from sjdsl.compiler.lower.cell_appearance import (
     Look,
     looks,
@@ -41,34 +41,23 @@ def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: tuple[Axi
             marks = select(somebody_seen(planes, w), literal(0, "u8"), marks)
         for look in (found[kind] for kind in hidden.kinds if kind in found):
             w.origin = hidden.origin
-            there = w.keep(f"on_{look.kind.name}", inside_kind(look, raw, w))
+            there, values = look_fields(look, raw, w)
             if hidden.when is not None:
-                place = seen_cell(look, hidden.name, painted_values(look, raw, w), axes)
+                place = seen_cell(look, hidden.name, values, axes)
                 there = binary("&", there, w.value(hidden.when, place), "bool")
             marks = w.keep("marks", select(there, literal(0, "u8"), marks))
     return marks
 
 
-def inside_kind(look: Look, raw: Value, w: Writer) -> Value:
-    """Returns whether a number of looks is of a kind."""
-    if look.raw_values == 1:
-        return binary("==", raw, first_look(look, w), "bool")
-    below = binary("<", raw, literal(look.raw + look.raw_values, "u8"), "bool")
-    inside = both(binary(">=", raw, first_look(look, w), "bool"), below)
-    assert inside is not None
-    return inside
-
-
-def painted_values(look: Look, raw: Value, w: Writer) -> dict[str, Value]:
-    """Returns the painted fields of a kind, taken out of the numbers of looks; where another kind is they mean nothing."""
-    values: dict[str, Value] = {}
-    rest = binary("-", raw, first_look(look, w), "u8")
-    for field, size in reversed(look.painted):
-        is_first = field is look.painted[0][0]
-        value = rest if is_first else binary("%", rest, literal(size, "u8"), "u8")
-        values[field.name] = w.keep(f"{look.kind.name}_{field.name}", value)
-        rest = replace(rest, node=array.Binary("//", rest.node, array.Literal(size)))
-    return values
+def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Value]]:
+    """Returns which numbers of looks are of a kind, and the values of its painted fields, which mean nothing where another kind is."""
+    name, first = look.kind.name, first_look(look, w)
+    if not look.painted:
+        return w.keep(f"is_{name}", binary("==", raw, first, "bool")), {}
+    fields, sizes = zip(*((field.name, size) for field, size in look.painted), strict=True)
+    call = array.call("look_fields", raw.node, first.node, array.constant(sizes))
+    there, *values = w.keep_parts((f"is_{name}", *(f"{name}_{field}" for field in fields)), call)
+    return replace(raw, node=there, dtype="bool"), {field: replace(raw, node=value) for field, value in zip(fields, values, strict=True)}
 
 
 def seen_cell(look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]) -> IterationScope:

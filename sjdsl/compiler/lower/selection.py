@@ -1,7 +1,6 @@
 """Lowers the quantifiers that choose among members: `pick` at random, `first` along each lane of a shape."""
 
 from dataclasses import replace
-from itertools import count
 from math import prod
 
 from sjdsl.compiler import ir
@@ -23,7 +22,7 @@ from sjdsl.compiler.lower.axes import (
     spread,
     union,
 )
-from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, number_in, shape_name, sites_in, stand_on, sweep, whole_set
+from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, number_in, sites_in, stand_on, sweep, whole_set
 from sjdsl.compiler.lower.draws import KEY, need_no_state, random_bits
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfOne, Variable
 from sjdsl.compiler.lower.writer import Writer
@@ -185,35 +184,11 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
 
 def _nearest_in_lanes(shape: ir.Shape, ok: Value, numbers: array.Expression, name: str, w: Writer) -> tuple[Value, Value]:
     """Returns in which lanes there is a member, and the number of the nearest; `ok`, `numbers`: of the cells of the shape, last."""
-    axis, longest = len(ok.axes) - 1, max(map(len, shape.lanes))
-    if longest == 1:  # every cell is a lane
+    if max(map(len, shape.lanes)) == 1:  # every cell is a lane
         return ok, w.keep(name, Value(numbers, "i32"))
-    if len(shape.lanes) == 1:
-        over = {"axis": array.Literal(axis), "keepdims": array.Literal(True)}
-        found = w.keep("found", Value(array.call("jnp.any", ok.node, **over), "bool"))
-        at = w.keep("nearest", Value(array.call("jnp.argmax", ok.node, **over), "i32"))
-        return found, w.keep(name, Value(array.call("jnp.take_along_axis", numbers, at.node, axis=array.Literal(axis)), "i32"))
-    cells = ok.axes[-1].size
-    table = w.module.constant(
-        f"lanes_of_{shape_name(shape.name)}", _lane_table(shape, cells), f"cells of each lane of {shape.name}, nearest first", "i32"
-    )
-    lead = [array.ALL] * axis
-    nobody = array.call("jnp.zeros_like", array.Index(ok.node, (*lead, array.Slice(None, array.Literal(1)))))
-    padded = array.call("jnp.concatenate", array.Sequence((ok.node, nobody), is_list=True), axis=array.Literal(axis))
-    in_lane = w.keep("in_lane", Value(array.Index(padded, (*lead, table)), "bool"))
-    at = w.keep("nearest", Value(array.call("jnp.argmax", in_lane.node, axis=array.Literal(-1)), "i32"))
-    found = w.keep("found", Value(array.Reduce("any", in_lane.node, (-1,)), "bool"))
-    each_lane: array.Expression = array.Arange(array.Literal(len(shape.lanes)))
-    each_lane = array.Index(each_lane, (*[array.NEW_AXIS] * axis, array.ALL)) if axis else each_lane
-    index = w.keep("cell_of_lane", Value(array.Index(table, (each_lane, at.node)), "i32"))
-    last = array.call("jnp.minimum", index.node, array.Literal(cells - 1))
-    return found, w.keep(name, Value(array.call("jnp.take_along_axis", numbers, last, axis=array.Literal(axis)), "i32"))
-
-
-def _lane_table(shape: ir.Shape, cells: int) -> array.Expression:
-    """Returns the numbers of the cells of each lane, nearest first; past the end: none."""
-    numbers, longest = count(), max(map(len, shape.lanes))
-    return array.constant([[next(numbers) if at < len(lane) else cells for at in range(longest)] for lane in shape.lanes])
+    lanes = array.constant(tuple(map(len, shape.lanes)))
+    chosen, found = w.keep_parts((name, "found"), array.call("nearest_in_lanes", ok.node, numbers, lanes))
+    return Value(found, "bool"), Value(chosen, "i32")
 
 
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:

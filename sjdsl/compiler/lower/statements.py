@@ -6,6 +6,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.assignments import add, set_
 from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, joined, reduce, select
+from sjdsl.compiler.lower.condition_names import condition_name, domain_name
 from sjdsl.compiler.lower.courses import move_on_course
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
@@ -26,8 +27,9 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
         w.origin = s.origin
         match s:
             case ir.Let():
-                value = w.value(s.value, scope.always())
-                scope = replace(scope, locals={**scope.locals, s.name: w.keep(s.name, value)})
+                before = len(w.body)
+                value = w.keep(s.name, w.rename(s.name, w.value(s.value, scope.always()), before))
+                scope = replace(scope, locals={**scope.locals, s.name: value})
             case ir.Draw():
                 scope = replace(scope, locals={**scope.locals, s.name: draw(s, scope, w)})
             case _:
@@ -37,14 +39,14 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
 def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> None:
     match s:
         case ir.Each() if not is_empty(s.domain, w):
-            _inside(s.body, enter(s.domain, scope, w), w, sends)
+            _inside(s.body, enter(s.domain, scope, w), w, sends, domain_name(s.domain, w.module.game))
         case ir.Pick():
             inner, nobody = pick(s, scope, w)
-            _inside(s.body, inner, w, sends)
+            _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
             _inside(s.otherwise, scope.when(nobody), w, sends)
         case ir.First():
             inner, without = first(s, scope, w)
-            _inside(s.body, inner, w, sends)
+            _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
             _inside(s.otherwise, without, w, sends)
         case ir.Match() if not is_empty(s.left, w) and not is_empty(s.right, w):
             _inside(s.body, match_(s, scope, w), w, sends)
@@ -88,11 +90,12 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             assert_never(s)
 
 
-def _inside(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends) -> None:
+def _inside(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends, name: str = "") -> None:
+    """Writes a block. `name`: of the mask that says where it happens, if several statements read it."""
     if not body or scope.mask == FALSE:
         return
     if scope.mask is not None and len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
-        scope = replace(scope, mask=w.keep("active", scope.mask))
+        scope = replace(scope, mask=w.keep(name or "active", scope.mask))
     block(body, scope, w, sends)
 
 
@@ -102,10 +105,11 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
     for number, branch in enumerate(s.branches):
         if number > 2 and rest.mask is not None:  # of many branches the conditions would pile up
             rest = replace(rest, mask=w.keep("rest", rest.mask))
+        name = condition_name(branch.test, w.module.game)
         test = w.value(branch.test, scope.always())
         if len(s.branches) > 1 or s.otherwise:
-            test = w.keep("holds", test)
-        _inside(branch.body, rest.when(test), w, sends)
+            test = w.keep(name or "holds", test)
+        _inside(branch.body, rest.when(test), w, sends, f"where_{name}" if name and rest.mask is not None else name)
         rest = rest.when(invert(test))
     _inside(s.otherwise, rest, w, sends)
 

@@ -1,12 +1,12 @@
 """The writer: collects names, constants and statements while lowering builds a module, one function at a time."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
 from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, mover_sort, movers_named, shape_named, shows_attribute
 from sjdsl.compiler.ir.sorts import sort_of
@@ -38,11 +38,12 @@ WORD = 32  # bits of a number that agents of a set are kept in
 
 @dataclass
 class Module:
-    """What all functions of a module share. `expression` lowers an expression: what `Writer.value` calls."""
+    """What all functions of a module share. `expression` lowers an expression: what `Writer.value` calls; `sources`: as of `lower`."""
 
     game: ir.Game
     layout: Layout
     expression: Callable[[ir.Expr, IterationScope, "Writer"], Value]
+    sources: Mapping[str, Source] = field(default_factory=dict)
     constants: dict[str, Constant] = field(default_factory=dict)
     numbers: dict[str, Number] = field(default_factory=dict)
     names: Names = field(default_factory=lambda: Names(set(MODULE_NAMES)))
@@ -194,6 +195,7 @@ class Writer:
     origin: Span | None = None
     state: str = "state"  # what is read from
     known: dict[tuple[Expression, str], Name] = field(default_factory=dict)
+    parts: dict[Expression, tuple[Name, ...]] = field(default_factory=dict)  # of what kernels have returned
     shape_axes: dict[tuple[str, Variable], Axis] = field(default_factory=dict)
     axes_made: int = 0
     changed: dict[str, Expression] = field(default_factory=dict)
@@ -253,6 +255,27 @@ class Writer:
             self.known[key] = self.bind(name, value.node)
         return replace(value, node=self.known[key])
 
+    def keep_parts(self, names: tuple[str, ...], node: Expression) -> tuple[Name, ...]:
+        """Gives names to what a kernel returns, part by part; what computes the same is called once."""
+        if node not in self.parts:
+            self.parts[node] = tuple(Name(self.names.fresh(identifier(name.lower()))) for name in names)
+            self.unpack(self.parts[node], node)
+        return self.parts[node]
+
+    def rename(self, name: str, value: Value, since: int) -> Value:
+        """Gives a value the name that the rules have for it, if it has just been kept under another: nothing has read that.
+
+        since: how many statements there were before it was lowered.
+        """
+        last = self.body[-1] if len(self.body) > since else None
+        if not isinstance(last, Assign) or value.node != Name(last.names[0]) or len(last.names) > 1:
+            return value
+        self.names.taken.discard(last.names[0])
+        fresh = Name(self.names.fresh(identifier(name.lower())))
+        self.body[-1] = replace(last, names=(fresh.identifier,))
+        self.known = {key: fresh if kept == value.node else kept for key, kept in self.known.items()}
+        return replace(value, node=fresh)
+
     def stored(self, attribute: str) -> Expression:
         """Returns an attribute of the state that is read."""
         return path(f"{self.state}.{attribute}")
@@ -267,6 +290,7 @@ class Writer:
     def forget(self) -> None:
         """What has been computed so far is not valid any more."""
         self.known.clear()
+        self.parts.clear()
         self.shape_axes.clear()
 
     def current(self, attribute: str) -> Expression:

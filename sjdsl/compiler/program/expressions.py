@@ -75,7 +75,7 @@ class Index(Record):
 class Unary(Record):
     """`~operand` or `-operand`."""
 
-    op: OneOf["~", "-"]
+    op: str
     operand: Expression
 
 

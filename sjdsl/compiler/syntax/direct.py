@@ -1,11 +1,11 @@
-"""Reads a text without mistakes straight to its AST, several times as fast as by way of the grammar's own tree.
+"""Reads a text straight to its AST, several times as fast as by way of the grammar's own tree.
 
-Source -> ast.File, or None for a text that `parse.read_tree` has to read: one with a mistake, or near a limit of the compiler
+Source -> ast.File; how far it was read, for a text with a mistake; None for wrong characters and texts beyond a limit of the compiler
 """
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -13,15 +13,17 @@ from lark import Lark
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
+from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.build_ast import AS_WRITTEN, RULES
 from sjdsl.compiler.syntax.node_builders import Part, unquote
-from sjdsl.compiler.syntax.recovery.automaton import END
+from sjdsl.compiler.syntax.recovery.automaton import END, Stack
+from sjdsl.compiler.syntax.recovery.idioms import FARTHEST
+from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
+from sjdsl.compiler.syntax.tokens import BRACKETS, PREFIX, is_too_large
 
 WRONG = "WRONG"  # the kind of a character that begins no word or sign
-LONG = len(str(MAX_INTEGER))  # whole numbers of so many digits are left to `read_tree`
+EVERY = 64  # words after which the stack is kept
 NOTHING = (None, None)  # what the table has for a token that cannot come
 
 
@@ -67,6 +69,14 @@ class Words(Record, eq=False):
     texts: list[str]
 
 
+class ReadSoFar(Record, eq=False):
+    """The kinds of all words of a text, of those before the mistake as they were read; and the stack before word `at`, a little before it."""
+
+    kinds: list[str]
+    at: int
+    stack: Stack
+
+
 @cache
 def tables(parser: Lark) -> Tables:
     """Returns the tables of a parser's grammar."""
@@ -91,17 +101,21 @@ def _rule(rule: Any) -> Rule:
     return Rule(len(symbols), str(rule.origin.name), tuple(kept), str(name), passes, RULES.get(name))
 
 
-def read_directly(source: Source, parser: Lark) -> ast.File | None:
-    """Returns the tree of a text whose version line is right; None if it has a mistake, or may be beyond a limit of the compiler."""
+def read_directly(source: Source, parser: Lark) -> ast.File | ReadSoFar | None:
+    """Returns the tree of a text whose version line is right; how far it was read if the words are not those of a game.
+
+    None: a character is wrong, or the text is beyond a limit of the compiler.
+    """
     known = tables(parser)
     words = cut(source.text, known)
     return None if words is None else Reader(words, source, known).file()
 
 
 def cut(text: str, known: Tables) -> Words | None:
-    """Returns the words and signs of a text; None if a character is wrong, a number too long, or the text."""
+    """Returns the words and signs of a text; None if a character is wrong, a number too large, or the text too long or nested too deeply."""
     words = Words([], [], [], [])
     starts, ends, kinds, texts = words.starts, words.ends, words.kinds, words.texts
+    brackets = prefixes = 0
     for match in known.sign.finditer(text):
         kind = match.lastgroup
         if kind is None:  # only what is between, at the end of the text
@@ -110,7 +124,11 @@ def cut(text: str, known: Tables) -> Words | None:
         said = text[start:end]
         if kind == "NAME":
             kind = known.words.get(said, kind)
-        elif kind == WRONG or (kind == "INT" and len(said) >= LONG) or (kind == "DEC" and len(said) > MAX_DIGITS):
+        elif kind == WRONG or (kind == "INT" and is_too_large(said)) or (kind == "DEC" and len(said) > MAX_DIGITS):
+            return None
+        brackets += BRACKETS.get(kind, 0)
+        prefixes = prefixes + 1 if kind in PREFIX else 0
+        if brackets + prefixes > MAX_DEPTH:
             return None
         starts.append(start)
         ends.append(end)
@@ -124,6 +142,14 @@ def cut(text: str, known: Tables) -> Words | None:
     return words
 
 
+def _so_far(kinds: list[str], at: int, states: Sequence[int], firsts: Sequence[int]) -> ReadSoFar:
+    """Returns the stack before a word, in the form in which mistakes are searched for. `firsts`: the word with which each level begins."""
+    stack = Stack(states[0], None)
+    for state, first in zip(states[1:], firsts, strict=True):
+        stack = Stack(state, stack, first)
+    return ReadSoFar(kinds, at, stack)
+
+
 class Reader:
     """One run of the table over the words of a text. Values are nodes, lists of them, or the numbers of words."""
 
@@ -132,12 +158,15 @@ class Reader:
         self._lines = [0, *(match.end() for match in re.finditer("\n", source.text))]
         self._statements = 0
 
-    def file(self) -> ast.File | None:
-        """Returns the file that the words are; None if they are none, or it is nested too deeply or has too many statements."""
+    def file(self) -> ast.File | ReadSoFar | None:
+        """Returns the file that the words are, or how far they were read; None if it is nested too deeply or has too many statements."""
         known, kinds = self._known, self._words.kinds
         states, rules, passed, end = known.states, known.rules, known.passed, known.end
         stack, values, firsts, heights = [known.start], list[Any](), list[int](), list[int]()
+        earlier = kept = (0, list[int](), list[int]())
         for number, kind in enumerate(kinds):
+            if not number % EVERY:
+                earlier, kept = kept, (number, stack[:], firsts[:])
             if kind in SOFT and not can_come(states, stack, kind) and can_come(states, stack, "NAME"):
                 kind = kinds[number] = "NAME"
             while True:
@@ -148,8 +177,8 @@ class Reader:
                     firsts.append(number)
                     heights.append(0)
                     break
-                if to is None or len(stack) > MAX_DEPTH:
-                    return None
+                if to is None:
+                    return _so_far(kinds, *(kept if kept[0] <= max(0, number - FARTHEST) else earlier))
                 rule = rules[id(to)]
                 width = rule.width
                 if width > 1 or not rule.passes:
@@ -166,7 +195,7 @@ class Reader:
                 if kind == END and stack[-1] == end:
                     fits = heights[-1] <= MAX_TREE and self._statements <= MAX_STATEMENTS
                     return values[-1] if fits and isinstance(values[-1], ast.File) else None
-        return None
+        raise AssertionError("the end of a text is read or refused")
 
     def _passed(self, below: int, state: int, kind: str) -> int:
         """Returns the state after all rules, one after the other, for which a single child stands: `(a)` is read as a dozen of them."""

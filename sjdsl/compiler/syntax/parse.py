@@ -11,16 +11,15 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from lark import Lark, Token, Tree, UnexpectedCharacters, UnexpectedToken
+from lark import Lark, Token, Tree, UnexpectedCharacters
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text, check_tree
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.syntax.build_ast import build_ast
 from sjdsl.compiler.syntax.characters import CONTROL
-from sjdsl.compiler.syntax.direct import read_directly
+from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton, open_marks, read
 from sjdsl.compiler.syntax.recovery.idioms import Idiom, find_idiom, idiom_error
 from sjdsl.compiler.syntax.recovery.messages import word_error
@@ -45,35 +44,37 @@ def parse(source: Source) -> ast.File:
 @lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
 def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     """Returns the tree of a text, or its syntax errors."""
-    if not (check_text(source) or _check_version(source) or CONTROL.search(source.text)):
-        file = read_directly(source, parser())
-        if file is not None:
-            return file
-    try:
-        return build_ast(read_tree(source)[1], source.name)
-    except CompileError as error:
-        return error.diagnostics
+    problems = check_text(source)
+    if not problems:
+        wrong = _check_version(source)
+        found = None if wrong or CONTROL.search(source.text) else read_directly(source, parser())
+        if isinstance(found, ast.File):
+            return found
+        problems = mistakes(source, wrong, found)
+    return CompileError(problems).diagnostics
+
+
+def mistakes(source: Source, wrong: list[Diagnostic], so_far: ReadSoFar | None) -> list[Diagnostic]:
+    """Returns what is wrong with a text that is not read. `wrong`: what is wrong with its version line; `so_far`: what is right."""
+    if wrong and isinstance(wrong[0], errors.NewerLanguage):
+        return wrong
+    found = scan(source, parser())
+    if wrong and not _skip_to_game(found):
+        return wrong
+    at, stack = 0, _beginning(automaton(), not wrong)
+    if so_far is not None:
+        at, stack = so_far.at, so_far.stack
+        for number, kind in enumerate(so_far.kinds[:at]):
+            if found.tokens[number].type != kind:  # a soft word that is a name
+                found.tokens[number] = Token.new_borrow_pos(kind, found.tokens[number], found.tokens[number])
+    problems = wrong + found.problems + (_find_errors(found, at, stack) if found.complete else [])
+    return problems or check_tree(tree_of(found.tokens)[1], source)
 
 
 def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
-    """Returns the tokens of one `.sj` text and the grammar's own tree of them. Raises CompileError with every syntax error."""
-    _raise(check_text(source))
-    wrong = _check_version(source)
-    if wrong and isinstance(wrong[0], errors.NewerLanguage):
-        raise CompileError(wrong)
-    found = scan(source, parser())
-    if wrong and not _skip_to_game(found):
-        raise CompileError(wrong)
-    tree = None if wrong or found.problems else _tree(found)
-    if tree is None:
-        raise CompileError(wrong + found.problems + (_find_errors(found, not wrong) if found.complete else []))
-    _raise(check_tree(tree, source))
-    return found.tokens, tree
-
-
-def _raise(problems: list[Diagnostic]) -> None:
-    if problems:
-        raise CompileError(problems)
+    """Returns the tokens of one `.sj` text and the grammar's own tree of them, for its layout. Raises CompileError as `parse` does."""
+    parse(source)
+    return tree_of(scan(source, parser()).tokens)
 
 
 @cache
@@ -145,14 +146,14 @@ class Search:
     owed: int = 0
 
 
-def _find_errors(found: Scan, begun: bool) -> list[Diagnostic]:
-    """Runs the table over the tokens; at each error a repair is chosen, and reading goes on behind it."""
+def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
+    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading goes on behind it."""
     table = automaton()
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]
     closing = closing_braces(kinds)
-    stack, before = _beginning(table, begun), None
-    search, at, repairs = Search(), 0, 0
+    before: Stack | None = None
+    search, repairs = Search(), 0
     trail: dict[int, Stack] = {}
     while repairs < MAX_PROBLEMS:
         if kinds[at] in SOFT:
@@ -235,18 +236,8 @@ def _beginning(table: Automaton, begun: bool) -> Stack:
     return stack
 
 
-def _tree(found: Scan) -> Tree[Token] | None:
-    """Returns the tree of the tokens, None if there is an error in them; soft words become names if they have to."""
-    try:
-        found.tokens, tree = _feed(found.tokens)
-    except UnexpectedToken:
-        found.tokens = as_names(automaton(), found.tokens)
-        return None
-    return tree
-
-
-def _feed(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
-    """Returns the tokens, soft words as names where only a name can stand, and their tree. Raises UnexpectedToken."""
+def tree_of(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
+    """Returns the tokens of a text without mistakes, soft words as names where only a name can stand, and their tree."""
     reader = parser().parse_interactive("")
     at, resolved = reader.parser_state, list[Token]()
     states = at.parse_conf.parse_table.states

@@ -15,6 +15,8 @@ from sjdsl.compiler.syntax.characters import mend, without_controls
 from sjdsl.compiler.syntax.soft_words import names_in_place
 
 OPENING, CLOSING, PREFIX = ("LBRACE", "LPAR", "LSQB"), ("RBRACE", "RPAR", "RSQB"), ("NOT", "SIGN")
+BRACKETS = dict.fromkeys(OPENING, 1) | dict.fromkeys(CLOSING, -1)  # how much deeper each goes
+LONG = len(str(MAX_INTEGER))
 
 
 @dataclass
@@ -66,15 +68,20 @@ def scan(source: Source, parser: Lark) -> Scan:
     return found
 
 
+def is_too_large(digits: str) -> bool:
+    """Returns whether a whole number is larger than those of the language; one of very many digits is not computed."""
+    return len(digits) >= LONG and (len(digits.lstrip("0")) > LONG or int(digits) > MAX_INTEGER)
+
+
 def _is_within_limits(found: Scan, token: Token) -> bool:
     """Reports a number too large, and too many or too deeply nested tokens; the latter two end the reading."""
     match token.type:
-        case "INT" if len(token.lstrip("0")) > len(str(MAX_INTEGER)) or int(token) > MAX_INTEGER:
+        case "INT" if is_too_large(token):
             shown = token if len(token) < 20 else f"{token[:8]}... ({len(token)} digits)"
             _too_much(found, token, f"{shown} is too large a number", MAX_INTEGER)
         case "DEC" if len(token) > MAX_DIGITS:
             _too_much(found, token, f"this number has {len(token)} characters", MAX_DIGITS)
-    found.brackets += (token.type in OPENING) - (token.type in CLOSING)
+    found.brackets += BRACKETS.get(token.type, 0)
     found.prefixes = found.prefixes + 1 if token.type in PREFIX else 0
     if found.brackets + found.prefixes > MAX_DEPTH:
         span = found.source.span(token.start_pos or 0, token.end_pos or 0)

@@ -7,6 +7,7 @@ from sjdsl.report.contents import Contents, called
 from sjdsl.report.evidence import DiagramRow
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section, Table
+from sjdsl.report.published import variant
 from sjdsl.report.sections.own_and_common import REWARDS, rewards_sweep
 
 HEADINGS = (*("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "published", "over"),)
@@ -42,15 +43,17 @@ def diagrams(contents: Contents) -> Section:
 
 
 def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:
-    """Returns the rows of a game, first those of the game as it is, of which the first has what was published."""
+    """Returns the rows of a game, first those of the paper's rules, of which the first has what was published; then those of the game as it is."""
     published = published_shape(game)
     note = f" ({published['note']})" if published and published["note"] else ""
     said = f"{published['shape']}, called a {published['type']}{note}" if published else ""
+    released = f"variant {variant()}"
     found = sorted(
-        (row for row in contents.evidence.diagrams if row.game == game), key=lambda row: (contents.form(row), row.unit != TRAINED)
+        (row for row in contents.evidence.diagrams if row.game == game),
+        key=lambda row: (contents.form(row) != released, contents.form(row), row.unit != TRAINED),
     )
-    if said and not (found and not contents.form(found[0])):
-        return [(game, *("",) * 7, said, ""), *(_row(contents, row, "") for row in found)]
+    if said and not (found and contents.form(found[0]) == released):
+        return [(f"{game}, {released}", *("",) * 7, said, ""), *(_row(contents, row, "") for row in found)]
     return [_row(contents, row, said if number == 0 else "") for number, row in enumerate(found)]
 
 
@@ -72,5 +75,6 @@ def _label(contents: Contents, row: DiagramRow) -> str:
 
 
 def _record(contents: Contents, row: DiagramRow) -> dict[str, Any]:
-    published = {} if contents.form(row) else published_shape(row.game) or {}
+    published = published_shape(row.game) if contents.form(row) == f"variant {variant()}" else None
+    published = published or {}
     return {**vars(row), "published_shape": published.get("shape"), "published_type": published.get("type")}

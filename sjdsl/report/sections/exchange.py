@@ -5,7 +5,7 @@ from functools import partial
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
 from sjdsl.report.cells import Cell, settings_between
-from sjdsl.report.contents import Contents, Game, called
+from sjdsl.report.contents import Contents, Game, sweeps_of
 from sjdsl.report.ninety_five_percent_rule import RESAMPLES, choice_frequencies, chosen_ratio
 from sjdsl.report.page import Picture, Section, Table
 from sjdsl.report.small_multiples import Series, draw_series, panel_of
@@ -39,10 +39,9 @@ def exchange(contents: Contents) -> Section:
         )
     panels = [panel_of(game.label, _ours(cells), _printed(game)) for game, cells in found.items() if cells]
     draw = partial(draw_series, panels, "exchange ratio", "collective return")
-    wanted = [game.name for game, cells in found.items() if not set(RATIOS) <= cells.keys()]
-    fill = [f"sjdsl sweep {called(wanted)} --protocol exchange --preset two_cores --seeds 5 --run runs/exchange"] if wanted else []
+    fill = sweeps_of([game for game, cells in found.items() if not set(RATIOS) <= cells.keys()], "--protocol exchange", "runs/exchange")
     pictures = (Picture("exchange", "returns by exchange ratio", draw),) if panels else ()
-    return Section("Returns by exchange ratio", tuple(text), tuple(tables), pictures, tuple(fill))
+    return Section("Returns by exchange ratio", tuple(text), tuple(tables), pictures, fill)
 
 
 def _cells(contents: Contents, game: Game) -> dict[float, Cell]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
 from sjdsl.report.cells import Cell
-from sjdsl.report.contents import Contents, Game, called, remarks_of
+from sjdsl.report.contents import Contents, Game, remarks_of, sweeps_of
 from sjdsl.report.page import Section
 from sjdsl.report.published import PaperMetric
 from sjdsl.report.sections.exchange import RATIOS
@@ -26,7 +26,7 @@ def metrics(contents: Contents) -> Section:
         if metric is None:
             continue
         cells = [_cell(contents, game, metric, way) for way in _ways(contents, game)]
-        empty += [game.name] if None in cells else []
+        empty += [game] if None in cells else []
         chosen = _choices(contents, game, cells)
         lines.append(Line(game.label, cells, [metric.printed[column] for column in columns], (metric.what, chosen)))
     if not lines:
@@ -46,8 +46,7 @@ def metrics(contents: Contents) -> Section:
             "The command below trains exchange at the ratio that the paper chose, and SVO at the weight of the configuration. "
             "The best of several ratios and weights are found by the commands of the sections above."
         )
-    fill = [f"sjdsl sweep {called(empty)} --protocol algorithms --preset two_cores --seeds 5 --run runs/algorithms"] if empty else []
-    return Section(TITLE, tuple(text), (table,), fill=tuple(fill))
+    return Section(TITLE, tuple(text), (table,), fill=sweeps_of(empty, "--protocol algorithms", "runs/algorithms"))
 
 
 def _ways(contents: Contents, game: Game) -> list[Way]:

@@ -4,13 +4,14 @@ from collections.abc import Iterable, Sequence
 
 from sjdsl.report.cells import settings_between
 from sjdsl.report.comparing import Pair, compared_table
-from sjdsl.report.contents import Contents, Game, called
+from sjdsl.report.contents import Contents, Game, called, sweeps_of
 from sjdsl.report.evidence import RandomRow
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section
 from sjdsl.report.published import difficulty
 from sjdsl.report.ways import common, individual
 
+AXIS = "--axis reward=individual,common"
 REWARDS = "runs/rewards/cells"  # where the sweep that is named for empty cells puts its runs
 
 
@@ -34,21 +35,21 @@ def own_and_common(contents: Contents) -> Section:
     ]
     for column, cells in (("individual", [own for _, own, _ in lines]), ("common", [shared for _, _, shared in lines])):
         text += settings_between(column, {said[0]: cell for (said, _, _), cell in zip(lines, cells, strict=True)})
-    missing = dict.fromkeys(game.name for game, line in zip(contents.games, lines, strict=True) if None in line[1:])
-    fill = (rewards_sweep(missing or ["coins"]),) if missing or not lines else ()
+    missing = [game for game, line in zip(contents.games, lines, strict=True) if None in line[1:]]
+    fill = sweeps_of(missing, AXIS, "runs/rewards") if lines else (rewards_sweep(["coins"]),)
     return Section("Individual and common reward", tuple(text), (table,) if lines else (), fill=fill)
 
 
 def rewards_sweep(games: Iterable[str]) -> str:
     """Returns the command that trains in games with individual and with common reward."""
-    return f"sjdsl sweep {called(games)} --axis reward=individual,common --preset two_cores --seeds 5 --run runs/rewards"
+    return f"sjdsl sweep {called(games)} {AXIS} --preset two_cores --seeds 5 --run runs/rewards"
 
 
 def _random(contents: Contents, game: Game) -> RandomRow | None:
-    """Returns what a random policy earns: under the same rules; of a game in which nothing was trained, under those it was measured with."""
-    if game.setting is None:
-        return next((row for row in contents.evidence.random if row.game == game.name), None)
-    return None if game.setting.params else contents.index.random(game.setting.game, game.setting.hash)
+    """Returns what a random policy earns under the same rules."""
+    if game.setting is None or game.setting.params:
+        return None
+    return contents.index.random(game.setting.game, game.setting.hash)
 
 
 def _random_text(found: RandomRow | None) -> str:

@@ -6,7 +6,7 @@ from functools import partial
 from sjdsl.report import published
 from sjdsl.report.beside import Line, beside_table
 from sjdsl.report.cells import Cell
-from sjdsl.report.contents import Contents, Game, called, remarks_of
+from sjdsl.report.contents import Contents, Game, remarks_of, sweeps_of
 from sjdsl.report.page import Picture, Section, Table
 from sjdsl.report.small_multiples import Series, draw_series, panel_of
 from sjdsl.report.ways import svo as way
@@ -40,9 +40,9 @@ def svo(contents: Contents) -> Section:
     draw = partial(draw_series, panels, "SVO angle (degrees)", "collective return")
     pictures = (Picture("svo", "returns by SVO angle", draw),) if panels else ()
     # of weight 0 a sweep trains one angle, for all are alike
-    wanted = [game.name for game, (weight, cells) in angles.items() if not (set(ANGLES) <= cells.keys() or (cells and not weight))]
-    fill = [f"sjdsl sweep {called(wanted)} --protocol svo --preset two_cores --seeds 5 --run runs/svo"] if wanted else []
-    return Section("Social value orientation", text, tuple(tables), pictures, tuple(fill))
+    wanted = [game for game, (weight, cells) in angles.items() if not (set(ANGLES) <= cells.keys() or (cells and not weight))]
+    fill = sweeps_of(wanted, "--protocol svo", "runs/svo")
+    return Section("Social value orientation", text, tuple(tables), pictures, fill)
 
 
 def _without_weight(angles: dict[Game, tuple[float, dict[float, Cell]]]) -> list[str]:

@@ -1,48 +1,11 @@
-"""Builds the AST from the parser's tree: a table from grammar rule to class or small function.
-
-Assumes the tree of a text without syntax errors, no deeper than `limits.MAX_TREE`; adds and changes no meaning.
-"""
-
-from typing import Any
-
-from lark import Token, Tree
+"""What each rule of the grammar is in the AST: a table from the rule to a class or a small function. None adds or changes a meaning."""
 
 from sjdsl.compiler import ast
-from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.syntax import node_builders
-
-
-def build_ast(tree: Tree[Token], file: str) -> ast.File:
-    """Returns the file as `ast` nodes; spans name `file`."""
-    node = _build(tree, file)
-    assert isinstance(node, ast.File)
-    return node
-
-
-def _build(tree: Tree[Token], file: str) -> Any:
-    items = [_build(c, file) if isinstance(c, Tree) else _token(c, file) for c in tree.children if c is not None]
-    if tree.data == "names":
-        return node_builders.Part("names", tuple(items))
-    if tree.data in CLAUSES:
-        return node_builders.Part(tree.data, items[0] if items else None)
-    span = Span(file, tree.meta.start_pos, tree.meta.end_pos, tree.meta.line, tree.meta.column)
-    return RULES[tree.data](span, *items)
-
-
-def _token(token: Token, file: str) -> ast.Name | ast.String | str:
-    span = Span(file, token.start_pos or 0, token.end_pos or 0, token.line or 0, token.column or 0)
-    match token.type:
-        case "STRING":
-            return ast.String(span, node_builders.unquote(token))
-        case kind if kind in AS_WRITTEN:
-            return str(token)
-        case _:
-            return ast.Name(span, str(token))
-
 
 AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE"))  # kinds of tokens that become plain texts
 
-CLAUSES = {
+CLAUSES = {  # rules that fill a field of the rule around them
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
     "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none", "by_lot", "wraps",
 }  # fmt: skip

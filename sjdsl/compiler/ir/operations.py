@@ -1,0 +1,492 @@
+"""The functions and operators of the language: a row for each, with all that compiler, pages and editors know of it.
+
+Whatever elaborates, folds, bounds, lowers, prints or describes an operation reads its row, and asks for none by its name. The interpreter
+is the oracle and does not read this table: it has its own meaning of each, and `tests/compiler/test_operations.py` compares the two.
+"""
+
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import KW_ONLY
+from math import inf
+from typing import Any, Literal, NamedTuple
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, disjoint, real
+from sjdsl.compiler.ir.types import SLACK, join_units, over_unit, times, times_unit
+
+Interval = tuple[float, float]
+Slope = Literal["level", "rising", "falling"]
+OPPOSITE: dict[Slope, Slope] = {"level": "level", "rising": "falling", "falling": "rising"}
+
+
+class Moving(NamedTuple):
+    """An argument of a calculation while some number grows: the direction it goes in, and all that it can be."""
+
+    slope: Slope
+    range: Range
+
+
+# The direction of a calculation from those of its arguments, None if it is not known. The second parameter of a rule says whether one
+# argument is known to be less than another, both by their places.
+SlopeRule = Callable[[Sequence[Moving], Callable[[int, int], bool]], Slope | None]
+
+
+class Rounding(NamedTuple):
+    """How float32 rounds a result: `terms` and `steady` as in `Range`; `once`: no more than once, if the arguments are exact."""
+
+    terms: float
+    steady: bool
+    once: bool = True
+
+
+class Reduction(Record):
+    """What makes one number of all entries of a row, or of a number for each member of a domain."""
+
+    fold: Callable[[Iterable[float]], float]  # its value for Python's numbers
+    adds: bool  # it is a sum; otherwise it is one of the numbers
+    array: Literal["sum", "min", "max"]  # the function of NumPy and JAX
+    nothing: float  # the number that changes no result
+    kept: str  # the name of the result in generated code
+    english: str  # of the entries of a row
+    over: str  # of a number over a domain: `the smallest of … over all trees`
+
+
+class Function(Record):
+    """What authors write as a name with brackets behind it."""
+
+    name: str
+    uses: tuple[tuple[str, str], ...]  # each way to write it, and what that gives: for the cheat sheet and editors
+    builds: type[ir.Node]  # the class of its node in the IR
+    least: int = 1  # number of arguments
+    most: int = 1
+    reduces: Reduction | None = None  # what it does with a row, or over a domain
+    word: bool = False  # the grammar has a word and a rule for it
+    yields: bool = False  # a `define` of the same name in a file is meant instead: games may be older than the function
+    checks: tuple[str, ...] = ()  # the only checks that it stands in; empty: it stands everywhere
+    last: bool = False  # `ir.Lowest.last`
+
+
+def _joined(*units: ir.Unit) -> ir.Unit | None:
+    """Returns the unit of numbers that are added or compared; None if they do not mix."""
+    found: ir.Unit | None = units[0]
+    for unit in units[1:]:
+        found = None if found is None else join_units(found, unit)
+    return found
+
+
+class Calculation(Function):
+    """What makes one number of others. Its node is an `ir.Arithmetic` whose `fn` is its name."""
+
+    _: KW_ONLY
+    builds: type[ir.Node] = ir.Arithmetic
+    sign: str = ""  # what authors write instead of the name: it is an operator
+
+    # what it takes
+    verb: str = ""  # of an operation on two numbers: `cannot {verb} steps and rewards`; otherwise they cannot be compared
+    rows: bool = False  # also two rows of numbers, entry by entry
+    whole_only: bool = False  # whole numbers only
+    divisor: int | None = None  # the argument that must not be 0
+    apart: tuple[int, int] | None = None  # two arguments that must differ
+    bounded: bool = False  # the argument must be known to stay within the limits of numbers
+
+    # the type of its result
+    unit: Callable[..., ir.Unit | None] = _joined  # from the units of its arguments; None if they do not mix
+    keeps_unit: bool = False  # also where the result leaves the limits of that unit; otherwise it becomes a bare number there
+    kind: Literal["joined", "whole", "real"] = "joined"  # joined: whole if all arguments are
+    unchanged: bool = False  # a whole argument is the result itself
+    share: bool = False  # `count(some of them) / count(them)` is a fraction
+
+    # its value
+    fold: Callable[..., float]  # for Python's numbers
+    interval: Callable[..., Interval]  # all that it can be, from the interval of each argument; as exact numbers
+    factors: tuple[int, ...] = ()  # it is the sum of its arguments, each times one of these
+    slope: SlopeRule
+    rounding: Callable[[Range, Range], Rounding] | None = None  # of two reals in float32; None: the result is exact
+    range: Callable[[Sequence[Range]], Range] | None = None  # all that it can be in float32; None: as `interval` and `rounding` say
+
+    # its texts
+    array: str  # an operator of Python, or a function of arrays; one of two arrays is applied to one argument after another
+    english: Callable[..., str]  # from the English of its arguments
+
+
+class PayoffClass(Function):
+    """A class of 2 x 2 games.
+
+    Source: Macy and Flache 2002, the orders of R, S, T, P: prisoner's dilemma T > R > P > S and 2R > T + S;
+    stag hunt R > T >= P > S; chicken T > R > S > P. Their 2R > T + S is not asked of a chicken game: taking turns
+    may pay more than cooperating, as in the one of Melting Pot (3, 2 / 5, 0).
+    """
+
+    _: KW_ONLY
+    holds: Callable[[float, float, float, float], bool]  # for the payoffs R, S, T and P of the row player
+    english: str  # behind `the table is`
+
+
+class Comparison(Record):
+    """A sign that compares two numbers."""
+
+    holds: Callable[[Any, Any], Any]  # for two numbers, or two arrays of them
+    mirror: ir.Comparison  # the sign that says the same of the two exchanged
+    opposite: ir.Comparison  # the sign that holds where this one does not
+    english: str  # between the two numbers
+
+
+# ---- intervals
+
+
+def _product(a: Interval, b: Interval) -> Interval:
+    corners = [times(x, y) for x in a for y in b]
+    return min(corners), max(corners)
+
+
+def _quotient(a: Interval, b: Interval) -> Interval:
+    if b[0] <= 0 <= b[1]:
+        return -inf, inf
+    corners = [x / y if abs(y) != inf else 0.0 for x in a for y in b]
+    return min(corners), max(corners)
+
+
+def _whole_quotient(a: Interval, b: Interval) -> Interval:
+    divisors = [y for y in (b[0], -1, 1, b[1]) if y and b[0] <= y <= b[1]] or [-1, 1]  # where it is 0, nothing is divided
+    corners = [_rounded_down(x, y) for x in a for y in divisors]
+    return min(corners), max(corners)
+
+
+def _rounded_down(x: float, y: float) -> float:
+    """Returns the quotient of two ends of intervals of whole numbers, rounded down."""
+    if abs(x) == inf:
+        return x if y > 0 else -x
+    return (-1 if x and (x < 0) != (y < 0) else 0) if abs(y) == inf else x // y
+
+
+def _remainder(_: Interval, b: Interval) -> Interval:
+    return (0, b[1] - 1) if b[0] > 0 else (min(b[0] + 1, 0), max(b[1] - 1, 0))
+
+
+def _nearest_whole(a: Interval) -> Interval:
+    """Returns the interval of the whole numbers nearest to reals, which float32 arithmetic may pass by a little."""
+    low, high = (end if abs(end) == inf else round(end + slack * max(1.0, abs(end))) for end, slack in zip(a, (-SLACK, SLACK), strict=True))
+    return low, high
+
+
+# ---- slopes
+
+
+def _together(slopes: Sequence[Slope | None]) -> Slope | None:
+    """Returns the direction of what rises with each of its parts, from theirs."""
+    moving = set(slopes) - {"level"}
+    return "level" if not moving else next(iter(moving)) if len(moving) == 1 else None
+
+
+def _scaled(slope: Slope, by: Range) -> Slope | None:
+    """Returns the direction of a product with a number of this range."""
+    if slope == "level":
+        return slope
+    return slope if by.low >= 0 else OPPOSITE[slope] if by.high <= 0 else None
+
+
+def _quotient_slope(a: Moving, b: Moving) -> Slope | None:
+    if b.range.low <= 0 <= b.range.high:
+        return None
+    return _together([_scaled(a.slope, b.range), _scaled(OPPOSITE[b.slope], a.range)])
+
+
+def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> Slope | None:
+    """Returns the direction of a ramp between two ends that stay where they are, if it is known which of them is greater."""
+    value, (_, zero), (_, one) = parts[0].slope, *parts[1:]
+    if not parts[1].slope == parts[2].slope == "level":
+        return None
+    zero, one = real(zero), real(one)
+    if zero.high < one.low or below(1, 2):
+        return value
+    return OPPOSITE[value] if one.high < zero.low or below(2, 1) else None
+
+
+# ---- ranges in float32
+
+
+def _sum_rounding(a: Range, b: Range) -> Rounding:
+    return Rounding(a.terms + b.terms, (a.low >= 0 and b.low >= 0) or (a.high <= 0 and b.high <= 0))
+
+
+def _difference_rounding(a: Range, b: Range) -> Rounding:
+    return Rounding(a.terms + b.terms, (a.low >= 0 and b.high <= 0) or (a.high <= 0 and b.low >= 0))
+
+
+def _quotient_rounding(a: Range, b: Range) -> Rounding:
+    least = min(abs(b.low), abs(b.high))
+    return Rounding(a.terms / least * max(1.0, b.terms / least), True, once=False)  # XLA may multiply by 1 / b
+
+
+def _ramp_range(parts: Sequence[Range]) -> Range:
+    value, zero, one = map(real, parts)
+    differ = disjoint(*parts[1:]) or (zero.steady and one.steady)  # as a guard or a `require` says, to a part in a million
+    sound = value.sound and zero.sound and one.sound and differ and zero.largest + one.largest <= FLOAT32
+    return Range(0.0, 1.0, terms=1.0, given=False, sound=sound)
+
+
+def _one_of(two: str, more: str) -> Callable[..., str]:
+    """Returns the English of one of several numbers: how it is called among two, and among more."""
+    return lambda *of: f"the {two} of {' and '.join(of)}" if len(of) == 2 else f"the {more} of {'; '.join(of)}"
+
+
+# ---- the table
+
+OPERATIONS: tuple[Function, ...] = (
+    Function("count", (("count(D)", "how many members a domain has"),), ir.Count, word=True),
+    Function(
+        "sum",
+        (("sum(e over D)", "the sum of e over a domain"), ("sum(row)", "the sum of the entries")),
+        ir.Sum,
+        word=True,
+        reduces=Reduction(sum, True, "sum", 0, "total", "the sum of all entries", "sum"),
+    ),
+    Calculation(
+        name="min",
+        uses=(
+            ("min(a, b, …)", "the least of two to eight numbers"),
+            ("min(row)", "the least entry"),
+            ("min(e over D otherwise v)", "the least e over a domain, v where it has no member"),
+        ),
+        least=2,
+        most=8,
+        reduces=Reduction(min, False, "min", inf, "least", "the smallest entry", "smallest"),
+        keeps_unit=True,
+        fold=min,
+        interval=lambda *of: (min(low for low, _ in of), min(high for _, high in of)),
+        slope=lambda parts, _: _together([p.slope for p in parts]),
+        array="jnp.minimum",
+        english=_one_of("smaller", "smallest"),
+    ),
+    Calculation(
+        name="max",
+        uses=(
+            ("max(a, b, …)", "the greatest of two to eight numbers"),
+            ("max(row)", "the greatest entry"),
+            ("max(e over D otherwise v)", "the greatest e over a domain, v where it has no member"),
+        ),
+        least=2,
+        most=8,
+        reduces=Reduction(max, False, "max", -inf, "greatest", "the largest entry", "largest"),
+        keeps_unit=True,
+        fold=max,
+        interval=lambda *of: (max(low for low, _ in of), max(high for _, high in of)),
+        slope=lambda parts, _: _together([p.slope for p in parts]),
+        array="jnp.maximum",
+        english=_one_of("larger", "largest"),
+    ),
+    Calculation(
+        name="ramp",
+        uses=(("ramp(x, zero_at, one_at)", "0 at zero_at, 1 at one_at, straight between, 0 and 1 beyond"),),
+        least=3,
+        most=3,
+        apart=(1, 2),
+        unit=lambda *units: None if _joined(*units) is None else "fraction",
+        kind="real",
+        fold=lambda x, zero, one: min(max((x - zero) / (one - zero), 0.0), 1.0),
+        interval=lambda *_: (0.0, 1.0),
+        slope=_ramp_slope,
+        range=_ramp_range,
+        array="ramp",
+        english=lambda x, zero, one: f"({x} - {zero}) ÷ ({one} - {zero}), taken as 0 below 0 and as 1 above 1",
+    ),
+    Function(
+        "distance",
+        (("distance(a, b)", "steps along rows and columns, whatever stands between; where the map wraps, the shorter way round"),),
+        ir.Distance,
+        least=2,
+        most=2,
+        yields=True,
+    ),
+    Function(
+        "shift",
+        (("shift(row, n, x)", "every entry n places further on, x where none comes from"),),
+        ir.ShiftRow,
+        least=3,
+        most=3,
+        yields=True,
+    ),
+    Calculation(
+        name="quotient",
+        uses=(("quotient(a, b)", "a / b of whole numbers, rounded down"),),
+        least=2,
+        most=2,
+        yields=True,
+        verb="divide",
+        whole_only=True,
+        divisor=1,
+        unit=over_unit,
+        fold=operator.floordiv,
+        interval=_whole_quotient,
+        slope=lambda *_: None,
+        array="//",
+        english=lambda a, b: f"{a} divided by {b}, rounded down",
+    ),
+    Calculation(
+        name="round",
+        uses=(("round(x)", "the nearest whole number; of two, the even one"),),
+        yields=True,
+        bounded=True,
+        unit=lambda a: "reward" if a == "reward" else "number",
+        kind="whole",
+        unchanged=True,
+        fold=round,
+        interval=_nearest_whole,
+        slope=lambda parts, _: parts[0].slope,
+        array="jnp.rint",
+        english=lambda a: f"{a} rounded to the nearest whole number",
+    ),
+    Calculation(
+        name="abs",
+        uses=(("abs(x)", "x without its sign"),),
+        yields=True,
+        keeps_unit=True,
+        fold=abs,
+        interval=lambda a: (max(a[0], -a[1], 0), max(-a[0], a[1])),
+        slope=lambda parts, _: _scaled(*parts[0]),
+        array="jnp.abs",
+        english=lambda a: f"the absolute value of {a}",
+    ),
+    Function("lowest", (("lowest(row)", "the first word with something in it"),), ir.Lowest),
+    Function("highest", (("highest(row)", "the last word with something in it"),), ir.Lowest, last=True),
+    Function("mix", (("mix(row)", "the shares of a row as an index: payoff[mix(a.bag)][mix(b.bag)]"),), ir.Mix),
+    PayoffClass(
+        name="prisoners_dilemma",
+        uses=(("prisoners_dilemma(table)", "in `require`: T > R > P > S and 2R > T + S"),),
+        builds=ir.MatrixClass,
+        checks=("require",),
+        holds=lambda r, s, t, p: t > r > p > s and 2 * r > t + s,
+        english="a prisoner's dilemma (T > R > P > S and 2R > T + S)",
+    ),
+    PayoffClass(
+        name="stag_hunt",
+        uses=(("stag_hunt(table)", "in `require`: R > T >= P > S"),),
+        builds=ir.MatrixClass,
+        checks=("require",),
+        holds=lambda r, s, t, p: r > t >= p > s,
+        english="a stag hunt (R > T ≥ P > S)",
+    ),
+    PayoffClass(
+        name="chicken",
+        uses=(("chicken(table)", "in `require`: T > R > S > P"),),
+        builds=ir.MatrixClass,
+        checks=("require",),
+        holds=lambda r, s, t, p: t > r > s > p,
+        english="a game of chicken (T > R > S > P)",
+    ),
+    Function(
+        "before",
+        (("before(e)", "in `always` and `once`: e when the step began"),),
+        ir.Before,
+        yields=True,
+        checks=("always", "once"),
+    ),
+    # ---- operators
+    Calculation(
+        name="neg",
+        uses=(("-a", "a with the other sign"),),
+        sign="-",
+        keeps_unit=True,
+        fold=operator.neg,
+        interval=lambda a: (-a[1], -a[0]),
+        factors=(-1,),
+        slope=lambda parts, _: OPPOSITE[parts[0].slope],
+        array="-",
+        english=lambda a: f"-{a}",
+    ),
+    Calculation(
+        name="+",
+        uses=(("a + b", "of numbers, or of rows entry by entry"),),
+        least=2,
+        most=2,
+        sign="+",
+        verb="add",
+        rows=True,
+        fold=operator.add,
+        interval=lambda a, b: (a[0] + b[0], a[1] + b[1]),
+        factors=(1, 1),
+        slope=lambda parts, _: _together([p.slope for p in parts]),
+        rounding=_sum_rounding,
+        array="+",
+        english=lambda a, b: f"{a} + {b}",
+    ),
+    Calculation(
+        name="-",
+        uses=(("a - b", "of numbers, or of rows entry by entry"),),
+        least=2,
+        most=2,
+        sign="-",
+        verb="subtract",
+        rows=True,
+        fold=operator.sub,
+        interval=lambda a, b: (a[0] - b[1], a[1] - b[0]),
+        factors=(1, -1),
+        slope=lambda parts, _: _together([parts[0].slope, OPPOSITE[parts[1].slope]]),
+        rounding=_difference_rounding,
+        array="-",
+        english=lambda a, b: f"{a} - {b}",
+    ),
+    Calculation(
+        name="*",
+        uses=(("a * b", "of numbers"),),
+        least=2,
+        most=2,
+        sign="*",
+        verb="multiply",
+        unit=times_unit,
+        fold=operator.mul,
+        interval=_product,
+        slope=lambda parts, _: _together([_scaled(parts[0].slope, parts[1].range), _scaled(parts[1].slope, parts[0].range)]),
+        rounding=lambda a, b: Rounding(a.terms * b.terms, True),
+        array="*",
+        english=lambda a, b: f"{a} × {b}",
+    ),
+    Calculation(
+        name="/",
+        uses=(("a / b", "a real number"),),
+        least=2,
+        most=2,
+        sign="/",
+        verb="divide",
+        divisor=1,
+        unit=over_unit,
+        kind="real",
+        share=True,
+        fold=operator.truediv,
+        interval=_quotient,
+        slope=lambda parts, _: _quotient_slope(*parts),
+        rounding=_quotient_rounding,
+        array="/",
+        english=lambda a, b: f"{a} ÷ {b}",
+    ),
+    Calculation(
+        name="%",
+        uses=(("a % b", "the remainder of whole numbers, with the sign of b"),),
+        least=2,
+        most=2,
+        sign="%",
+        verb="take the remainder of",
+        whole_only=True,
+        divisor=1,
+        fold=operator.mod,
+        interval=_remainder,
+        slope=lambda *_: None,
+        array="%",
+        english=lambda a, b: f"the remainder of {a} divided by {b}",
+    ),
+)
+COMPARISONS: dict[str, Comparison] = {
+    "<": Comparison(operator.lt, ">", ">=", "is less than"),
+    "<=": Comparison(operator.le, ">=", ">", "is at most"),
+    ">": Comparison(operator.gt, "<", "<=", "is more than"),
+    ">=": Comparison(operator.ge, "<=", "<", "is at least"),
+    "==": Comparison(operator.eq, "==", "!=", "equals"),
+    "!=": Comparison(operator.ne, "!=", "==", "does not equal"),
+}
+FUNCTIONS = {row.name: row for row in OPERATIONS if not (isinstance(row, Calculation) and row.sign)}
+CALCULATIONS = {row.name: row for row in OPERATIONS if isinstance(row, Calculation)}
+REDUCTIONS = {row.name: row.reduces for row in OPERATIONS if row.reduces is not None}
+PAYOFF_CLASSES = {row.name: row for row in OPERATIONS if isinstance(row, PayoffClass)}
+INFIX = {row.sign: row for row in CALCULATIONS.values() if row.sign and row.most == 2}
+PREFIX = {row.sign: row for row in CALCULATIONS.values() if row.sign and row.most == 1}

@@ -1,0 +1,107 @@
+"""Ranges of numbers as they are computed, in int32 and float32.
+
+The interval of a type is that of exact numbers. Here every real is rounded: `pot * 0.05` for a pot of 9 is a little more than 0.45.
+One operation on numbers that are given rounds to the nearest float32, and so do the ends of its interval. Where a result is rounded
+again, XLA may do it in another order or once instead of twice, and each end is moved outward by `SLACK`.
+"""
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+from sjdsl.compiler.ir.node import Type
+
+INT32 = (-(2.0**31), 2.0**31 - 1)
+FLOAT32 = (2 - 2.0**-23) * 2.0**127  # the largest
+SMALLEST = 2.0**-126  # what is smaller may be taken for 0
+SLACK = 2.0**-20  # of a result that is rounded more than once, relative; one rounding: 2^-24
+
+
+@dataclass(frozen=True)
+class Range:
+    """All that a number can be: `low` .. `high`.
+
+    terms: the largest absolute value of what it is a sum of, to which rounding errors are relative. steady: it is no difference of
+    such terms, so that they are relative to itself. given: a number that is given, or a whole one: no more than one rounding in it.
+    sound: it is a number; False if it could be infinity minus infinity and the like. literal: it is computed from written numbers alone,
+    perhaps before they are rounded to float32.
+    """
+
+    low: float
+    high: float
+    whole: bool = False
+    terms: float = 0.0
+    steady: bool = True
+    given: bool = True
+    sound: bool = True
+    literal: bool = False
+
+    @property
+    def largest(self) -> float:
+        return max(abs(self.low), abs(self.high))
+
+
+def real(r: Range) -> Range:
+    """Returns a number as float32."""
+    if not r.whole:
+        return r
+    low, high = ends(r.low, r.high)
+    return Range(low, high, terms=max(abs(low), abs(high)), sound=r.sound, literal=r.literal)
+
+
+def ends(low: float, high: float) -> tuple[float, float]:
+    """Returns an interval of float32: numbers that are too large are infinite, those that are too small may be taken for 0."""
+    low, high = nearest(low), nearest(high)
+    least = 0.0 if 0 < low < SMALLEST else -SMALLEST if -SMALLEST < low < 0 else low
+    return least, 0.0 if -SMALLEST < high < 0 else SMALLEST if 0 < high < SMALLEST else high
+
+
+def nearest(x: float) -> float:
+    """Returns the nearest float32, infinity for a number that is too large."""
+    try:
+        rounded: float = struct.unpack("f", struct.pack("f", x))[0]
+    except OverflowError:
+        return inf if x > 0 else -inf
+    return rounded
+
+
+def anything(whole: bool) -> Range:
+    return Range(*INT32, whole=True, terms=-INT32[0]) if whole else Range(-FLOAT32, FLOAT32, terms=FLOAT32, sound=False)
+
+
+def given(type_: Type) -> Range:
+    """Returns the range of a number that is no result. A counter without a limit goes as far as int32, a real as far as float32."""
+    low, high = INT32 if type_.kind == "int" else (-FLOAT32, FLOAT32)
+    low, high = max(low, type_.low), min(high, type_.high)
+    if type_.kind == "int":
+        return Range(low, high, whole=True, terms=max(abs(low), abs(high)))
+    return real(Range(low, high, whole=True))
+
+
+def whole(low: float, high: float, *parts: Range) -> Range:
+    """Returns the range of a whole number; one that can leave int32 can be anything there, as it wraps."""
+    inside = INT32[0] <= low and high <= INT32[1]
+    literal, sound = all(p.literal for p in parts), all(p.sound for p in parts)
+    return Range(low, high, whole=True, terms=max(abs(low), abs(high)), literal=literal, sound=sound) if inside else anything(True)
+
+
+def rounded(r: Range, often: float = 1) -> Range:
+    """Returns a real with the slack of so many more roundings; one that can leave float32 is infinite there."""
+    slack = [often * SLACK * (abs(end) if r.steady else r.terms) for end in (r.low, r.high)]
+    low, high = ends(r.low - slack[0], r.high + slack[1])
+    return replace(r, low=low, high=high, given=False)
+
+
+def as_compared(ranges: Sequence[Range]) -> list[Range]:
+    """Returns the ranges of numbers that are compared: as reals if one of them is one."""
+    if all(r.whole for r in ranges):
+        return list(ranges)
+    reals = [real(r) for r in ranges]
+    return [rounded(r) for r in reals] if all(r.literal for r in reals) else reals
+
+
+def disjoint(a: Range, b: Range) -> bool:
+    """Returns whether two numbers are never equal."""
+    left, right = map(real, as_compared((a, b)))
+    return left.sound and right.sound and (left.high < right.low or right.high < left.low)

@@ -1,0 +1,109 @@
+"""Names of masks and of what is compared, after the rule that says when they hold: `rock.ore is iron` is `is_iron`."""
+
+import re
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import action_named
+
+LONGEST = 28  # characters of a name that is put together
+COMPARISONS = {"<": "below", "<=": "at_most", ">": "above", ">=": "at_least", "==": "is", "!=": "is_not"}
+
+
+def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
+    """Returns a name for where a condition holds, nothing if it has no short one. Of a long one the name says what fits."""
+    match e:
+        case ir.Named():
+            return _fitting(e.name)
+        case ir.Logic():
+            return _joined(e.fn, [condition_name(part, game) for part in e.args])
+        case ir.Not(value=ir.IsEmpty(container=container)):
+            return _fitting("has", value_name(container))
+        case ir.Not(value=ir.Same(left=left, right=ir.Nobody())):
+            return _fitting("has", value_name(left))
+        case ir.Not(value=ir.Same(left=left, right=right)) if not isinstance(right, ir.Word):
+            return _fitting(value_name(left), "is_not", value_name(right))
+        case ir.Not(value=ir.Unoccupied()):
+            return "covered"
+        case ir.Not(value=value):
+            positive = condition_name(value, game)
+            return _fitting("not", positive.removeprefix("is_"))
+        case ir.IsEmpty(container=container):
+            return _fitting("no", value_name(container))
+        case ir.Unoccupied():
+            return "uncovered"
+        case ir.StandsOn(kinds=kinds):
+            return _fitting("on", "_or_".join(kinds))
+        case ir.Chose():
+            return _fitting("chose", game.agents.actions[e.action])
+        case ir.ChoseWith():
+            return _fitting("chose", action_named(game, e.action).name)
+        case ir.Same(right=ir.Word(value=word)):
+            return _fitting("is", word)
+        case ir.Same(left=left, right=ir.Nobody()):
+            return _fitting("no", value_name(left))
+        case ir.Same(left=left, right=right):
+            return _fitting(value_name(left), "is", value_name(right))
+        case ir.Compare(fn=fn, left=left, right=right):
+            return _fitting(value_name(left), COMPARISONS[fn], value_name(right))
+        case ir.InWords(words=words):
+            return _fitting("is", "_or_".join(words))
+        case ir.InSet(container=container):
+            return _fitting("in", value_name(container))
+        case None:
+            return ""
+        case _:
+            return value_name(e)
+
+
+def domain_name(d: ir.Domain, game: ir.Game) -> str:
+    """Returns a name for the members of a domain: where they stand, and the condition they meet."""
+    parts = [] if d.on is None else [_fitting("on", "_or_".join(d.on.kinds))]
+    match d.restriction:
+        case ir.Near(shape=shape):
+            parts.append(_fitting(d.var.name, "in", shape.partition("(")[0]))
+        case ir.InAgents(value=value):
+            parts.append(_fitting("in", value_name(value)))
+        case _:
+            pass
+    return _joined("and", [*parts, condition_name(d.where, game)])
+
+
+def value_name(e: ir.Expr) -> str:
+    """Returns a name for a value; nothing if it has no short one."""
+    match e:
+        case ir.Member() | ir.Local() | ir.ParamRef() | ir.Named() | ir.FieldRead() | ir.Attribute():
+            return _fitting(e.name)
+        case ir.Word():
+            return _fitting(e.value)
+        case ir.Number(value=int(number)) if number >= 0:
+            return str(number)
+        case ir.Nobody() | ir.Nowhere():
+            return type(e).__name__.lower()
+        case ir.Step():
+            return "step"
+        case ir.At(row=row, key=key):
+            return _fitting(value_name(row), value_name(key))
+        case ir.Narrowed(value=value):
+            return value_name(value)
+        case _:
+            return ""
+
+
+def _fitting(*parts: str) -> str:
+    """Returns parts of a name together; nothing if one is missing, or it would be no identifier or too long a one."""
+    name = "_".join(parts).lower()
+    return name if all(parts) and len(name) <= LONGEST and re.fullmatch(r"[a-z][a-z0-9_]*", name) else ""
+
+
+def _joined(word: str, names: list[str]) -> str:
+    """Returns the names of conditions in one: of several that all hold as many as fit."""
+    if word == "or" and not all(names):
+        return ""
+    found = ""
+    for name in filter(None, names):
+        longer = f"{found}_{word}_{name}" if found else name
+        if len(longer) <= LONGEST:
+            found = longer
+        elif word == "or":
+            return ""
+    return found

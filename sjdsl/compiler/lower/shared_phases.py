@@ -1,0 +1,151 @@
+"""One function for all uses of a phase: `sprout(red)` and `sprout(blue)` are calls of `sprout` with other numbers."""
+
+import re
+from dataclasses import dataclass, field, fields, replace
+from itertools import groupby
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.ir.names import RESERVED, Names, phase_function
+from sjdsl.compiler.lower.writer import replaced
+from sjdsl.compiler.program import Function
+from sjdsl.compiler.program import expressions as array
+
+
+class Turn(Record):
+    """A call of a function of a step. `given`: what it is given beside the state; `marks`: the attribute of State for the cells it returns."""
+
+    function: Function
+    given: tuple[array.Expression, ...] = ()
+    marks: str = ""
+
+
+class Unlike(Exception):
+    """Functions differ by more than numbers and tables."""
+
+
+@dataclass
+class Together:
+    """Functions of several uses while they are made one.
+
+    parameters: the names of what the phase is used with; given: what each use has for them, as written.
+    """
+
+    parameters: tuple[str, ...]
+    given: tuple[tuple[str, ...], ...]
+    names: Names
+    variables: dict[tuple[str, ...], str] = field(default_factory=dict)
+    holes: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
+    filled: list[tuple[array.Expression, ...]] = field(default_factory=list)
+
+    def node(self, nodes: tuple[object, ...]) -> object:
+        """Returns what the nodes of all uses have in common, with a parameter where they differ. Raises Unlike."""
+        first = nodes[0]
+        if any(type(node) is not type(first) for node in nodes):
+            raise Unlike
+        match first:
+            case array.Assign():
+                value = self.node(tuple(node.value for node in nodes))  # type: ignore[attr-defined]
+                targets = [self.variable(names) for names in zip(*(node.names for node in nodes), strict=True)]  # type: ignore[attr-defined]
+                return replace(first, names=tuple(targets), value=value)  # type: ignore[arg-type]
+            case array.Name():
+                identifiers = tuple(node.identifier for node in nodes)  # type: ignore[attr-defined]
+                if identifiers in self.variables:
+                    return array.Name(self.variables[identifiers])
+                return first if len(set(identifiers)) == 1 else self.hole(nodes, identifiers, tuple(map(str.isupper, identifiers)))
+            case array.Literal():
+                said = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
+                names = tuple(name for _, name in said)
+                return first if len(set(said)) == 1 else self.hole(nodes, names, tuple(isinstance(value, int | float) for value, _ in said))
+            case tuple():
+                if len({len(node) for node in nodes}) > 1:  # type: ignore[arg-type]
+                    raise Unlike
+                return tuple(self.node(parts) for parts in zip(*nodes, strict=True))
+            case Record():
+                parts = {f.name: tuple(getattr(node, f.name) for node in nodes) for f in fields(first) if f.name != "origin"}
+                return replace(first, **{name: self.node(values) for name, values in parts.items()})
+            case _ if len(set(nodes)) == 1:
+                return first
+            case _:
+                raise Unlike
+
+    def hole(self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]) -> array.Name:
+        """Returns the parameter that stands where uses have different numbers or tables."""
+        if not all(closed):
+            raise Unlike
+        key = tuple((node, name) for node, name in zip(nodes, names, strict=True))
+        if key not in self.holes:
+            self.holes[key] = array.Name(self.names.fresh("stream" if names[0].startswith("STREAM") else self.common(names) or "number"))
+            self.filled.append(nodes)  # type: ignore[arg-type]
+        return self.holes[key]
+
+    def variable(self, names: tuple[str, ...]) -> str:
+        """Returns the name of a variable that the uses may call differently, after their words."""
+        if names not in self.variables:
+            self.variables[names] = names[0] if len(set(names)) == 1 else self.names.fresh(self.common(names) or names[0])
+        return self.variables[names]
+
+    def common(self, names: tuple[str, ...]) -> str:
+        """Returns a name with what a use is given replaced by what the phase calls it: `ground_red`, `ground_blue` are `ground_what`."""
+        for number, parameter in enumerate(self.parameters):
+            told = [name.lower().replace(given[number], parameter, 1) for name, given in zip(names, self.given, strict=True)]
+            if len(set(told)) == 1:
+                return told[0]
+        return ""
+
+
+def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
+    """Returns the turns of phases: for uses of one phase calls of one function, if they differ by numbers and tables alone."""
+    found: dict[str, Turn] = {}
+    named = sorted(uses, key=lambda use: _declared(use[0]))
+    for name, group in groupby(named, key=lambda use: _declared(use[0])):
+        found |= _one_function(phase_function(name), list(group))
+    return [found[phase.name] for phase, _ in uses]
+
+
+def _declared(phase: ir.Phase) -> str:
+    return re.split(r"\W", phase.label)[0]
+
+
+def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:
+    """Returns the turn of each use of a phase, by the use's name."""
+    alone = {phase.name: Turn(function) for phase, function in uses}
+    if len(uses) == 1:
+        return alone
+    declared = re.match(r"phase\s+\w+\s*\(([^)]*)\)", uses[0][1].doc)
+    parameters = tuple(part.strip() for part in declared[1].split(",")) if declared else ()
+    given = tuple(tuple(re.sub(r"^\w+\(|\).*$", "", phase.label).split(", ")) for phase, _ in uses)
+    if any(len(one) != len(parameters) for one in given):
+        parameters = ()
+    first = uses[0][1]
+    taken = {node.identifier for node in array.walk(first.body) if isinstance(node, array.Name)}
+    together = Together(parameters, given, Names(RESERVED | taken))
+    marks = [f"mark_{phase.name}" for phase, _ in uses]
+    try:
+        body = together.node(tuple(_marks_apart(function.body, mark) for (_, function), mark in zip(uses, marks, strict=True)))
+    except Unlike:
+        return alone
+    assert isinstance(body, tuple)
+    last = body[-1]
+    assert isinstance(last, array.Return)
+    marked = len(last.values) > 2
+    returns = "tuple[State, Outcome, Array]" if marked else first.returns
+    types = ["Array" if isinstance(nodes[0], array.Name) else type(nodes[0].value).__name__ for nodes in together.filled]  # type: ignore[union-attr]
+    own = tuple((hole.identifier, type_) for hole, type_ in zip(together.holes.values(), types, strict=True))
+    shared = Function(name, first.parameters + own, returns, first.doc, body)
+    return {
+        phase.name: Turn(shared, tuple(nodes[number] for nodes in together.filled), mark if marked else "")
+        for number, ((phase, _), mark) in enumerate(zip(uses, marks, strict=True))
+    }
+
+
+def _marks_apart(body: tuple[array.Statement, ...], mark: str) -> tuple[array.Statement, ...]:
+    """Returns the body of a function that returns the cells it marks, each use of a phase its own, beside the state."""
+    last = body[-1]
+    assert isinstance(last, array.Return)
+    state, out = last.values
+    changes = dict(state.keywords) if isinstance(state, array.Call) else {}
+    if mark not in changes:
+        return body
+    marked = changes.pop(mark)
+    return (*body[:-1], replace(last, values=(replaced("state", changes), out, marked)))

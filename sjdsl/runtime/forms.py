@@ -1,0 +1,20 @@
+"""Kernels in two forms, one for CPUs and one for GPUs, that give the same bits: generated code says what is computed, and not how.
+
+A CPU likes loops that end early and branches that are not taken; it computes what it has in its caches again and again. A GPU wants few
+kernels, each of much independent work, and none that waits for the result of another (docs/performance.md, "By a model").
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+from jax import lax
+
+forced = jax.make_user_context(None)  # `with forced("gpu"):` and `with forced("cpu"):` choose the form on any platform, for tests
+
+
+def by_platform(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: Any) -> Any:
+    """Returns what a kernel makes of its arguments, in the form for the platform that the program is compiled for."""
+    if forced.value is not None:
+        return {"cpu": cpu, "gpu": gpu}[forced.value](*arguments)
+    return lax.platform_dependent(*arguments, cpu=cpu, default=gpu)

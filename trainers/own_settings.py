@@ -1,0 +1,115 @@
+"""Settings of one's own, the table `own`: hooks take them by the names of their arguments."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from functools import partial
+from inspect import Parameter, signature
+from typing import Annotated, Any, Protocol
+
+from pydantic import BeforeValidator, PlainSerializer
+
+from sjdsl.near_names import meant
+
+from .extensions import Kind, find
+
+OWN = "own."  # before the name of one on the command line, on an axis of a sweep, and in messages
+BY_TRAINERS = ("planes", "width", "dtype", "parent", "name")  # arguments of a network that are no settings
+Value = bool | int | float | str
+
+
+class Hooked(Protocol):
+    """What has hooks, and settings for them: a configuration."""
+
+    @property
+    def hooks(self) -> Mapping[Kind, str]: ...  # names of one's own algorithm, loss, network and reward
+    @property
+    def own(self) -> tuple[tuple[str, Value], ...]: ...
+
+
+def _read_own(table: Any) -> Any:
+    """Returns settings as pairs in the order of their names."""
+    try:
+        read = {name: _read_value(value) for name, value in dict(table).items()}
+    except (TypeError, ValueError):
+        read = {"": table}
+    if not all(map(_is_setting, read, read.values())):
+        raise ValueError("a table of numbers, texts, true or false, by name")
+    return tuple(sorted(read.items()))
+
+
+def _is_setting(name: Any, value: Any) -> bool:
+    named = isinstance(name, str) and name.isidentifier()
+    return named and isinstance(value, Value) and (not isinstance(value, float) or math.isfinite(value))
+
+
+def _read_value(value: Any) -> Any:
+    """Returns what a text on the command line stands for; anything else as it came."""
+    if not isinstance(value, str):
+        return value
+    for read in (int, float):
+        with suppress(ValueError):
+            return read(value)
+    return {"true": True, "false": False}.get(value, value)
+
+
+Own = Annotated[tuple[tuple[str, Value], ...], BeforeValidator(_read_own), PlainSerializer(dict)]
+
+
+def spread(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns settings with those of the table `own` one by one, as `own.NAME`; one that is given so already wins."""
+    own = values.get("own")
+    if not isinstance(own, Mapping):
+        return dict(values)
+    return {f"{OWN}{name}": value for name, value in own.items()} | {name: value for name, value in values.items() if name != "own"}
+
+
+def gathered(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns settings with those called `own.NAME` in the table `own`."""
+    own = {name.removeprefix(OWN): value for name, value in values.items() if name.startswith(OWN)}
+    return ({"own": own} if own else {}) | {name: value for name, value in values.items() if not name.startswith(OWN)}
+
+
+def filled(kind: Kind, name: str, own: Iterable[tuple[str, Any]]) -> Any:
+    """Returns the hook of a name with those settings filled in that it takes."""
+    hook = find(kind, name)
+    taken = settings_of(kind, hook)
+    return partial(hook, **{setting: value for setting, value in own if setting in taken})
+
+
+def settings_of(kind: Kind, hook: Any) -> dict[str, Any]:
+    """Returns the settings that a hook takes, with their defaults: its keyword-only arguments, of a network all that trainers do not fill in."""
+    try:
+        arguments = signature(hook).parameters.values()
+    except ValueError:  # some functions of extensions do not tell what they take
+        return {}
+    sorts = (Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD) if kind == "network" else (Parameter.KEYWORD_ONLY,)
+    return {one.name: one.default for one in arguments if one.kind in sorts and one.name not in BY_TRAINERS}
+
+
+def taken_settings(config: Hooked) -> Iterator[tuple[str, Any, str]]:
+    """Yields the settings that the hooks of a configuration take, with their defaults, and the hook in words; hooks are imported."""
+    for kind, name in config.hooks.items():
+        for setting, default in settings_of(kind, find(kind, name)).items():
+            yield setting, default, f"the {kind} `{name}`"
+
+
+def unread_own(config: Hooked) -> dict[str, str]:
+    """Returns the settings of `own` that no hook takes, each with what is to be said of it; hooks are imported."""
+    taken = [setting for setting, _, _ in taken_settings(config)]
+    hooks = " and ".join(f"the {kind} `{name}`" for kind, name in config.hooks.items())
+    known = (
+        f"{hooks} has no keyword-only argument of that name"
+        if hooks
+        else "there is no algorithm, loss, network or reward of your own to take it"
+    )
+    unread = [setting for setting, _ in config.own if setting not in taken]
+    return {setting: f"`{OWN}{setting}` does nothing: {known}{meant(setting, taken, 'the settings are')}" for setting in unread}
+
+
+def missing_own(config: Hooked) -> Iterator[str]:
+    """Yields what is to be said of each setting that a hook wants and that is not given."""
+    given = dict(config.own)
+    for setting, default, hook in taken_settings(config):
+        if default is Parameter.empty and setting not in given:
+            yield f"{hook} wants `{OWN}{setting}`, which has no default: --set {OWN}{setting}=…, in Python own={{{setting!r}: …}}"
