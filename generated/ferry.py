@@ -12,11 +12,11 @@ from sjdsl.runtime.random_bits import below, random_bits, random_bits_at
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, view_offsets, painted, site_numbers, values_of
 from sjdsl.runtime.movement import resolve
-from sjdsl.runtime.placing import drawn_by_lot, pick, place, place_fitting
+from sjdsl.runtime.placing import come_back, drawn_by_lot, pick, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.rows import shifted
 from sjdsl.runtime.steering import is_one_of
-from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import fill, look_fields, paint, planes_of, windows
 
 NAME = "ferry"
 TITLE = "Ferry to a Market that Remembers"
@@ -85,10 +85,9 @@ FARM_RIPE = 0
 BOAT_NORTH = 0
 FRAME_COLS = 26
 NOWHERE = 0  # the cell of agents that are not on the map
-ANY_HEADING = 4
-SAME_HEADING = 5
 NO_CELL = -1  # in place of a cell: 256 * row + column
 NO_STEP = 4
+SAME_HEADING = 5
 FARM_LOOK = 2  # as it is painted
 AGENT_SHIFT = 3
 BOAT_SHIFT = 6
@@ -101,6 +100,7 @@ CONTENT_MASK = 7
 AGENT_MASK = 7
 BOAT_MASK = 1
 STALL_LOOK = 4  # as it is painted
+FARM_SHOWN = 2  # as it is shown
 STREAM_START = 0x2e89a388  # ferry.sj:51
 STREAM_START_2 = 0x801ed3a9  # ferry.sj:49
 STREAM_START_3 = 0xd19f60e1  # ferry.sj:49
@@ -249,28 +249,31 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to farm; for each boat, sends boat to lane; for
-    each dock (d), picks 1 dock (e), sets d.across to e.
+    """phase start {
+      each agent { send agent to farm }
+      each boat { send boat to lane }
+      each dock as d { pick 1 dock as e where e.row == d.row and e is not d { set d.across = e } }
+    }
     """
     sent = jnp.full(NUM_AGENTS, True)  # ferry.sj:49
     sent_2 = jnp.full(NUM_BOAT, True)  # ferry.sj:50
     row = CELLS_DOCK // FRAME_COLS  # ferry.sj:51
-    place_2 = ((CELLS_DOCK // FRAME_COLS - PAD) << 8) + (CELLS_DOCK % FRAME_COLS - PAD)  # ferry.sj:51
-    e, found = pick(  # ferry.sj:51
+    place_2 = ((CELLS_DOCK // FRAME_COLS - PAD) << 8) + (CELLS_DOCK % FRAME_COLS - PAD)
+    e, found = pick(
         ((row - PAD)[None, :] == (row - PAD)[:, None]) & (place_2[None, :] != place_2[:, None]),
         random_bits(key, STREAM_START, NUM_DOCK, 1)[:, 0],
     )
-    place_3 = ((CELLS_DOCK[e] // FRAME_COLS - PAD) << 8) + (CELLS_DOCK[e] % FRAME_COLS - PAD)  # ferry.sj:51
-    dock_across = jnp.where(found, place_3, state.dock_across)  # ferry.sj:51
+    place_3 = ((CELLS_DOCK[e] // FRAME_COLS - PAD) << 8) + (CELLS_DOCK[e] % FRAME_COLS - PAD)
+    dock_across = jnp.where(found, place_3, state.dock_across)
     position, placed = place(  # ferry.sj:49
         CELLS_FARM, jnp.full(NUM_FARM, True), random_bits(key, STREAM_START_2, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, below(random_bits(key, STREAM_START_3, NUM_AGENTS), 4), state.heading)  # ferry.sj:49
-    away = jnp.where(placed, 0, state.away)  # ferry.sj:49
+    heading = jnp.where(placed, below(random_bits(key, STREAM_START_3, NUM_AGENTS), 4), state.heading)
+    away = jnp.where(placed, 0, state.away)
     boat_position, placed_2 = place(  # ferry.sj:50
         CELLS_LANE, jnp.full(NUM_LANE, True), random_bits(key, STREAM_START_4, NUM_BOAT), state.boat_position, sent_2
     )
-    boat_heading = jnp.where(  # ferry.sj:50
+    boat_heading = jnp.where(
         placed_2, below(random_bits(key, STREAM_START_5, NUM_BOAT), 4).astype(jnp.uint8), state.boat_heading
     )
     return (
@@ -293,140 +296,151 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     due = (state.position == NOWHERE) & (state.away == 1)
     state = state.replace(away=state.away - ((state.position == NOWHERE) & (state.away > 1)).astype(jnp.int32))
     back = due & (state.away_pool == 2)  # ferry.sj:62
-    place_2 = ((CELLS_DOCK // FRAME_COLS - PAD) << 8) + (CELLS_DOCK % FRAME_COLS - PAD)  # ferry.sj:62
-    fitting = place_2[None, :] == state.agent_lands[:, None]  # ferry.sj:62
-    dock_under = SITE_OF_DOCK[state.position]  # ferry.sj:62
-    dock_under_2 = SITE_OF_DOCK[state.boat_position]  # ferry.sj:62
-    others = jnp.concatenate([dock_under, dock_under_2])  # ferry.sj:62
-    free = ~occupied(others, NUM_DOCK)  # ferry.sj:62
-    position, placed = place_fitting(  # ferry.sj:62
-        CELLS_DOCK, free, fitting, random_bits(key, STREAM_TICK, NUM_AGENTS), state.position, back
+    place_2 = ((CELLS_DOCK // FRAME_COLS - PAD) << 8) + (CELLS_DOCK % FRAME_COLS - PAD)
+    fitting = place_2[None, :] == state.agent_lands[:, None]
+    dock_under = SITE_OF_DOCK[state.position]
+    dock_under_2 = SITE_OF_DOCK[state.boat_position]
+    others = jnp.concatenate([dock_under, dock_under_2])
+    free = ~occupied(others, NUM_DOCK)
+    position, heading, placed = come_back(
+        CELLS_DOCK,
+        free,
+        back,
+        key,
+        STREAM_TICK,
+        STREAM_TICK_2,
+        state.position,
+        state.heading,
+        state.away_facing,
+        fitting,
     )
-    facing = jnp.where(  # ferry.sj:62
-        state.away_facing == ANY_HEADING, below(random_bits(key, STREAM_TICK_2, NUM_AGENTS), 4), state.away_facing
-    )
-    facing = jnp.where(state.away_facing == SAME_HEADING, state.heading, facing)  # ferry.sj:62
-    heading = jnp.where(placed, facing, state.heading)  # ferry.sj:62
-    away = jnp.where(placed, 0, state.away)  # ferry.sj:62
-    state = state.replace(position=position, heading=heading, away=away)  # ferry.sj:62
+    state = state.replace(position=position, heading=heading, away=jnp.where(placed, 0, state.away))
     return state, out
 
 
 def settle(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `settle`: for each agent on farm, sets agent.home to farm; for each agent on dock, sets agent.lands to
-    nowhere.
+    """phase settle {
+      each agent on farm where agent.home is nowhere { set agent.home = farm }
+      each agent on dock { set agent.lands = nowhere }
+    }
     """
     present = state.position != NOWHERE  # ferry.sj:56
-    farm_under = SITE_OF_FARM[state.position]  # ferry.sj:56
-    # ferry.sj:56
+    farm_under = SITE_OF_FARM[state.position]
     place_2 = ((CELLS_FARM[farm_under] // FRAME_COLS - PAD) << 8) + (CELLS_FARM[farm_under] % FRAME_COLS - PAD)
-    # ferry.sj:56
     agent_home = jnp.where(present & (farm_under < NUM_FARM) & (state.agent_home == NO_CELL), place_2, state.agent_home)
     dock_under = SITE_OF_DOCK[state.position]  # ferry.sj:57
-    agent_lands = jnp.where(present & (dock_under < NUM_DOCK), NO_CELL, state.agent_lands)  # ferry.sj:57
+    agent_lands = jnp.where(present & (dock_under < NUM_DOCK), NO_CELL, state.agent_lands)
     return state.replace(agent_home=agent_home, agent_lands=agent_lands), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     present = state.position != NOWHERE  # ferry.sj:59
-    chosen = jnp.where(present, actions, STAY)  # ferry.sj:59
-    heading = (state.heading + TURN[chosen]) & 3  # ferry.sj:59
-    stride = STEP_BY[chosen]  # ferry.sj:59
-    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + (stride & 3)])  # ferry.sj:59
-    target = jnp.where(is_one_of(target, state.boat_position), state.position, target)  # ferry.sj:59
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # ferry.sj:59
+    chosen = jnp.where(present, actions, STAY)
+    heading = (state.heading + TURN[chosen]) & 3
+    stride = STEP_BY[chosen]
+    target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + (stride & 3)])
+    target = jnp.where(is_one_of(target, state.boat_position), state.position, target)
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def sail(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sail`: moves each boat on lane along lane.way."""
+    """phase sail { move each boat on lane along lane.way }"""
     lane_under = SITE_OF_LANE[state.boat_position]  # ferry.sj:60
-    way = state.lane_way[lane_under].astype(jnp.int32)  # ferry.sj:60
-    # ferry.sj:60
+    way = state.lane_way[lane_under].astype(jnp.int32)
     target = jnp.where(lane_under < NUM_LANE, NEXT_CELL_OF_BOAT[state.boat_position * 4 + way], state.boat_position)
-    boat_heading = jnp.where(lane_under < NUM_LANE, way.astype(jnp.uint8), state.boat_heading)  # ferry.sj:60
-    target = jnp.where(is_one_of(target, state.position), state.boat_position, target)  # ferry.sj:60
-    boat_position = resolve(state.boat_position, target, random_bits(key, STREAM_SAIL, NUM_BOAT))  # ferry.sj:60
+    boat_heading = jnp.where(lane_under < NUM_LANE, way.astype(jnp.uint8), state.boat_heading)
+    target = jnp.where(is_one_of(target, state.position), state.boat_position, target)
+    boat_position = resolve(state.boat_position, target, random_bits(key, STREAM_SAIL, NUM_BOAT))
     return state.replace(boat_heading=boat_heading, boat_position=boat_position), out
 
 
 def embark(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `embark`: for each agent on dock, sets agent.lands to dock.across, counts crossed."""
+    """phase embark { each agent on dock where agent chose board and docked(dock) { set agent.lands = dock.across  tally
+        crossed for agent } }
+    """
     present = state.position != NOWHERE  # ferry.sj:61
-    dock_under = SITE_OF_DOCK[state.position]  # ferry.sj:61
-    row = state.boat_position // FRAME_COLS  # ferry.sj:61
-    row_2 = CELLS_DOCK[dock_under] // FRAME_COLS  # ferry.sj:61
-    col = state.boat_position % FRAME_COLS  # ferry.sj:61
-    col_2 = CELLS_DOCK[dock_under] % FRAME_COLS  # ferry.sj:61
-    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])  # ferry.sj:61
-    num_boat = jnp.sum(distance <= 1, axis=1, dtype=jnp.int32)  # ferry.sj:61
-    active = present & (dock_under < NUM_DOCK) & (actions == ACTION_BOARD) & (num_boat > 0)  # ferry.sj:61
-    agent_lands = jnp.where(active, state.dock_across[dock_under], state.agent_lands)  # ferry.sj:61
-    event_crossed = out.event_crossed + active.astype(jnp.int32)  # ferry.sj:61
+    dock_under = SITE_OF_DOCK[state.position]
+    row = state.boat_position // FRAME_COLS
+    row_2 = CELLS_DOCK[dock_under] // FRAME_COLS
+    col = state.boat_position % FRAME_COLS
+    col_2 = CELLS_DOCK[dock_under] % FRAME_COLS
+    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
+    num_boat = jnp.sum(distance <= 1, axis=1, dtype=jnp.int32)
+    on_dock = present & (dock_under < NUM_DOCK) & (actions == ACTION_BOARD) & (num_boat > 0)
+    agent_lands = jnp.where(on_dock, state.dock_across[dock_under], state.agent_lands)
+    event_crossed = out.event_crossed + on_dock.astype(jnp.int32)
     return state.replace(agent_lands=agent_lands), out.replace(event_crossed=event_crossed)
 
 
 def land(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `land`: for each agent, sends agent to dock after a delay."""
+    """phase land { each agent where agent.lands is not nowhere { send agent to agent.lands after crossing facing same
+        otherwise stay } }
+    """
     present = state.position != NOWHERE  # ferry.sj:62
-    sent = present & (state.agent_lands != NO_CELL)  # ferry.sj:62
-    position = jnp.where(sent, NOWHERE, state.position)  # ferry.sj:62
-    away = jnp.where(sent, 4, state.away)  # ferry.sj:62
-    away_pool = jnp.where(sent, 2, state.away_pool)  # ferry.sj:62
-    away_facing = jnp.where(sent, SAME_HEADING, state.away_facing)  # ferry.sj:62
+    sent = present & (state.agent_lands != NO_CELL)
+    position = jnp.where(sent, NOWHERE, state.position)
+    away = jnp.where(sent, 4, state.away)
+    away_pool = jnp.where(sent, 2, state.away_pool)
+    away_facing = jnp.where(sent, SAME_HEADING, state.away_facing)
     return state.replace(position=position, away=away, away_pool=away_pool, away_facing=away_facing), out
 
 
 def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `ripen`: for each farm, sets farm.crop to ripe."""
+    """phase ripen { each farm where farm.crop is none and farm.rest == 0 { set farm.crop = ripe } }"""
     # ferry.sj:63
     farm_crop = jnp.where((state.farm_crop == FARM_NONE) & (state.farm_rest == 0), FARM_RIPE, state.farm_crop)
     return state.replace(farm_crop=farm_crop), out
 
 
 def harvest(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `harvest`: for each agent, for each farm in agent.home, adds 1 to agent.load, sets farm.crop to none, sets
-    farm.rest to growing, counts grown.
+    """phase harvest {
+      each agent where agent.load < basket {
+        each farm in agent.home where farm.crop is ripe and distance(agent, farm) == 0 {
+          add 1 to agent.load  set farm.crop = none by lot
+          set farm.rest = growing by lot  tally grown for agent
+        }
+      }
+    }
     """
     present = state.position != NOWHERE  # ferry.sj:65
-    active = present & (state.agent_load < 4)  # ferry.sj:65
+    load_below_4 = present & (state.agent_load < 4)
     at = jnp.where(  # ferry.sj:66
         state.agent_home >= 0, ((state.agent_home >> 8) + PAD) * FRAME_COLS + ((state.agent_home & 255) + PAD), NOWHERE
     )
-    farm_held = SITE_OF_FARM[at]  # ferry.sj:66
-    row = state.position // FRAME_COLS  # ferry.sj:66
-    row_2 = CELLS_FARM[farm_held] // FRAME_COLS  # ferry.sj:66
-    col = state.position % FRAME_COLS  # ferry.sj:66
-    col_2 = CELLS_FARM[farm_held] % FRAME_COLS  # ferry.sj:66
-    distance = jnp.abs(row - row_2) + jnp.abs(col - col_2)  # ferry.sj:66
-    # ferry.sj:66
-    active_2 = active & (farm_held < NUM_FARM) & (state.farm_crop[farm_held] == FARM_RIPE) & (distance == 0)
-    agent_load_added = active_2.astype(jnp.int32)  # ferry.sj:67
-    instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32) * NUM_FARM + farm_held).astype(jnp.uint32)  # ferry.sj:67
-    word = random_bits_at(key, STREAM_HARVEST, instance)  # ferry.sj:67
-    won = drawn_by_lot(  # ferry.sj:67
-        jnp.broadcast_to(jnp.where(active_2, farm_held, 0), (NUM_AGENTS,)).reshape(-1),
-        jnp.broadcast_to(jnp.where(active_2, (word >> 1) + 1, 0), (NUM_AGENTS,)).reshape(-1),
+    farm_held = SITE_OF_FARM[at]
+    row = state.position // FRAME_COLS
+    row_2 = CELLS_FARM[farm_held] // FRAME_COLS
+    col = state.position % FRAME_COLS
+    col_2 = CELLS_FARM[farm_held] % FRAME_COLS
+    distance = jnp.abs(row - row_2) + jnp.abs(col - col_2)
+    is_ripe = load_below_4 & (farm_held < NUM_FARM) & (state.farm_crop[farm_held] == FARM_RIPE) & (distance == 0)
+    agent_load_added = is_ripe.astype(jnp.int32)  # ferry.sj:67
+    instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32) * NUM_FARM + farm_held).astype(jnp.uint32)
+    word = random_bits_at(key, STREAM_HARVEST, instance)
+    won = drawn_by_lot(
+        jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1),
+        jnp.broadcast_to(jnp.where(is_ripe, (word >> 1) + 1, 0), (NUM_AGENTS,)).reshape(-1),
         NUM_FARM,
     )
-    farm_crop = state.farm_crop.at[  # ferry.sj:67
+    farm_crop = state.farm_crop.at[
         jnp.where(
-            won, jnp.broadcast_to(jnp.where(active_2, farm_held, 0), (NUM_AGENTS,)).reshape(-1), jnp.int32(NUM_FARM)
+            won, jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1), jnp.int32(NUM_FARM)
         )
     ].set(FARM_NONE, mode="drop")
     word_2 = random_bits_at(key, STREAM_HARVEST_2, instance)  # ferry.sj:68
-    won_2 = drawn_by_lot(  # ferry.sj:68
-        jnp.broadcast_to(jnp.where(active_2, farm_held, 0), (NUM_AGENTS,)).reshape(-1),
-        jnp.broadcast_to(jnp.where(active_2, (word_2 >> 1) + 1, 0), (NUM_AGENTS,)).reshape(-1),
+    won_2 = drawn_by_lot(
+        jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1),
+        jnp.broadcast_to(jnp.where(is_ripe, (word_2 >> 1) + 1, 0), (NUM_AGENTS,)).reshape(-1),
         NUM_FARM,
     )
-    farm_rest = state.farm_rest.at[  # ferry.sj:68
+    farm_rest = state.farm_rest.at[
         jnp.where(
-            won_2, jnp.broadcast_to(jnp.where(active_2, farm_held, 0), (NUM_AGENTS,)).reshape(-1), jnp.int32(NUM_FARM)
+            won_2, jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1), jnp.int32(NUM_FARM)
         )
     ].set(params.growing.astype(jnp.uint8), mode="drop")
-    event_grown = out.event_grown + active_2.astype(jnp.int32)  # ferry.sj:68
+    event_grown = out.event_grown + is_ripe.astype(jnp.int32)
     agent_load = jnp.clip(state.agent_load.astype(jnp.int32) + agent_load_added, 0, 4).astype(jnp.uint8)
     return (
         state.replace(farm_crop=farm_crop, farm_rest=farm_rest, agent_load=agent_load),
@@ -435,23 +449,29 @@ def harvest(state: State, out: Outcome, params: Params, actions: Array, key: Arr
 
 
 def sell(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `sell`: for each agent on stall, gives a reward to agent, adds -1 to agent.load, adds 1 to sold[0], counts
-    sold_.
+    """phase sell {
+      each agent on stall where agent chose sell and agent.load > 0 {
+        give price[sales] to agent  add -1 to agent.load
+        add 1 to sold[0]  tally sold_ for agent
+      }
+    }
     """
     present = state.position != NOWHERE  # ferry.sj:73
-    stall_under = SITE_OF_STALL[state.position]  # ferry.sj:73
-    active = present & (stall_under < NUM_STALL) & (actions == ACTION_SELL) & (state.agent_load > 0)  # ferry.sj:73
+    stall_under = SITE_OF_STALL[state.position]
+    on_stall = present & (stall_under < NUM_STALL) & (actions == ACTION_SELL) & (state.agent_load > 0)
     sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:74
-    reward = out.reward + jnp.where(active, params.price[sales], 0.0)  # ferry.sj:74
-    agent_load_added = jnp.where(active, jnp.int32(-1), jnp.int32(0))  # ferry.sj:74
+    reward = out.reward + jnp.where(on_stall, params.price[sales], 0.0)
+    agent_load_added = jnp.where(on_stall, jnp.int32(-1), jnp.int32(0))
     world_sold_added = jnp.sum(  # ferry.sj:75
         jnp.where(
-            0 == jnp.arange(NUM_WORLD_SOLD, dtype=jnp.int32)[None, :], active[..., None].astype(jnp.int32), jnp.int32(0)
+            0 == jnp.arange(NUM_WORLD_SOLD, dtype=jnp.int32)[None, :],
+            on_stall[..., None].astype(jnp.int32),
+            jnp.int32(0),
         ),
         axis=0,
         dtype=jnp.int32,
     )
-    event_sold_ = out.event_sold_ + active.astype(jnp.int32)  # ferry.sj:75
+    event_sold_ = out.event_sold_ + on_stall.astype(jnp.int32)
     agent_load = jnp.clip(state.agent_load.astype(jnp.int32) + agent_load_added, 0, 4).astype(jnp.uint8)
     world_sold = jnp.clip(state.world_sold.astype(jnp.int32) + world_sold_added, 0, 50).astype(jnp.uint8)
     return (
@@ -460,7 +480,7 @@ def sell(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def remember(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `remember`: sets sold."""
+    """phase remember { when step % day == day - 1 { set sold = shift(sold, 1, 0) } }"""
     world_sold = jnp.where(  # ferry.sj:78
         state.step % params.day == params.day - 1,
         shifted(state.world_sold.astype(jnp.int32), 1, jnp.int32(0)).astype(jnp.uint8),
@@ -497,37 +517,32 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # ferry.sj:81
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    raw = seen_0 & CONTENT_MASK  # ferry.sj:81
-    is_farm = (raw >= FARM_LOOK) & (raw < 4)  # ferry.sj:81
-    farm_crop = raw - FARM_LOOK  # ferry.sj:81
-    seen_cells = state.position[:, None] + VIEW_OFFSETS[state.heading]  # ferry.sj:81
-    place_2 = ((seen_cells // FRAME_COLS - PAD) << 8) + (seen_cells % FRAME_COLS - PAD)  # ferry.sj:81
-    content = jnp.where(  # ferry.sj:81
-        is_farm,
-        jnp.where(
-            (state.agent_home[:, None] == place_2) & (farm_crop == FARM_RIPE),
-            0,
-            jnp.where(farm_crop == FARM_RIPE, jnp.uint8(1), jnp.uint8(2)),
-        )
-        + 2,
-        raw + (raw >= STALL_LOOK).astype(jnp.uint8),
+    raw = seen_0 & CONTENT_MASK
+    is_farm, farm_crop = look_fields(raw, FARM_LOOK, (2,))
+    seen_cells = state.position[:, None] + VIEW_OFFSETS[state.heading]
+    place_2 = ((seen_cells // FRAME_COLS - PAD) << 8) + (seen_cells % FRAME_COLS - PAD)
+    shown_crop = jnp.where(
+        (state.agent_home[:, None] == place_2) & (farm_crop == FARM_RIPE),
+        0,
+        jnp.where(farm_crop == FARM_RIPE, jnp.uint8(1), jnp.uint8(2)),
     )
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # ferry.sj:81
-    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)  # ferry.sj:81
-    agents = jnp.where(  # ferry.sj:81
+    content = jnp.where(is_farm, shown_crop + FARM_SHOWN, raw + (raw >= STALL_LOOK).astype(jnp.uint8))
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
+    agents = jnp.where(
         MYSELF[None],
         1,
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
-    theirs = (agent != 0) & ~MYSELF[None]  # ferry.sj:81
+    theirs = (agent != 0) & ~MYSELF[None]
     seen_boat = jnp.where(  # ferry.sj:42
         ((seen_0 >> BOAT_SHIFT) & BOAT_MASK) != 0,
         (((seen_0 >> BOAT_SHIFT) & BOAT_MASK) != 0).astype(jnp.uint8),
         0,
     )
     sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:83
-    shown_sales = sales.astype(jnp.uint8)  # ferry.sj:83
-    present = state.position != NOWHERE  # ferry.sj:83
+    shown_sales = sales.astype(jnp.uint8)
+    present = state.position != NOWHERE
     return planes_of(
         WINDOW,
         present,

@@ -8,11 +8,11 @@ from flax import struct
 from jax import Array
 
 from sjdsl.runtime.counting import occupied
-from sjdsl.runtime.random_bits import below, random_bits
+from sjdsl.runtime.random_bits import random_bits
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import blocking, cells_of, inside, next_cells, own_cell, painted, site_numbers, values_of
 from sjdsl.runtime.movement import resolve
-from sjdsl.runtime.placing import pick, place
+from sjdsl.runtime.placing import come_back, pick, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.steering import gains, is_one_of
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
@@ -83,10 +83,9 @@ STAG_NORTH = 0
 HARE_NORTH = 0
 NORTH = 0
 NOWHERE = 0  # the cell of agents that are not on the map
-ANY_HEADING = 4
-SAME_HEADING = 5
 NO_STEP = 4
 FRAME_COLS = 21
+ANY_HEADING = 4
 FRAME_CELLS = 399
 MEADOW_LOOK = 1  # as it is painted
 AGENT_SHIFT = 3
@@ -249,29 +248,31 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 
 
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `start`, before the first step: for each agent, sends agent to meadow; for each stag, sends stag to meadow;
-    for each hare, sends hare to meadow.
+    """phase start {
+      each agent { send agent to meadow facing north }
+      each stag { send stag to meadow facing north }  each hare { send hare to meadow facing north }
+    }
     """
     sent = jnp.full(NUM_AGENTS, True)  # stag_chase.sj:40
     sent_2 = jnp.full(NUM_STAG, True)  # stag_chase.sj:41
     position, placed = place(  # stag_chase.sj:40
         CELLS_MEADOW, jnp.full(NUM_MEADOW, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
-    heading = jnp.where(placed, NORTH, state.heading)  # stag_chase.sj:40
+    heading = jnp.where(placed, NORTH, state.heading)
     entered = SITE_OF_MEADOW[jnp.where(placed, position, NOWHERE)]  # stag_chase.sj:41
-    free = ~occupied(entered, NUM_MEADOW)  # stag_chase.sj:41
-    stag_position, placed_2 = place(  # stag_chase.sj:41
+    free = ~occupied(entered, NUM_MEADOW)
+    stag_position, placed_2 = place(
         CELLS_MEADOW, free, random_bits(key, STREAM_START_2, NUM_STAG), state.stag_position, sent_2
     )
-    stag_heading = jnp.where(placed_2, jnp.uint8(NORTH), state.stag_heading)  # stag_chase.sj:41
-    stag_away = jnp.where(placed_2, 0, state.stag_away)  # stag_chase.sj:41
-    entered_2 = SITE_OF_MEADOW[jnp.where(placed_2, stag_position, NOWHERE)]  # stag_chase.sj:41
-    free_2 = ~occupied(entered, NUM_MEADOW) & ~occupied(entered_2, NUM_MEADOW)  # stag_chase.sj:41
-    hare_position, placed_3 = place(  # stag_chase.sj:41
+    stag_heading = jnp.where(placed_2, jnp.uint8(NORTH), state.stag_heading)
+    stag_away = jnp.where(placed_2, 0, state.stag_away)
+    entered_2 = SITE_OF_MEADOW[jnp.where(placed_2, stag_position, NOWHERE)]
+    free_2 = ~occupied(entered, NUM_MEADOW) & ~occupied(entered_2, NUM_MEADOW)
+    hare_position, placed_3 = place(
         CELLS_MEADOW, free_2, random_bits(key, STREAM_START_3, NUM_HARE), state.hare_position, sent
     )
-    hare_heading = jnp.where(placed_3, jnp.uint8(NORTH), state.hare_heading)  # stag_chase.sj:41
-    hare_away = jnp.where(placed_3, 0, state.hare_away)  # stag_chase.sj:41
+    hare_heading = jnp.where(placed_3, jnp.uint8(NORTH), state.hare_heading)
+    hare_away = jnp.where(placed_3, 0, state.hare_away)
     return (
         state.replace(
             position=position,
@@ -298,111 +299,127 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         hare_away=state.hare_away - ((state.hare_position == NOWHERE) & (state.hare_away > 1)).astype(jnp.int32),
     )
     back = due & (state.stag_away_pool == 3)  # stag_chase.sj:53
-    meadow_under = SITE_OF_MEADOW[state.stag_position]  # stag_chase.sj:53
-    meadow_under_2 = SITE_OF_MEADOW[state.position]  # stag_chase.sj:53
-    meadow_under_3 = SITE_OF_MEADOW[state.hare_position]  # stag_chase.sj:53
-    others = jnp.concatenate([meadow_under, meadow_under_2, meadow_under_3])  # stag_chase.sj:53
-    free = ~occupied(others, NUM_MEADOW)  # stag_chase.sj:53
-    stag_position, placed = place(  # stag_chase.sj:53
-        CELLS_MEADOW, free, random_bits(key, STREAM_TICK, NUM_STAG), state.stag_position, back
-    )
-    facing = jnp.where(  # stag_chase.sj:53
-        state.stag_away_facing == ANY_HEADING,
-        below(random_bits(key, STREAM_TICK_2, NUM_STAG), 4),
+    meadow_under = SITE_OF_MEADOW[state.stag_position]
+    meadow_under_2 = SITE_OF_MEADOW[state.position]
+    meadow_under_3 = SITE_OF_MEADOW[state.hare_position]
+    others = jnp.concatenate([meadow_under, meadow_under_2, meadow_under_3])
+    free = ~occupied(others, NUM_MEADOW)
+    stag_position, stag_heading, placed = come_back(
+        CELLS_MEADOW,
+        free,
+        back,
+        key,
+        STREAM_TICK,
+        STREAM_TICK_2,
+        state.stag_position,
+        state.stag_heading,
         state.stag_away_facing,
     )
-    facing = facing.astype(jnp.uint8)  # stag_chase.sj:53
-    facing = jnp.where(state.stag_away_facing == SAME_HEADING, state.stag_heading, facing)  # stag_chase.sj:53
-    stag_heading = jnp.where(placed, facing, state.stag_heading)  # stag_chase.sj:53
-    stag_away = jnp.where(placed, 0, state.stag_away)  # stag_chase.sj:53
-    # stag_chase.sj:53
-    state = state.replace(stag_position=stag_position, stag_heading=stag_heading, stag_away=stag_away)
-    back_2 = due_2 & (state.hare_away_pool == 4)  # stag_chase.sj:61
-    meadow_under_4 = SITE_OF_MEADOW[state.hare_position]  # stag_chase.sj:61
-    meadow_under_5 = SITE_OF_MEADOW[state.position]  # stag_chase.sj:61
-    meadow_under_6 = SITE_OF_MEADOW[state.stag_position]  # stag_chase.sj:61
-    others_2 = jnp.concatenate([meadow_under_4, meadow_under_5, meadow_under_6])  # stag_chase.sj:61
-    free_2 = ~occupied(others_2, NUM_MEADOW)  # stag_chase.sj:61
-    hare_position, placed_2 = place(  # stag_chase.sj:61
-        CELLS_MEADOW, free_2, random_bits(key, STREAM_TICK_3, NUM_HARE), state.hare_position, back_2
+    state = state.replace(
+        stag_position=stag_position, stag_heading=stag_heading, stag_away=jnp.where(placed, 0, state.stag_away)
     )
-    facing_2 = jnp.where(  # stag_chase.sj:61
-        state.hare_away_facing == ANY_HEADING,
-        below(random_bits(key, STREAM_TICK_4, NUM_HARE), 4),
+    back_2 = due_2 & (state.hare_away_pool == 4)  # stag_chase.sj:61
+    meadow_under_4 = SITE_OF_MEADOW[state.hare_position]
+    meadow_under_5 = SITE_OF_MEADOW[state.position]
+    meadow_under_6 = SITE_OF_MEADOW[state.stag_position]
+    others_2 = jnp.concatenate([meadow_under_4, meadow_under_5, meadow_under_6])
+    free_2 = ~occupied(others_2, NUM_MEADOW)
+    hare_position, hare_heading, placed_2 = come_back(
+        CELLS_MEADOW,
+        free_2,
+        back_2,
+        key,
+        STREAM_TICK_3,
+        STREAM_TICK_4,
+        state.hare_position,
+        state.hare_heading,
         state.hare_away_facing,
     )
-    facing_2 = facing_2.astype(jnp.uint8)  # stag_chase.sj:61
-    facing_2 = jnp.where(state.hare_away_facing == SAME_HEADING, state.hare_heading, facing_2)  # stag_chase.sj:61
-    hare_heading = jnp.where(placed_2, facing_2, state.hare_heading)  # stag_chase.sj:61
-    hare_away = jnp.where(placed_2, 0, state.hare_away)  # stag_chase.sj:61
-    # stag_chase.sj:61
-    state = state.replace(hare_position=hare_position, hare_heading=hare_heading, hare_away=hare_away)
+    state = state.replace(
+        hare_position=hare_position, hare_heading=hare_heading, hare_away=jnp.where(placed_2, 0, state.hare_away)
+    )
     return state, out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `walk`: moves each agent."""
+    """phase walk { move each agent }"""
     heading = (state.heading + TURN[actions]) & 3  # stag_chase.sj:46
-    stride = STEP_BY[actions]  # stag_chase.sj:46
-    # stag_chase.sj:46
+    stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + (stride & 3)])
-    others = jnp.concatenate([state.stag_position, state.hare_position])  # stag_chase.sj:46
-    target = jnp.where(is_one_of(target, others), state.position, target)  # stag_chase.sj:46
-    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))  # stag_chase.sj:46
+    others = jnp.concatenate([state.stag_position, state.hare_position])
+    target = jnp.where(is_one_of(target, others), state.position, target)
+    position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
     return state.replace(heading=heading, position=position), out
 
 
 def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `hunt`: for each stag, for each a, gives a reward to a, counts hunted, counts felled, sends stag to meadow
-    after a delay, for each a, gives a reward to a, counts kicked, sets stag.bolts to bolting; for each hare, picks 1
-    a, gives a reward to a, counts caught, sends hare to meadow after a delay.
+    """phase hunt {
+      each stag {
+        let hunters = count(agent as a where near(a, stag) and a chose strike)
+        when hunters >= 2 {  # ours: the fewest that are not one
+          each agent as a where near(a, stag) and a chose strike { give venison to a  tally hunted for a }
+          tally felled
+          send stag to meadow after rebirth
+        } otherwise when hunters == 1 {
+          each agent as a where near(a, stag) and a chose strike { give kick to a  tally kicked for a }
+          set stag.bolts = bolting
+        }
+      }
+      each hare {
+        pick 1 agent as a where near(a, hare) and a chose strike and not any (stag where near(a, stag)) {
+          give game_ to a  tally caught for a  send hare to meadow after rebirth
+        }
+      }
+    }
     """
     present = state.stag_position != NOWHERE  # stag_chase.sj:48
     row = state.position // FRAME_COLS  # stag_chase.sj:49
-    row_2 = state.stag_position // FRAME_COLS  # stag_chase.sj:49
-    col = state.position % FRAME_COLS  # stag_chase.sj:49
-    col_2 = state.stag_position % FRAME_COLS  # stag_chase.sj:49
-    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])  # stag_chase.sj:49
-    num_a = jnp.sum((distance <= 1) & (actions == ACTION_STRIKE)[None, :], axis=1, dtype=jnp.int32)  # stag_chase.sj:49
-    holds = num_a >= 2  # stag_chase.sj:50
-    active = present & holds  # stag_chase.sj:50
-    active_2 = active[:, None] & (distance <= 1) & (actions == ACTION_STRIKE)[None, :]  # stag_chase.sj:51
-    times = jnp.sum(active_2, axis=0, dtype=jnp.int32)  # stag_chase.sj:51
-    reward = out.reward + times.astype(jnp.float32) * params.venison  # stag_chase.sj:51
-    event_hunted = out.event_hunted + times  # stag_chase.sj:51
-    times_2 = jnp.sum(active, dtype=jnp.int32)  # stag_chase.sj:52
-    event_felled = out.event_felled + times_2  # stag_chase.sj:52
-    holds_2 = num_a == 1  # stag_chase.sj:53
-    active_3 = present & ~holds & holds_2  # stag_chase.sj:53
-    active_4 = active_3[:, None] & (distance <= 1) & (actions == ACTION_STRIKE)[None, :]  # stag_chase.sj:55
-    times_3 = jnp.sum(active_4, axis=0, dtype=jnp.int32)  # stag_chase.sj:55
-    reward = reward + times_3.astype(jnp.float32) * params.kick  # stag_chase.sj:55
-    event_kicked = out.event_kicked + times_3  # stag_chase.sj:55
-    stag_bolts = jnp.where(active_3, params.bolting.astype(jnp.uint8), state.stag_bolts)  # stag_chase.sj:56
+    row_2 = state.stag_position // FRAME_COLS
+    col = state.position % FRAME_COLS
+    col_2 = state.stag_position % FRAME_COLS
+    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
+    hunters = jnp.sum((distance <= 1) & (actions == ACTION_STRIKE)[None, :], axis=1, dtype=jnp.int32)
+    hunters_at_least_2 = hunters >= 2  # stag_chase.sj:50
+    where_hunters_at_least_2 = present & hunters_at_least_2
+    # stag_chase.sj:51
+    near_and_chose_strike = where_hunters_at_least_2[:, None] & (distance <= 1) & (actions == ACTION_STRIKE)[None, :]
+    num_venison = jnp.sum(near_and_chose_strike, axis=0, dtype=jnp.int32)
+    reward = out.reward + num_venison.astype(jnp.float32) * params.venison
+    event_hunted = out.event_hunted + num_venison
+    felled = jnp.sum(where_hunters_at_least_2, dtype=jnp.int32)  # stag_chase.sj:52
+    event_felled = out.event_felled + felled
+    hunters_is_1 = hunters == 1  # stag_chase.sj:53
+    where_hunters_is_1 = present & ~hunters_at_least_2 & hunters_is_1
+    # stag_chase.sj:55
+    near_and_chose_strike_2 = where_hunters_is_1[:, None] & (distance <= 1) & (actions == ACTION_STRIKE)[None, :]
+    num_kick = jnp.sum(near_and_chose_strike_2, axis=0, dtype=jnp.int32)
+    reward = reward + num_kick.astype(jnp.float32) * params.kick
+    event_kicked = out.event_kicked + num_kick
+    stag_bolts = jnp.where(where_hunters_is_1, params.bolting.astype(jnp.uint8), state.stag_bolts)  # stag_chase.sj:56
     present_2 = state.hare_position != NOWHERE  # stag_chase.sj:59
     row_3 = state.hare_position // FRAME_COLS  # stag_chase.sj:60
-    col_3 = state.hare_position % FRAME_COLS  # stag_chase.sj:60
-    distance_2 = jnp.abs(row[None, :] - row_3[:, None]) + jnp.abs(col[None, :] - col_3[:, None])  # stag_chase.sj:60
-    distance_3 = jnp.abs(row[:, None] - row_2[None, :]) + jnp.abs(col[:, None] - col_2[None, :])  # stag_chase.sj:60
-    num_stag = jnp.sum(present[None, :] & (distance_3 <= 1), axis=1, dtype=jnp.int32)  # stag_chase.sj:60
-    a, found = pick(  # stag_chase.sj:60
+    col_3 = state.hare_position % FRAME_COLS
+    distance_2 = jnp.abs(row[None, :] - row_3[:, None]) + jnp.abs(col[None, :] - col_3[:, None])
+    distance_3 = jnp.abs(row[:, None] - row_2[None, :]) + jnp.abs(col[:, None] - col_2[None, :])
+    num_stag = jnp.sum(present[None, :] & (distance_3 <= 1), axis=1, dtype=jnp.int32)
+    a, found = pick(
         (distance_2 <= 1) & (actions == ACTION_STRIKE)[None, :] & (~(num_stag > 0))[None, :],
         random_bits(key, STREAM_HUNT, NUM_HARE, 1)[:, 0],
     )
-    active_5 = present_2 & found  # stag_chase.sj:60
-    times_4 = jnp.sum(  # stag_chase.sj:61
-        active_5[:, None] & (a[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32
+    a_found = present_2 & found
+    num_game_ = jnp.sum(  # stag_chase.sj:61
+        a_found[:, None] & (a[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32
     )
-    reward = reward + times_4.astype(jnp.float32) * params.game_  # stag_chase.sj:61
-    event_caught = out.event_caught + times_4  # stag_chase.sj:61
-    stag_position = jnp.where(active, NOWHERE, state.stag_position)  # stag_chase.sj:53
-    stag_away = jnp.where(active, params.rebirth, state.stag_away)  # stag_chase.sj:53
-    stag_away_pool = jnp.where(active, 3, state.stag_away_pool)  # stag_chase.sj:53
-    stag_away_facing = jnp.where(active, ANY_HEADING, state.stag_away_facing)  # stag_chase.sj:53
-    hare_position = jnp.where(active_5, NOWHERE, state.hare_position)  # stag_chase.sj:61
-    hare_away = jnp.where(active_5, params.rebirth, state.hare_away)  # stag_chase.sj:61
-    hare_away_pool = jnp.where(active_5, 4, state.hare_away_pool)  # stag_chase.sj:61
-    hare_away_facing = jnp.where(active_5, ANY_HEADING, state.hare_away_facing)  # stag_chase.sj:61
+    reward = reward + num_game_.astype(jnp.float32) * params.game_
+    event_caught = out.event_caught + num_game_
+    stag_position = jnp.where(where_hunters_at_least_2, NOWHERE, state.stag_position)  # stag_chase.sj:53
+    stag_away = jnp.where(where_hunters_at_least_2, params.rebirth, state.stag_away)
+    stag_away_pool = jnp.where(where_hunters_at_least_2, 3, state.stag_away_pool)
+    stag_away_facing = jnp.where(where_hunters_at_least_2, ANY_HEADING, state.stag_away_facing)
+    hare_position = jnp.where(a_found, NOWHERE, state.hare_position)  # stag_chase.sj:61
+    hare_away = jnp.where(a_found, params.rebirth, state.hare_away)
+    hare_away_pool = jnp.where(a_found, 4, state.hare_away_pool)
+    hare_away_facing = jnp.where(a_found, ANY_HEADING, state.hare_away_facing)
     return (
         state.replace(
             stag_bolts=stag_bolts,
@@ -426,23 +443,29 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 
 def stagger(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `stagger`: for each a, picks 1 stag, sends a by some cells."""
-    active = actions == ACTION_STRIKE  # stag_chase.sj:66
+    """phase stagger {  # who was kicked
+      each agent as a where a chose strike {
+        pick 1 stag where near(a, stag) and stag.bolts == bolting { send a by 1 away from stag facing same otherwise
+            stay }
+      }
+    }
+    """
+    chose_strike = actions == ACTION_STRIKE  # stag_chase.sj:66
     present = state.stag_position != NOWHERE  # stag_chase.sj:67
-    row = state.position // FRAME_COLS  # stag_chase.sj:67
-    row_2 = state.stag_position // FRAME_COLS  # stag_chase.sj:67
-    col = state.position % FRAME_COLS  # stag_chase.sj:67
-    col_2 = state.stag_position % FRAME_COLS  # stag_chase.sj:67
-    distance = jnp.abs(row[:, None] - row_2[None, :]) + jnp.abs(col[:, None] - col_2[None, :])  # stag_chase.sj:67
-    stag, found = pick(  # stag_chase.sj:67
+    row = state.position // FRAME_COLS
+    row_2 = state.stag_position // FRAME_COLS
+    col = state.position % FRAME_COLS
+    col_2 = state.stag_position % FRAME_COLS
+    distance = jnp.abs(row[:, None] - row_2[None, :]) + jnp.abs(col[:, None] - col_2[None, :])
+    stag, found = pick(
         present[None, :] & (distance <= 1) & (state.stag_bolts.astype(jnp.int32) == params.bolting)[None, :],
         random_bits(key, STREAM_STAGGER, NUM_AGENTS, 1)[:, 0],
     )
-    sent = active & found  # stag_chase.sj:67
-    position = state.stag_position[stag]  # stag_chase.sj:67
-    rows = position // FRAME_COLS - state.position // FRAME_COLS  # stag_chase.sj:67
-    columns = position % FRAME_COLS - state.position % FRAME_COLS  # stag_chase.sj:67
-    stride = STRIDE[  # stag_chase.sj:67
+    sent = chose_strike & found
+    position = state.stag_position[stag]
+    rows = position // FRAME_COLS - state.position // FRAME_COLS
+    columns = position % FRAME_COLS - state.position % FRAME_COLS
+    stride = STRIDE[
         (
             jnp.where(
                 jnp.where(
@@ -455,11 +478,10 @@ def stagger(state: State, out: Outcome, params: Params, actions: Array, key: Arr
         )
         & 3
     ]
-    ahead = state.position + stride  # stag_chase.sj:67
-    # stag_chase.sj:67
+    ahead = state.position + stride
     target = jnp.where((position != state.position) & INSIDE[ahead] & ~BLOCKS_AGENTS[ahead], ahead, state.position)
     before = state.position
-    position_2 = resolve(  # stag_chase.sj:67
+    position_2 = resolve(
         before,
         jnp.where(
             is_one_of(
@@ -482,31 +504,35 @@ def stagger(state: State, out: Outcome, params: Params, actions: Array, key: Arr
 
 
 def bolt(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `bolt`: moves each stag along stag.heading."""
+    """phase bolt { move each stag where stag.bolts > 0 ahead }"""
     present = state.stag_position != NOWHERE  # stag_chase.sj:70
-    way = state.stag_heading.astype(jnp.int32)  # stag_chase.sj:70
-    target = jnp.where(  # stag_chase.sj:70
+    way = state.stag_heading.astype(jnp.int32)
+    target = jnp.where(
         present & (state.stag_bolts > 0), NEXT_CELL_OF_STAG[state.stag_position * 4 + way], state.stag_position
     )
-    others = jnp.concatenate([state.position, state.hare_position])  # stag_chase.sj:70
-    target = jnp.where(is_one_of(target, others), state.stag_position, target)  # stag_chase.sj:70
-    stag_position = resolve(state.stag_position, target, random_bits(key, STREAM_BOLT, NUM_STAG))  # stag_chase.sj:70
+    others = jnp.concatenate([state.position, state.hare_position])
+    target = jnp.where(is_one_of(target, others), state.stag_position, target)
+    stag_position = resolve(state.stag_position, target, random_bits(key, STREAM_BOLT, NUM_STAG))
     return state.replace(stag_position=stag_position), out
 
 
 def flee(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `flee`: moves each stag away from a."""
+    """phase flee {
+      move each stag where stag.bolts == 0 and stag.wind is fresh and smells(stag) away from agent as a where
+          distance(a, stag) <= scent
+          avoiding thicket
+    }
+    """
     present = state.stag_position != NOWHERE  # stag_chase.sj:72
-    row = state.position // FRAME_COLS  # stag_chase.sj:72
-    row_2 = state.stag_position // FRAME_COLS  # stag_chase.sj:72
-    col = state.position % FRAME_COLS  # stag_chase.sj:72
-    col_2 = state.stag_position % FRAME_COLS  # stag_chase.sj:72
-    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])  # stag_chase.sj:72
-    num_a = jnp.sum(distance <= 2, axis=1, dtype=jnp.int32)  # stag_chase.sj:72
-    # stag_chase.sj:72
+    row = state.position // FRAME_COLS
+    row_2 = state.stag_position // FRAME_COLS
+    col = state.position % FRAME_COLS
+    col_2 = state.stag_position % FRAME_COLS
+    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
+    num_a = jnp.sum(distance <= 2, axis=1, dtype=jnp.int32)
     beside = NEXT_CELL_OF_STAG[state.stag_position[:, None] * 4 + jnp.arange(4, dtype=jnp.int32)[None, :]]
-    bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])  # stag_chase.sj:72
-    way, found = pick(  # stag_chase.sj:72
+    bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])
+    way, found = pick(
         (beside != state.stag_position[:, None])
         & ~is_one_of(beside, bodies)
         & ~is_one_of(
@@ -515,28 +541,32 @@ def flee(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         & (gains(state.stag_position, state.position[None, :], distance <= 2, FRAME_COLS) > 0),
         random_bits(key, STREAM_FLEE, NUM_STAG),
     )
-    goes = present & (state.stag_bolts == 0) & (state.stag_wind == STAG_FRESH) & (num_a > 0) & found  # stag_chase.sj:72
-    target = jnp.where(goes, NEXT_CELL_OF_STAG[state.stag_position * 4 + way], state.stag_position)  # stag_chase.sj:72
-    stag_heading = jnp.where(goes, way.astype(jnp.uint8), state.stag_heading)  # stag_chase.sj:72
-    others = jnp.concatenate([state.position, state.hare_position])  # stag_chase.sj:72
-    target = jnp.where(is_one_of(target, others), state.stag_position, target)  # stag_chase.sj:72
-    stag_position = resolve(state.stag_position, target, random_bits(key, STREAM_FLEE_2, NUM_STAG))  # stag_chase.sj:72
+    goes = present & (state.stag_bolts == 0) & (state.stag_wind == STAG_FRESH) & (num_a > 0) & found
+    target = jnp.where(goes, NEXT_CELL_OF_STAG[state.stag_position * 4 + way], state.stag_position)
+    stag_heading = jnp.where(goes, way.astype(jnp.uint8), state.stag_heading)
+    others = jnp.concatenate([state.position, state.hare_position])
+    target = jnp.where(is_one_of(target, others), state.stag_position, target)
+    stag_position = resolve(state.stag_position, target, random_bits(key, STREAM_FLEE_2, NUM_STAG))
     return state.replace(stag_heading=stag_heading, stag_position=stag_position), out
 
 
 def graze(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `graze`: moves each stag toward meadow."""
+    """phase graze {
+      move each stag where stag.bolts == 0 and stag.wind is fresh and not smells(stag) toward meadow where
+          meadow.clover is grown
+          avoiding thicket
+    }
+    """
     present = state.stag_position != NOWHERE  # stag_chase.sj:76
-    row = state.position // FRAME_COLS  # stag_chase.sj:76
-    row_2 = state.stag_position // FRAME_COLS  # stag_chase.sj:76
-    col = state.position % FRAME_COLS  # stag_chase.sj:76
-    col_2 = state.stag_position % FRAME_COLS  # stag_chase.sj:76
-    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])  # stag_chase.sj:76
-    num_a = jnp.sum(distance <= 2, axis=1, dtype=jnp.int32)  # stag_chase.sj:76
-    # stag_chase.sj:76
+    row = state.position // FRAME_COLS
+    row_2 = state.stag_position // FRAME_COLS
+    col = state.position % FRAME_COLS
+    col_2 = state.stag_position % FRAME_COLS
+    distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
+    num_a = jnp.sum(distance <= 2, axis=1, dtype=jnp.int32)
     beside = NEXT_CELL_OF_STAG[state.stag_position[:, None] * 4 + jnp.arange(4, dtype=jnp.int32)[None, :]]
-    bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])  # stag_chase.sj:76
-    way, found = pick(  # stag_chase.sj:76
+    bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])
+    way, found = pick(
         (beside != state.stag_position[:, None])
         & ~is_one_of(beside, bodies)
         & ~is_one_of(
@@ -553,30 +583,28 @@ def graze(state: State, out: Outcome, params: Params, actions: Array, key: Array
         ),
         random_bits(key, STREAM_GRAZE, NUM_STAG),
     )
-    # stag_chase.sj:76
     goes = present & (state.stag_bolts == 0) & (state.stag_wind == STAG_FRESH) & ~(num_a > 0) & found
-    target = jnp.where(goes, NEXT_CELL_OF_STAG[state.stag_position * 4 + way], state.stag_position)  # stag_chase.sj:76
-    stag_heading = jnp.where(goes, way.astype(jnp.uint8), state.stag_heading)  # stag_chase.sj:76
-    others = jnp.concatenate([state.position, state.hare_position])  # stag_chase.sj:76
-    target = jnp.where(is_one_of(target, others), state.stag_position, target)  # stag_chase.sj:76
-    stag_position = resolve(state.stag_position, target, random_bits(key, STREAM_GRAZE_2, NUM_STAG))  # stag_chase.sj:76
+    target = jnp.where(goes, NEXT_CELL_OF_STAG[state.stag_position * 4 + way], state.stag_position)
+    stag_heading = jnp.where(goes, way.astype(jnp.uint8), state.stag_heading)
+    others = jnp.concatenate([state.position, state.hare_position])
+    target = jnp.where(is_one_of(target, others), state.stag_position, target)
+    stag_position = resolve(state.stag_position, target, random_bits(key, STREAM_GRAZE_2, NUM_STAG))
     return state.replace(stag_heading=stag_heading, stag_position=stag_position), out
 
 
 def tire(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `tire`: for each stag, sets stag.wind."""
+    """phase tire { each stag { set stag.wind = case stag.wind { fresh: tired, tired: fresh } } }"""
     present = state.stag_position != NOWHERE  # stag_chase.sj:79
-    # stag_chase.sj:79
     stag_wind = jnp.where(present, (state.stag_wind == STAG_FRESH).astype(jnp.uint8), state.stag_wind)
     return state.replace(stag_wind=stag_wind), out
 
 
 def hop(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
-    """Phase `hop`: moves each hare at random."""
+    """phase hop { move each hare at random avoiding thicket }"""
     present = state.hare_position != NOWHERE  # stag_chase.sj:80
-    beside = NEXT_CELL[state.hare_position[:, None] * 4 + jnp.arange(4, dtype=jnp.int32)[None, :]]  # stag_chase.sj:80
-    bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])  # stag_chase.sj:80
-    way, found = pick(  # stag_chase.sj:80
+    beside = NEXT_CELL[state.hare_position[:, None] * 4 + jnp.arange(4, dtype=jnp.int32)[None, :]]
+    bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])
+    way, found = pick(
         (beside != state.hare_position[:, None])
         & ~is_one_of(beside, bodies)
         & ~is_one_of(
@@ -584,12 +612,12 @@ def hop(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
         ),
         random_bits(key, STREAM_HOP, NUM_HARE),
     )
-    goes = present & found  # stag_chase.sj:80
-    target = jnp.where(goes, NEXT_CELL[state.hare_position * 4 + way], state.hare_position)  # stag_chase.sj:80
-    hare_heading = jnp.where(goes, way.astype(jnp.uint8), state.hare_heading)  # stag_chase.sj:80
-    others = jnp.concatenate([state.position, state.stag_position])  # stag_chase.sj:80
-    target = jnp.where(is_one_of(target, others), state.hare_position, target)  # stag_chase.sj:80
-    hare_position = resolve(state.hare_position, target, random_bits(key, STREAM_HOP_2, NUM_HARE))  # stag_chase.sj:80
+    goes = present & found
+    target = jnp.where(goes, NEXT_CELL[state.hare_position * 4 + way], state.hare_position)
+    hare_heading = jnp.where(goes, way.astype(jnp.uint8), state.hare_heading)
+    others = jnp.concatenate([state.position, state.stag_position])
+    target = jnp.where(is_one_of(target, others), state.hare_position, target)
+    hare_position = resolve(state.hare_position, target, random_bits(key, STREAM_HOP_2, NUM_HARE))
     return state.replace(hare_heading=hare_heading, hare_position=hare_position), out
 
 
@@ -620,15 +648,15 @@ def observe(state: State, params: Params) -> Array:
     seen_0 = windows(  # stag_chase.sj:87
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    seen_1 = windows(  # stag_chase.sj:87
+    seen_1 = windows(
         plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    content = seen_0 & CONTENT_MASK  # stag_chase.sj:87
-    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK  # stag_chase.sj:87
-    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)  # stag_chase.sj:87
-    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)  # stag_chase.sj:87
+    content = seen_0 & CONTENT_MASK
+    agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
+    others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
+    agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
     which_stag = jnp.maximum(((seen_0 >> STAG_SHIFT) & STAG_MASK).astype(jnp.int32) - 1, 0)  # stag_chase.sj:31
-    seen_stag = jnp.where(  # stag_chase.sj:31
+    seen_stag = jnp.where(
         ((seen_0 >> STAG_SHIFT) & STAG_MASK) != 0,
         (((seen_0 >> STAG_SHIFT) & STAG_MASK) != 0).astype(jnp.uint8),
         0,
