@@ -33,7 +33,7 @@ TERMS = {  # what a stranger searches for -> the file whose opening line has it
     "symbol table": "sjdsl/compiler/elaborate/scope.py",
     "free variable": "sjdsl/compiler/ir/free_variables.py",
     "write conflict": "sjdsl/compiler/checks/write_conflicts.py",
-    "constant folding": "sjdsl/compiler/ir/evaluate_constant.py",
+    "constant folding": "sjdsl/compiler/elaborate/arithmetic.py",
     "broadcast": "sjdsl/compiler/lower/axes.py",
     "collision": "sjdsl/runtime/movement.py",
     "egocentric": "sjdsl/runtime/egocentric_windows.py",

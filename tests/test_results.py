@@ -1,5 +1,6 @@
-"""docs/results.md says what the CSV files in docs/results/data say, and they hold all diagrams of docs/schelling."""
+"""docs/results.md says what the CSV files in docs/results/data say, and they hold all diagrams of docs/schelling that something is published of."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,8 @@ from sjdsl.report import read_folders
 from sjdsl.report.evidence import DiagramRow
 
 ROOT = Path(__file__).parents[1]
-DIAGRAMS = sorted(path.parent for path in (ROOT / "docs" / "schelling").glob("*/schelling.json"))
+FILES = sorted((ROOT / "docs" / "schelling").glob("*/schelling.json"))
+DIAGRAMS = [file.parent for file in FILES if json.loads(file.read_text("utf-8"))["published"] is not None]
 
 
 def test_the_page_of_results_is_up_to_date(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

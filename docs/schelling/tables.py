@@ -25,20 +25,24 @@ def written(page: str) -> str:
     diagrams = {path.parent.name: json.loads(path.read_text(encoding="utf-8")) for path in sorted(HERE.glob("*/schelling.json"))}
     for name, diagram in diagrams.items():
         page = replace_section(page, f"diagram {name}", lines_table(name, diagram))
-    scripted = [name for name in diagrams if not name.endswith("_trained")]
     trained = [name for name in diagrams if name.endswith("_trained")]
-    page = replace_section(page, "scripted", verdicts_table({name: diagrams[name] for name in scripted}))
-    return replace_section(page, "trained", verdicts_table({name: diagrams[name] for name in trained}))
+    ours = [name for name, diagram in diagrams.items() if diagram["published"] is None]
+    scripted = [name for name in diagrams if name not in (*trained, *ours)]
+    for section, names in (("scripted", scripted), ("ours", ours), ("trained", trained)):
+        page = replace_section(page, section, verdicts_table([diagrams[name] for name in names]))
+    return page
 
 
-def verdicts_table(diagrams: dict[str, dict[str, Any]]) -> str:
+def verdicts_table(diagrams: list[dict[str, Any]]) -> str:
     """Returns a row for each diagram: the published shape, the verdict, the contrasts."""
     rows = [("game", "published", "here", "A", "B", "fear", "greed"), ("---", "---", "---", "--:", "--:", "--:", "--:")]
-    for diagram in diagrams.values():
-        published, verdict = diagram["published"], diagram["verdict"]
+    for diagram in diagrams:
+        published, verdict = diagram["published"] or {}, diagram["verdict"]
         contrasts = (bounds(diagram["contrasts"][name]) for name in ("A", "B", "fear", "greed"))
         shape = f"dilemma, {verdict['shape']}" if verdict["outcome"] == "dilemma" else verdict["outcome"]
-        rows.append((diagram["game"]["name"], f"{published['shape']}, {published['type']}", shape, *contrasts))
+        rows.append(
+            (diagram["game"]["name"], ", ".join(published[key] for key in ("shape", "type") if key in published), shape, *contrasts)
+        )
     return table(rows)
 
 

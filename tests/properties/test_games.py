@@ -34,8 +34,10 @@ SMALL = {  # a map on which the policies of the expectations have something to d
     "allelopathic_harvest": (("...g", "rb.b", "g..."), 2),
     "predator_prey": (("XXPP", "aagn", "XPPX"), 4),
     "territory": (("PRPR", "RPRP"), 2),
+    "stag_chase": (("....", "....", "...."), 2),
 }
 OFTEN = {  # what is rare in the file and must happen in a short episode
+    "ferry": (("basket   : count = 4", "basket   : count = 1"),),
     "coins": (("probability = 0.0005", "probability = 0.1"),),
     "territory": (("probability = 0.01 ", "probability = 0.5 "), ("param drying : steps       = 25", "param drying : steps = 2")),
 }

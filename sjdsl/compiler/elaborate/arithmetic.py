@@ -1,4 +1,4 @@
-"""Elaborates arithmetic and comparison: refuses units that do not mix, such as reward and steps; intervals of results."""
+"""Elaborates arithmetic and comparison: constant folding, intervals, and units that do not mix, such as reward and steps."""
 
 from collections.abc import Sequence
 
