@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.limits import MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, check_tree
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax import rules
-from sjdsl.compiler.syntax.direct import read_directly
+from sjdsl.compiler.syntax.direct import EVERY, read_directly
 from sjdsl.compiler.syntax.node_builders import Part, unquote
 from sjdsl.compiler.syntax.parse import mistakes, parse, parser, tree_of
 from sjdsl.compiler.syntax.soft_words import SOFT
@@ -84,19 +84,18 @@ def test_edited_words(game: str, kind: str, seed: int) -> None:
     assert directly(edited) == with_care(edited)
 
 
-@settings(max_examples=12, deadline=None)
-@given(st.sampled_from(SMALL), st.sampled_from(["}", "(", "}}", "not", "at", "+= 1", "for each agent {", "any"]), st.floats(0, 1))
-def test_mistakes_are_those_found_from_the_beginning(text: str, inserted: str, where: float) -> None:
-    """The search for mistakes begins a little before the first, with the stack that the direct reading hands over."""
-    at = round(where * len(text))
-    source = Source("game.sj", f"{text[:at]} {inserted} {text[at:]}")
-    so_far = read_directly(source, parser())
-    if not isinstance(so_far, ast.File):
-        assert mistakes(source, [], so_far) == mistakes(source, [], None)
-
-
 def game(inside: str) -> str:
     return f'sj 1\ngame small "Small" {{ {inside} }}'
+
+
+@pytest.mark.parametrize("mistake", ["set agent.bag += 1", "set any.at = (1 + 2 + 3 + 4 + 5 end", "} }"])
+def test_mistakes_are_those_found_from_the_beginning(mistake: str) -> None:
+    """The search for mistakes begins a little before the first, with a stack that the direct reading hands over."""
+    for before in range(EVERY - 20, EVERY + 4):
+        source = Source("game.sj", game(f"phase p {{ {'end ' * before} {mistake} }}"))
+        so_far = read_directly(source, parser())
+        assert not isinstance(so_far, ast.File) and so_far is not None
+        assert mistakes(source, [], so_far) == mistakes(source, [], None)
 
 
 @pytest.mark.parametrize("word", sorted(kind.lower() for kind in SOFT))

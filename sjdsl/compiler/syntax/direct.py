@@ -70,9 +70,8 @@ class Words(Record, eq=False):
 
 
 class ReadSoFar(Record, eq=False):
-    """The kinds of all words of a text, of those before the mistake as they were read; and the stack before word `at`, a little before it."""
+    """The stack before word `at` of a text, which stands a little before its first mistake."""
 
-    kinds: list[str]
     at: int
     stack: Stack
 
@@ -142,12 +141,12 @@ def cut(text: str, known: Tables) -> Words | None:
     return words
 
 
-def _so_far(kinds: list[str], at: int, states: Sequence[int], firsts: Sequence[int]) -> ReadSoFar:
+def _so_far(at: int, states: Sequence[int], firsts: Sequence[int]) -> ReadSoFar:
     """Returns the stack before a word, in the form in which mistakes are searched for. `firsts`: the word with which each level begins."""
     stack = Stack(states[0], None)
     for state, first in zip(states[1:], firsts, strict=True):
         stack = Stack(state, stack, first)
-    return ReadSoFar(kinds, at, stack)
+    return ReadSoFar(at, stack)
 
 
 class Reader:
@@ -178,7 +177,7 @@ class Reader:
                     heights.append(0)
                     break
                 if to is None:
-                    return _so_far(kinds, *(kept if kept[0] <= max(0, number - FARTHEST) else earlier))
+                    return _so_far(*(kept if kept[0] <= max(0, number - FARTHEST) else earlier))
                 rule = rules[id(to)]
                 width = rule.width
                 if width > 1 or not rule.passes:

@@ -61,13 +61,8 @@ def mistakes(source: Source, wrong: list[Diagnostic], so_far: ReadSoFar | None) 
     found = scan(source, parser())
     if wrong and not _skip_to_game(found):
         return wrong
-    at, stack = 0, _beginning(automaton(), not wrong)
-    if so_far is not None:
-        at, stack = so_far.at, so_far.stack
-        for number, kind in enumerate(so_far.kinds[:at]):
-            if found.tokens[number].type != kind:  # a soft word that is a name
-                found.tokens[number] = Token.new_borrow_pos(kind, found.tokens[number], found.tokens[number])
-    problems = wrong + found.problems + (_find_errors(found, at, stack) if found.complete else [])
+    so_far = so_far or ReadSoFar(0, _beginning(automaton(), not wrong))
+    problems = wrong + found.problems + (_find_errors(found, so_far.at, so_far.stack) if found.complete else [])
     return problems or check_tree(tree_of(found.tokens)[1], source)
 
 
