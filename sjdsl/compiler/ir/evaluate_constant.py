@@ -1,11 +1,12 @@
 """Evaluates conditions on the numbers of a game, such as those of `require`, for given parameters."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from operator import mul
 from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, PAYOFF_CLASSES, REDUCTIONS
-from sjdsl.compiler.ir.sorts import place_of
+from sjdsl.compiler.ir.sorts import lowest_number, place_of
 
 TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
@@ -23,14 +24,28 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return None
         case ir.ParamRef():
             return params[e.name]
-        case ir.Named():
+        case ir.Named() | ir.Narrowed():
             return _value(e.value, params)
+        case ir.At() if e.key.type.kind == "mix":
+            return sum(map(mul, _value(e.key, params), _value(e.row, params)))
         case ir.At():
             return _value(e.row, params)[place_of(e.row.type.by[0], _value(e.key, params))]
         case ir.SumRow():
             return REDUCTIONS[e.fn].fold(_value(e.row, params))
+        case ir.Lowest():
+            level, row = e.row.type.by[0], _value(e.row, params)
+            place = ([place for place, entry in enumerate(row) if entry > 0] or range(len(row)))[-1 if e.last else 0]
+            return level[place] if e.type.kind == "word" else lowest_number(level) + place
+        case ir.Mix():
+            row = _value(e.row, params)
+            return tuple(entry / sum(row) for entry in row)
+        case ir.ShiftRow():
+            row, filler = _value(e.row, params), _value(e.filler, params)
+            return tuple(row[place - e.by] if 0 <= place - e.by < len(row) else filler for place in range(len(row)))
+        case ir.Case():
+            return _value(next(arm.value for arm in e.arms if _applies(arm, _value(e.subject, params))), params)
         case ir.Arithmetic():
-            return CALCULATIONS[e.fn].fold(*(_value(a, params) for a in e.args))
+            return _entry_by_entry(CALCULATIONS[e.fn].fold, *(_value(a, params) for a in e.args))
         case ir.Compare():
             return _compare(e.fn, _value(e.left, params), _value(e.right, params))
         case ir.InRange():
@@ -48,6 +63,22 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return PAYOFF_CLASSES[e.name].holds(r, s, t, p)
         case _:
             raise AssertionError(e)
+
+
+def _entry_by_entry(fold: Callable[..., Any], *values: Any) -> Any:
+    """Returns what is calculated from numbers, or from rows and tables with the same keys."""
+    if isinstance(values[0], tuple):
+        return tuple(_entry_by_entry(fold, *entries) for entries in zip(*values, strict=True))
+    return fold(*values)
+
+
+def _applies(arm: ir.Arm, subject: bool | int | str) -> bool:
+    """Returns whether an arm of a `case` is for this word, truth or number."""
+    if isinstance(subject, bool):
+        subject = "yes" if subject else "no"
+    if isinstance(subject, str):
+        return subject in arm.words
+    return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
 
 
 def _compare(fn: str, a: float, b: float) -> bool:
