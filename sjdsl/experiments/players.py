@@ -37,7 +37,7 @@ LEARNING = frozenset(
             "anneal_learning_rate",
             "max_gradient_norm",
         ),
-        *("init_from", "reward", "common_reward", "reward_smoothing", "svo_angle", "svo_weight", "svo_at_rest", "svo_quadrant"),
+        *("init_from", "loss", "reward", "common_reward", "reward_smoothing", "svo_angle", "svo_weight", "svo_at_rest", "svo_quadrant"),
         *("exchange_ratio", "inequity_envy", "inequity_guilt", "inequity_smoothing", "match_socialjax"),
         *("checkpoint_minutes", "checkpoint_share", "checkpoint_updates", "policy_every", "keep_policies"),
         *("evaluate_every", "evaluation_episodes", "num_epochs", "num_minibatches", "gae_lambda", "clip_epsilon", "scale_clip_epsilon"),

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from sjdsl.report.evidence import Run
+from sjdsl.trainers.extensions import short_name
 
 Way = Callable[[Run], bool]
 SHARED, APART = "shared", "per_agent"
@@ -59,7 +60,7 @@ def in_words(run: Run, chosen_weight: float | None = None) -> str:
       chosen_weight: the weight of SVO that a sweep chose for the game. Where it is given, runs with it that did not choose it are called by
         that, `IPPO, SVO 45°, chosen weight`: one way in all games, though the weights differ.
     """
-    name = NAMES.get(run.algorithm, run.algorithm)
+    name = NAMES.get(run.algorithm, short_name(run.algorithm))
     if run.algorithm == "vdn":
         return name
     rewards = {
@@ -67,7 +68,7 @@ def in_words(run: Run, chosen_weight: float | None = None) -> str:
         "svo": _svo(run, chosen_weight),
     }
     sharing = {SHARED: "", APART: ", separate parameters"}.get(run.sharing, f", parameters {run.sharing.replace('_', ' ')}")
-    return f"{name}, {rewards.get(run.reward, run.reward)}{sharing}"
+    return f"{name}, {rewards.get(run.reward, short_name(run.reward))}{sharing}"
 
 
 def _svo(run: Run, chosen_weight: float | None) -> str:

@@ -165,7 +165,7 @@ def test_individual_policies_act_while_learning_and_team_policies_are_what_is_ke
         parameters["params"][name]["actor"]["out"]["bias"] = bias[one][None]
     assert program.adopt is not None
     state = program.adopt(state, (parameters,))
-    rollout = program.collect(state)[1][0]
+    rollout = program.collect(state)[1].rollout
     assert (rollout.action == 0).all()
     assert rollout.acting.log_probability.shape == (16, 16, 2, 2, 2)
     for greedy in (False, True):
@@ -200,10 +200,10 @@ def test_forbidden_actions_are_never_drawn() -> None:
     program = make_train(env, config_of(num_envs=4, num_minibatches=2))
     state = program.init(jax.random.key(0))
     after, played = jax.jit(program.collect)(state)
-    acting = played[0].acting
+    acting = played.rollout.acting
     allowed = jnp.unpackbits(acting.allowed, axis=-1, count=env.num_actions).astype(bool)
     assert not allowed.all()
-    assert jnp.take_along_axis(allowed, played[0].action[..., None], axis=-1).all()
+    assert jnp.take_along_axis(allowed, played.rollout.action[..., None], axis=-1).all()
     assert np.isfinite(jax.jit(program.learn)(after, played)[1]["loss"])
 
 

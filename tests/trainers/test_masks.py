@@ -124,7 +124,7 @@ def first_update(**changes: Any) -> tuple[TrainState, Any, dict[str, Any]]:
         state = program.init(key)
         after, played = program.collect(state)
         learnt, metrics = program.learn(after, played)
-        return state, (played[0], learnt), metrics
+        return state, (getattr(played, "rollout", None), learnt), metrics
 
     return run(jax.random.key(0))
 

@@ -16,6 +16,8 @@ from probes import FAST_TO_COMPILE, QUICK, matching
 from run_outcomes import assert_same_end, read_lines, read_manifest
 
 from sjdsl.cli import run as command_line
+from sjdsl.report.reading_runs import run_of
+from sjdsl.report.ways import in_words
 from sjdsl.trainers import (
     Batch,
     Config,
@@ -259,6 +261,15 @@ def test_a_manifest_with_a_setting_that_nothing_takes_is_refused(counted: Path) 
     (counted.parent / "other" / "manifest.json").write_text(json.dumps(manifest))
     with pytest.raises(RunError, match=r"`own\.facto` does nothing: the algorithm .* has no keyword-only argument of that name"):
         resume(matching(), counted.parent / "other", "none")
+
+
+def test_reports_import_no_algorithm(counted: Path) -> None:
+    manifest = read_manifest(counted)
+    manifest["config"]["algorithm"] = "/nowhere/mine.py:learner"
+    found = run_of(manifest)
+    assert found.run.startswith("matching-mine-individual-")
+    assert in_words(found) == "learner, individual"
+    assert json.loads(found.settings)["own"] == {"factor": 2}
 
 
 FILE = """

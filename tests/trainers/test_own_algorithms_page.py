@@ -73,10 +73,13 @@ def smaller(command: list[str]) -> list[str]:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("command", [command for command in COMMANDS if command[1] == "train" and "--keys" not in command], ids=" ".join)
+@pytest.mark.parametrize(
+    "command", [command for command in COMMANDS if command[1] == "train" and "--keys" not in command], ids=lambda command: command[2]
+)
 def test_the_commands_train(command: list[str], folder: Path) -> None:
     run_dir = ["--run", "run"] if "--run" not in command else []
-    assert command_line([*smaller(command), *run_dir]) == 0
+    with jax.debug_key_reuse(False):
+        assert command_line([*smaller(command), *run_dir]) == 0
     (manifest,) = folder.glob("**/manifest.json")
     assert read_manifest(manifest.parent)["status"] == "finished"
     assert len(read_lines(manifest.parent / "metrics.jsonl")) == 3
@@ -104,9 +107,9 @@ def test_agents_that_expect_each_other_to_learn_cooperate() -> None:
     @jax.jit
     def last_returns(lookahead: float) -> jax.Array:
         program = learner(env, config, lookahead=lookahead)
-        _, metrics = jax.lax.scan(lambda state, _: program.update(state), program.init(jax.random.key(0)), length=240)
+        _, metrics = jax.lax.scan(lambda state, _: program.update(state), program.init(jax.random.key(0)), length=200)
         return metrics["agent_return"][-20:].mean(axis=0)
 
     with jax.debug_key_reuse(False):
         assert last_returns(0.0).max() < 18
-        assert last_returns(0.02).min() > 36
+        assert last_returns(0.03).min() > 40

@@ -106,7 +106,7 @@ def test_a_rollout_keeps_bytes_and_independent_actions() -> None:
     """Networks that have learnt nothing: actions agree by chance, 1 in 2, over 2048 pairs with a standard error of 0.011."""
     state, _ = learn(endless_riches())
     program = make_train(matching(), quick(num_steps=128))
-    rollout: Rollout = jax.jit(lambda state: program.collect(state)[1][0], compiler_options=FAST_TO_COMPILE)(state)
+    rollout: Rollout = jax.jit(lambda state: program.collect(state)[1].rollout, compiler_options=FAST_TO_COMPILE)(state)
     assert rollout.observation.dtype == jnp.uint8
     assert rollout.observation.shape == (128, 16, 2, 1, 1)
     alike = (rollout.action[..., 0] == rollout.action[..., 1]).mean()
@@ -158,8 +158,8 @@ def test_learning_computes_what_acting_did(changes: dict[str, Any]) -> None:
     program = make_train(env, config)
 
     def play_and_learn(state: TrainState, key: Array) -> tuple[Batch, dict[str, Array]]:
-        _, (rollout, memory, *_) = program.collect(program.collect(state)[0])  # begins in the middle of an episode
-        batch = make_batch(rollout, memory, jnp.zeros((16, 2)), config)
+        _, played = program.collect(program.collect(state)[0])  # begins in the middle of an episode
+        batch = make_batch(played.rollout, played.memory, jnp.zeros((16, 2)), config)
         return batch, learn_teams(state.learner, batch, key, networks, config)[1]
 
     with jax.debug_key_reuse(False):  # the key of the trained state is used by every test that asks for it
