@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from .config import PPOConfig
+from .data_parallel import mean_of_all
 from .networks import Memory
 from .training_functions import Metrics
 
@@ -42,7 +43,10 @@ def normalised(advantage: Array, config: PPOConfig) -> Array:
     """Returns advantages about their mean, divided by their deviation, or by `advantage_floor` if that is larger."""
     # Where nothing is paid, advantages are the critic's errors alone: divided by their own deviation they would move the policy as far as
     # rewards do.
-    return (advantage - advantage.mean()) / jnp.maximum(advantage.std(), config.advantage_floor + 1e-8)
+    centred = advantage - mean_of_all(advantage.mean())
+    deviation = jnp.sqrt(mean_of_all(jnp.square(centred).mean()))
+    result: Array = centred / jnp.maximum(deviation, config.advantage_floor + 1e-8)
+    return result
 
 
 def clipped_surrogate(ratio: Array, advantage: Array, epsilon: float) -> Array:

@@ -10,6 +10,7 @@ from jax import Array
 from sjdsl.runtime.policy import MemoryPolicy, take_actions
 
 from .config import Config, ConfigError
+from .data_parallel import own_keys
 from .environment import Environment
 
 
@@ -44,7 +45,7 @@ class Partners:
         number = fresh.shape[0]
         start = self.start(number)
         memory = jax.tree.map(lambda new, old: jnp.where(fresh.reshape(-1, *[1] * (new.ndim - 1)), new, old), start, memory)
-        keys = jax.random.split(key, number)
+        keys = own_keys(key, number)
         return jax.vmap(lambda *seen: take_actions(env, self.policy, *seen))(memory, keys, observation, state)
 
     def in_place(self, action: Array, theirs: Array) -> Array:

@@ -1,5 +1,6 @@
 """Proximal policy optimisation (PPO) of N agents: runs of IPPO, MAPPO and IRAT, with shared or separate networks, and the clipped loss."""
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import Any, cast
@@ -13,6 +14,7 @@ from jax import Array
 from .actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from .advantage import generalised_advantages, successor_values
 from .config import ConfigError, PPOConfig
+from .data_parallel import ALL, OF_ENVS, SECOND_OF_ENVS, mean_of_all, over_devices, own_keys, own_share
 from .environment import Environment, ObservableEnvironment
 from .episodes import FinishedEpisodes, mean_episode
 from .irat import both_rewards, irat_loss
@@ -67,23 +69,33 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         learners = tuple(start_learner(parameters, config) for parameters in networks.init(network_key, env))
         return TrainState(key, learners, worlds, jnp.int32(0), jnp.bool_(False))
 
+    def play(parameters: Any, worlds: Worlds, key: Array) -> Any:
+        return collect_rollout(env, make_actor(env, networks, parameters), worlds, key, config.num_steps, shaping, partners)
+
     def collect(state: TrainState) -> tuple[TrainState, Played]:
         key, rollout_key = jax.random.split(state.key)
-        actor = make_actor(env, networks, parameters(state))
-        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
-        return replace(state, key=key, worlds=worlds), Played(rollout, state.worlds.memory, finished, measured)
+        together = over_devices(play, (ALL, OF_ENVS, ALL), (OF_ENVS, SECOND_OF_ENVS, ALL, ALL))
+        worlds, rollout, finished, measured = together(parameters(state), state.worlds, rollout_key)
+        after = replace(state, key=key, worlds=worlds)
+        return after, Played(rollout, state.worlds.memory, finished, measured)
+
+    def take_steps(learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, progress: Array, key: Array) -> Any:
+        """Returns the learners, their losses, and the values `[1, M, N]` that the rollout had with their targets."""
+        params = tuple(own.params for own in learner)
+        joint = _joint(env, networks, worlds.state)
+        last_value = _value(networks, params, worlds.memory, worlds.observation, joint, worlds.fresh)
+        batch = replace(make_batch(rollout, memory, last_value, config), progress=progress)
+        return *learn_teams(learner, batch, key, networks, config), batch.value, batch.target
 
     def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
         rollout = played.rollout
         key, shuffle_key = jax.random.split(state.key)
-        worlds = state.worlds
-        last_value = _value(
-            networks, parameters(state), worlds.memory, worlds.observation, _joint(env, networks, worlds.state), worlds.fresh
-        )
-        batch = replace(make_batch(rollout, played.memory, last_value, config), progress=state.updates / config.num_updates)
-        learners, losses = learn_teams(state.learner, batch, shuffle_key, networks, config)
+        given, returned = (ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL, ALL), (ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS)
+        progress = state.updates / config.num_updates
+        together = over_devices(take_steps, given, returned)
+        learners, losses, value, target = together(state.learner, state.worlds, rollout, played.memory, progress, shuffle_key)
         learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner, state.diverged)
-        value, target = (networks.of_result(leaf)[..., learning] for leaf in (batch.value, batch.target))
+        value, target = (networks.of_result(leaf)[..., learning] for leaf in (value, target))
         metrics = {
             **mean_episode(played.finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
@@ -104,7 +116,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
 
 
 def check_minibatches(config: PPOConfig) -> None:
-    """Raises ConfigError where a rollout does not divide into minibatches."""
+    """Raises ConfigError where a rollout does not divide into minibatches, or a minibatch not into devices."""
     if config.memory == "none":
         if config.steps_per_update % config.num_minibatches:
             raise ConfigError(
@@ -116,6 +128,17 @@ def check_minibatches(config: PPOConfig) -> None:
             f"networks with memory learn from whole rollouts: num_envs = {config.num_envs} cannot be split into "
             f"num_minibatches = {config.num_minibatches} equal parts"
         )
+    size, devices = minibatch_size(config), len(jax.devices())
+    if size % devices:
+        raise ConfigError(
+            f"a minibatch of {size} {'steps' if config.memory == 'none' else 'environments'} cannot be spread over {devices} devices; "
+            "choose num_minibatches so that it is a multiple"
+        )
+
+
+def minibatch_size(config: PPOConfig) -> int:
+    """Returns how many sequences a minibatch has: steps, or whole rollouts for networks with memory."""
+    return (config.steps_per_update if config.memory == "none" else config.num_envs) // config.num_minibatches
 
 
 def start_learner(parameters: Any, config: PPOConfig) -> Learner:
@@ -134,10 +157,10 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         allowed = allowed_in(env, networks.masks, worlds.state)
         if networks.paired:
             likes = masked(logits[0], None if allowed is None else allowed[..., None, :])
-            action = jax.random.categorical(key, likes[..., INDIVIDUAL, :]).astype(jnp.int32)
+            action = _draw(key, likes[..., INDIVIDUAL, :])
             return memory, action, Acting(jax.nn.log_softmax(likes), value[0], pack_mask(allowed))
         likes = masked(logits[0], allowed)
-        action = jax.random.categorical(key, likes).astype(jnp.int32)  # independent over [B, N]
+        action = _draw(key, likes)
         return memory, action, Acting(chosen_log_probability(likes, action), value[0], pack_mask(allowed))
 
     def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
@@ -157,6 +180,11 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         return result
 
     return Actor(act, networks.packing.pack, follow, lambda state: _joint(env, networks, state))
+
+
+def _draw(key: Array, logits: Array) -> Array:
+    """Returns actions `[B, N]` int32, each drawn on its own, of logits `[B, N, A]`."""
+    return jax.vmap(jax.random.categorical)(own_keys(key, len(logits)), logits).astype(jnp.int32)
 
 
 def _joint(env: Environment, networks: ActorCritics, state: Any) -> Any:
@@ -227,7 +255,7 @@ def _learn_bundle(
     """Takes the epochs of all teams of a bundle side by side; `batch.memory` is `[G, M, ...]`."""
     number = len(bundle.agents)
 
-    orders = draw_orders(key, number, batch.action.shape[1], config)
+    orders = draw_orders(key, number, config)
 
     def learn_team(learner: Learner, orders: Array, agents: Array, memory: Memory) -> tuple[Learner, Metrics]:
         return take_epochs(learner, replace(batch, memory=memory), orders, agents, apply, networks, config)
@@ -240,11 +268,20 @@ def _learn_bundle(
     return after, jax.tree.map(jnp.mean, losses)
 
 
-def draw_orders(key: Array, number: int, sequences: int, config: PPOConfig) -> Array:
-    """Returns which sequences are in which minibatch, `[G, epochs, minibatches, m]` int32: all once an epoch, in a new order."""
-    keys = jax.random.split(key, (number, config.num_epochs))
-    orders = jax.vmap(jax.vmap(lambda own: jax.random.permutation(own, jnp.arange(sequences, dtype=jnp.int32))))(keys)
-    return orders.reshape(number, config.num_epochs, config.num_minibatches, -1)
+def draw_orders(key: Array, number: int, config: PPOConfig) -> Array:
+    """Returns which sequences are in which minibatch, `[G, epochs, minibatches, m]` int32: all once an epoch, in a new order.
+
+    Environments are in as many groups as divide both them and a minibatch, and a minibatch has as many sequences of each group. So the
+    order does not depend on the number of devices. Where there are more, the sequences are those of this device's environments.
+    """
+    groups = math.gcd(config.num_envs, minibatch_size(config))
+    keys = jax.vmap(lambda own: jax.random.split(own, (number, config.num_epochs)))(own_keys(key, own_share(groups)))
+    envs, sequences = config.num_envs // groups, minibatch_size(config) * config.num_minibatches // groups  # of a group
+    draw = partial(jax.random.permutation, x=jnp.arange(sequences, dtype=jnp.int32))
+    step, env = jnp.divmod(jax.vmap(jax.vmap(jax.vmap(draw)))(keys), envs)
+    orders = (step * len(keys) + jnp.arange(len(keys))[:, None, None, None]) * envs + env  # a step of all environments after the other
+    orders = orders.reshape(*keys.shape, config.num_minibatches, -1)
+    return jnp.moveaxis(orders, 0, 3).reshape(number, config.num_epochs, config.num_minibatches, -1)
 
 
 def take_epochs(
@@ -262,9 +299,15 @@ def take_epochs(
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
         minibatch = sample(batch, indices, agents, networks)
+<<<<<<< HEAD
         loss = jax.value_and_grad(loss_of(config), has_aux=True)
         (value, losses), gradients = loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
         losses = {**losses, "loss": value, **gradient_norms(gradients, config)}
+=======
+        loss = jax.value_and_grad(irat_loss if config.algorithm == "irat" else ppo_loss, has_aux=True)
+        (_, losses), gradients = mean_of_all(loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config))
+        losses |= gradient_norms(gradients, config)
+>>>>>>> speed
         return learner.apply_gradients(grads=gradients), losses
 
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))

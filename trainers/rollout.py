@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from .data_parallel import mean_of_all, own_keys, sum_of_all
 from .environment import Environment
 from .episodes import EpisodeSums, FinishedEpisodes, add_step, hand_over, zero_sums
 from .partners import NOBODY, Partners
@@ -106,7 +107,7 @@ def collect_rollout(
         for partners_key in others:
             theirs, taken = partners.act(env, theirs, partners_key, worlds.observation, worlds.state, worlds.fresh)
             action = partners.in_place(action, taken)
-        env_keys = jax.random.split(env_key, action.shape[0])
+        env_keys = own_keys(env_key, action.shape[0])
         observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
         trace = shaping.smoothing * worlds.trace + reward
         if shaping.own is None:
@@ -132,4 +133,4 @@ def collect_rollout(
 
     worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, jax.random.split(key, num_steps))
     total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), finished)
-    return worlds, rollout, total, jax.tree.map(jnp.mean, metrics)
+    return worlds, rollout, sum_of_all(total), mean_of_all(jax.tree.map(jnp.mean, metrics))

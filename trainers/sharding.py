@@ -1,7 +1,7 @@
 """Data-parallel training: shards environments over all devices, and replicates everything else.
 
-JAX's partitioner does the rest: sums over a minibatch become sums over devices. The program is the same for any number of
-devices, random draws included, so that results differ by the order of float sums alone.
+PPO plays and learns on every device apart (`data_parallel`). What is left, and all of other algorithms, JAX's partitioner divides: sums over
+environments become sums over devices.
 """
 
 from dataclasses import dataclass
@@ -11,9 +11,8 @@ import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from .config import Config, ConfigError
+from .data_parallel import ENVS
 from .training_functions import TrainState
-
-ENVS = "envs"
 
 
 @dataclass(frozen=True)

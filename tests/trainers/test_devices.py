@@ -13,7 +13,7 @@ import jax
 import pytest
 from run_outcomes import OF_THE_CLOCK, ORCHARD, assert_same_end, copy_run, read_lines, read_manifest, run_sjdsl, sets, start_sjdsl
 
-from sjdsl.trainers import ConfigError, make_config, sharding
+from sjdsl.trainers import ConfigError, PPOConfig, make_config, ppo, sharding
 from tests.cli.command_line import GAME
 
 TWO = "--xla_force_host_platform_device_count=2"
@@ -24,6 +24,13 @@ def test_environments_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(sharding.jax, "devices", lambda: [*jax.local_devices()] * 3)
     with pytest.raises(ConfigError, match="num_envs = 4 environments cannot be spread over 3 devices; choose a multiple"):
         sharding.make_placement(make_config(num_envs=4))
+
+
+def test_minibatches_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ppo.jax, "devices", lambda: [*jax.local_devices()] * 2)
+    with pytest.raises(ConfigError, match="a minibatch of 125 steps cannot be spread over 2 devices; choose num_minibatches so that"):
+        ppo.check_minibatches(PPOConfig(num_envs=4, num_steps=125, num_minibatches=4))
+    ppo.check_minibatches(PPOConfig(num_envs=4, num_steps=125, num_minibatches=2))
 
 
 @pytest.fixture(scope="module")

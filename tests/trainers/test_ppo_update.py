@@ -250,7 +250,7 @@ def test_every_epoch_sees_every_sample_once() -> None:
 
     What says which sample it is stands in the place of memory.
     """
-    config = PPOConfig(num_epochs=3, num_minibatches=4, value_coefficient=1.0, clip_value_loss=False)
+    config = PPOConfig(num_envs=4, num_steps=8, num_epochs=3, num_minibatches=4, value_coefficient=1.0, clip_value_loss=False)
     samples, minibatch = 32, 8
     shape = (1, samples, 1)
     batch = Batch(
@@ -269,15 +269,25 @@ def test_every_epoch_sees_every_sample_once() -> None:
         return memory, jnp.zeros((1, minibatch, 1, 2)), parameters["values"][memory][None, :, None]
 
     learner = Learner.create(apply_fn=None, params={"values": jnp.zeros(samples)}, tx=optax.sgd(0.1 * minibatch))
-    orders = draw_orders(jax.random.key(0), 1, samples, config)
+    orders = draw_orders(jax.random.key(0), 1, config)
     learner, _ = take_epochs(learner, batch, orders[0], np.array([0]), read, make_actor_critics(matching(1), config), config)
     np.testing.assert_allclose(learner.params["values"], np.full(samples, 1 - 0.9**3), rtol=1e-5)
 
 
 def test_every_epoch_and_team_has_an_order_of_its_own() -> None:
-    orders = draw_orders(jax.random.key(0), 2, 64, PPOConfig(num_epochs=3, num_minibatches=4)).reshape(6, 64)
+    orders = draw_orders(jax.random.key(0), 2, PPOConfig(num_envs=8, num_steps=8, num_epochs=3, num_minibatches=4)).reshape(6, 64)
     np.testing.assert_array_equal(np.sort(orders, axis=1), np.broadcast_to(np.arange(64), (6, 64)))
     assert len(np.unique(orders, axis=0)) == 6
+
+
+def test_a_minibatch_has_as_much_of_each_group_of_environments() -> None:
+    """Steps of 8 environments, 12 in a minibatch: 3 of each of the four pairs that 8 and 12 divide into; with memory whole rollouts of 2 pairs."""
+    config = PPOConfig(num_envs=8, num_steps=6, num_minibatches=4)
+    orders = draw_orders(jax.random.key(0), 1, config)
+    pairs = np.sort(np.asarray(orders) % 8 // 2, axis=-1)
+    np.testing.assert_array_equal(pairs, np.broadcast_to(np.repeat(np.arange(4), 3), (1, config.num_epochs, 4, 12)))
+    remembering = draw_orders(jax.random.key(0), 1, PPOConfig(num_envs=8, num_steps=6, num_minibatches=2, memory="gru"))
+    np.testing.assert_array_equal(np.sort(remembering // 2, axis=-1), np.broadcast_to(np.arange(4), (1, config.num_epochs, 2, 4)))
 
 
 def test_explained_variance() -> None:
