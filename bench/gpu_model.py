@@ -35,6 +35,7 @@ from sjdsl.bench.loop import game_task
 from sjdsl.bench.markdown import markdown_table, write_section
 from sjdsl.bench.tables import Table
 from sjdsl.report import published
+from sjdsl.runtime.forms import forced
 from sjdsl.substrates import substrates
 
 NINE = (
@@ -237,7 +238,8 @@ def update_of(name: str, network: str, target: Any) -> Program:
 
 def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None) -> Row:
     """Returns the row of a program: the one that is known, if XLA would be given the same."""
-    lowered = jax.jit(program.function, donate_argnums=0).lower(*program.shapes)
+    with forced("gpu"):
+        lowered = jax.jit(program.function, donate_argnums=0).lower(*program.shapes)
     digest = hashlib.sha256(f"{jax.__version__} {lowered.as_text()}".encode()).hexdigest()[:16]
     known = rows.get((program.of, program.name, program.observation, program.envs, gpu))
     if known is not None and known.program == digest:

@@ -1,6 +1,7 @@
 """Auto-reset: starts the next episode in environments whose episode ended, at low cost if none did."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import jax
@@ -8,15 +9,29 @@ import jax.numpy as jnp
 from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
+from sjdsl.runtime.forms import by_platform
+
 State = Any
 Params = Any
 
 
 def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
-    """Returns the first state of an episode where `done`, else `state`.
+    """Returns the first state of an episode where `done`, else `state`."""
+    forms = (partial(_if_any_is_done, reset), partial(_always_computed, reset))
+    result: State = by_platform(*forms, done, words, params, state)
+    return result
 
-    For a batch the resets are computed only if some environment is done: a `select` in every step would cost more than most
-    phases. A second `vmap` around turns the choice back into a select; the values are the same. So does a derivative, in both modes.
+
+def _always_computed(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
+    """The form for GPUs, where a reset takes a few kernels more, and a branch would wait for the host."""
+    return jax.tree.map(lambda new, old: jnp.where(done, new, old), reset(params, words), state)
+
+
+def _if_any_is_done(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
+    """The form for CPUs: for a batch the resets are computed only if some environment is done.
+
+    A `select` in every step would cost more than most phases. A second `vmap` around turns the choice back into a select; the values are
+    the same. So does a derivative, in both modes.
     """
 
     def plain(done: Array, words: Array, params: Params, state: State) -> State:

@@ -14,12 +14,13 @@ import numpy as np
 from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
+from sjdsl.runtime.bits import WIDTH, unpack
+from sjdsl.runtime.forms import by_platform
+
 
 @partial(jax.jit, static_argnames=("ahead", "behind", "left", "right"))  # one function of the program, however many planes are seen
 def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind: int, left: int, right: int) -> Array:
     """Returns each agent's window of one plane.
-
-    The plane is turned four ways once; then each window is one slice: the cheapest form measured on a CPU.
 
     Args:
       plane: `[rows, cols]` of the padded frame; every window lies in it.
@@ -30,6 +31,25 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
       `[N, V]`, the cells of each window row by row: `(ahead + 1 + behind) * (left + 1 + right)` of them, the agent's own in
       row `ahead`, column `left`. Not in rows: XLA makes vector instructions of the last axis only, and a row is too short.
     """
+    sides = (ahead, behind, left, right)
+    result: Array = by_platform(partial(_windows_cut, sides=sides), partial(_windows_looked_up, sides=sides), plane, position, heading)
+    return result
+
+
+def _windows_looked_up(plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]) -> Array:
+    """The form for GPUs: each cell of each window asks for its own cell of the plane, in one kernel."""
+    ahead, behind, left, right = sides
+    cols = plane.shape[1]
+    row, col = np.mgrid[-ahead : behind + 1, -left : right + 1].reshape(2, -1)
+    turned = np.stack([row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]).astype(np.int32)
+    cells = position[:, None] + jnp.asarray(turned)[heading]
+    seen: Array = plane.reshape(-1).at[cells].get(mode="clip")  # of who is nowhere something is seen, which the caller masks
+    return seen
+
+
+def _windows_cut(plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]) -> Array:
+    """The form for CPUs: the plane is turned four ways once; then each window is one slice."""
+    ahead, behind, left, right = sides
     rows, cols = plane.shape
     side = max(rows, cols)
     turned = []
@@ -54,13 +74,30 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
 def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
     """Returns a plane with values in some of its cells.
 
-    For a large batch it is assembled from runs of neighbouring cells, if they are long, with a copy for each run. A scatter cell by
-    cell takes twice as long for 538 cells in 81 runs (docs/performance.md).
-
     Args:
       plane: `[cells]` uint8.
       cells: `[S]` int32, ascending; constant: not traced.
       values: `[S]` uint8.
+    """
+    result: Array = by_platform(partial(_filled_in_runs, cells), partial(_filled_by_number, cells), plane, values)
+    return result
+
+
+def _filled_by_number(cells: Array | np.ndarray, plane: Array, values: Array) -> Array:
+    """The form for GPUs: each cell of the plane looks up its value. The numbers depend on the values: XLA transposes constant ones."""
+    constant = np.asarray(cells)
+    numbers = np.zeros(plane.shape[0], np.int32)
+    numbers[constant] = np.arange(constant.size)
+    there = np.zeros(plane.shape[0], bool)
+    there[constant] = True
+    batched = jnp.asarray(numbers) + (values[0].astype(jnp.int32) & 0)
+    return jnp.where(jnp.asarray(there), values.at[batched].get(mode="promise_in_bounds"), plane)
+
+
+def _filled_in_runs(cells: Array | np.ndarray, plane: Array, values: Array) -> Array:
+    """The form for CPUs: for a large batch the plane is assembled from runs of neighbouring cells, with a copy for each, if they are long.
+
+    A scatter cell by cell takes twice as long for 538 cells in 81 runs (docs/performance.md).
     """
     constant = np.asarray(cells)
     first = np.flatnonzero(np.diff(constant, prepend=-2) != 1)
@@ -108,8 +145,31 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
       cells: `[M]` int32.
       bits: uint8, `[M]` (then the cells differ) or one for all.
     """
+    result: Array = by_platform(
+        _painted_by_cell, _painted_as_bits if np.ndim(bits) == 0 else _painted_by_comparing, plane, cells, jnp.asarray(bits, jnp.uint8)
+    )
+    return result
+
+
+def _painted_as_bits(plane: Array, cells: Array, bits: Array) -> Array:
+    """The form for GPUs of one value for all: which cells there are is kept as bits, as one word for 32 cells."""
+    size = plane.shape[0]
+    number = jnp.arange(-(-size // WIDTH), dtype=jnp.int32)
+    mine = jnp.where((cells >> 5)[None] == number[:, None], jnp.uint32(1) << (cells & 31).astype(jnp.uint32)[None], jnp.uint32(0))
+    words = lax.optimization_barrier(lax.reduce(mine, jnp.uint32(0), lax.bitwise_or, (1,)))
+    return plane | jnp.where(unpack(words, size), bits, jnp.uint8(0))
+
+
+def _painted_by_comparing(plane: Array, cells: Array, bits: Array) -> Array:
+    """The form for GPUs of a value for each of a few cells: each cell of the plane compares itself with all of them."""
+    here = cells[None] == jnp.arange(plane.shape[0], dtype=jnp.int32)[:, None]
+    return plane | lax.reduce(jnp.where(here, bits[None], jnp.uint8(0)), jnp.uint8(0), lax.bitwise_or, (1,))
+
+
+def _painted_by_cell(plane: Array, cells: Array, bits: Array) -> Array:
+    """The form for CPUs: a scatter."""
     where = plane.at[cells]
-    painted = where.get(mode="promise_in_bounds", wrap_negative_indices=False) | jnp.asarray(bits, jnp.uint8)
+    painted = where.get(mode="promise_in_bounds", wrap_negative_indices=False) | bits
     return where.set(painted, mode="promise_in_bounds", wrap_negative_indices=False)
 
 

@@ -10,11 +10,15 @@ from typing import Any
 import jax
 from jax import lax
 
-forced = jax.make_user_context(None)  # `with forced("gpu"):` and `with forced("cpu"):` choose the form on any platform, for tests
+forced = jax.make_user_context(None)  # `with forced("gpu"):` and `with forced("cpu"):` choose the form, whatever the platform
 
 
 def by_platform(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: Any) -> Any:
-    """Returns what a kernel makes of its arguments, in the form for the platform that the program is compiled for."""
-    if forced.value is not None:
-        return {"cpu": cpu, "gpu": gpu}[forced.value](*arguments)
+    """Returns what a kernel makes of its arguments, in the form for the platform that the program is compiled for.
+
+    Where JAX has nothing but CPUs the other form is not even traced. Who compiles there for a GPU that is elsewhere says `forced("gpu")`.
+    """
+    chosen = forced.value or ("cpu" if jax.default_backend() == "cpu" else None)
+    if chosen is not None:
+        return {"cpu": cpu, "gpu": gpu}[chosen](*arguments)
     return lax.platform_dependent(*arguments, cpu=cpu, default=gpu)

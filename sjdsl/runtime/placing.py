@@ -5,6 +5,7 @@ from functools import reduce
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
@@ -71,7 +72,7 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
         as_they_are = members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
         return lax.cond(_several(members), lambda: each(members, key), lambda: as_they_are), True
 
-    result: Array = picked(members, key)
+    result: Array = by_platform(picked, chosen, members, key)  # a GPU draws in any case: a branch would wait for the host
     return result
 
 
@@ -235,20 +236,21 @@ def _unrolled(cells: Array, free: Array, fitting: Array | None, words: Array, po
         rank = below(words[who], total)
         chosen, before, number, passed = among[0], jnp.zeros_like(rank), jnp.zeros_like(rank), counts[0]
         for place, (one, count) in enumerate(zip(among[1:], counts[1:], strict=True), 1):
-            later = rank >= passed
-            chosen, before = jnp.where(later, one, chosen), jnp.where(later, passed, before)
-            number, passed = jnp.where(later, place, number), passed + count
+            later = lax.ge(rank, passed)
+            chosen, before = lax.select(later, one, chosen), lax.select(later, passed, before)
+            number, passed = lax.select(later, np.int32(place), number), lax.add(passed, count)
         bit = bits.nth_bit(chosen, rank - before)
         there = (((going >> who) & 1) != 0) & (total > 0)
         taken = jnp.where(there, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
-        left = [jnp.where(number == place, one & ~taken, one) for place, one in enumerate(left)]
+        kept = lax.bitwise_not(taken)
+        left = [lax.select(lax.eq(number, np.int32(place)), lax.bitwise_and(one, kept), one) for place, one in enumerate(left)]
         here = (index == who) & there
         site, placed = jnp.where(here, number * bits.WIDTH + bit, site), placed | here
     return jnp.where(placed, _entry(cells, site), position), placed
 
 
 def _scalars(words: Array) -> list[Array]:
-    return [words[place] for place in range(words.shape[0])]
+    return [lax.index_in_dim(words, place, keepdims=False) for place in range(words.shape[0])]
 
 
 def come_back(

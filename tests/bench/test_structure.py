@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.bench.compilation import COUNTED, count_operations, lower_step
+from sjdsl.runtime.forms import forced
 from tests.games.environments import NINE, environment
 
 KNOWN = Path(__file__).parent / "structure.txt"
@@ -55,6 +56,17 @@ def test_a_step_is_short(game: str) -> None:
 def test_a_step_sorts_nothing_and_stays_in_single_precision(game: str) -> None:
     assert figures_of(game)["sort"] == 0
     assert "f64" not in step_of(game)
+
+
+# Loops and branches of a step for a GPU, each of which may wait for the host: `pick` of several, and the rounds of `match`.
+WAITS = {"mushrooms": 1, "pd_arena": 1}
+
+
+@pytest.mark.parametrize("game", NINE)
+def test_a_step_for_a_gpu_has_no_loops_and_branches(game: str) -> None:
+    with forced("gpu"):
+        found = count_operations(lower_step(environment(game)).as_text())
+    assert found["while"] + found["case"] <= WAITS.get(game, 0)
 
 
 def test_operations_are_counted_once_each() -> None:

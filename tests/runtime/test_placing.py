@@ -165,8 +165,8 @@ def test_pick_of_large_set() -> None:
 
 
 @pytest.mark.parametrize("batched", ["no", "sets", "keys", "both", "twice"])
-@pytest.mark.parametrize("several", [None, 5, 40, 69])
-def test_pick_of_many_sets(several: int | None, batched: str) -> None:
+@pytest.mark.parametrize(("several", "form"), [(None, "cpu"), (5, "cpu"), (40, "cpu"), (69, "cpu"), (40, "gpu")])
+def test_pick_of_many_sets(several: int | None, form: str, batched: str) -> None:
     """As one set at a time with its word, whether words are drawn or not, whichever set has several, whatever of a batch differs."""
     size = 70
     random = np.random.default_rng(size)
@@ -185,7 +185,8 @@ def test_pick_of_many_sets(several: int | None, batched: str) -> None:
     given_keys = keys if axes and axes[1] == 0 else keys[1]
     if batched == "twice":
         given_sets, given_keys = given_sets[None], given_keys[None]
-    alone = jax.jit(function)(given_sets, given_keys).reshape(-1, size)
+    with forced(form):
+        alone = jax.jit(function)(given_sets, given_keys).reshape(-1, size)
     number, found = np.asarray(jax.jit(member_of)(alone)), np.asarray(alone) != 0
     one = jax.jit(lambda members, key: pick_of_set(members, draw(key)))
     for row in range(len(number)):
