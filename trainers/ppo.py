@@ -299,15 +299,9 @@ def take_epochs(
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
         minibatch = sample(batch, indices, agents, networks)
-<<<<<<< HEAD
         loss = jax.value_and_grad(loss_of(config), has_aux=True)
-        (value, losses), gradients = loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
+        (value, losses), gradients = mean_of_all(loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config))
         losses = {**losses, "loss": value, **gradient_norms(gradients, config)}
-=======
-        loss = jax.value_and_grad(irat_loss if config.algorithm == "irat" else ppo_loss, has_aux=True)
-        (_, losses), gradients = mean_of_all(loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config))
-        losses |= gradient_norms(gradients, config)
->>>>>>> speed
         return learner.apply_gradients(grads=gradients), losses
 
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))

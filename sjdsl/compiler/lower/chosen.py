@@ -42,7 +42,7 @@ def action_number(
         at, exists = _place(asked, argument, scope, w)
         offset = binary("+", binary("*", offset, literal(argument.count, "i32"), "i32"), at, "i32")
         possible = both(possible, exists)
-    if offset.literal:
+    if offset.literal and 0 <= offset.number < len(action.numbers):  # else it is not possible
         return Value(w.module.action(action.first + int(offset.number)), "i32"), possible
     return binary("+", offset, Value(w.module.first_action(action), "i32"), "i32"), possible
 

@@ -42,6 +42,7 @@ game arguments "Actions with arguments: votes, offers and signals" {
       tally deals[green] for a
     }
     each agent as a where a chose offer(1, 0, 0) or a chose offer(a.votes, a.pears, a.apples) { give 2 to a }
+    each agent as a where a chose offer(sum(2 over door as d), 0, 0) { give 9 to a }  # six apples: more than can be offered
   }
   phase count_votes {
     each agent as x { set x.votes = count(agent as v where v chose vote(x)) }
