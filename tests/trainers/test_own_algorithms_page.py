@@ -18,7 +18,7 @@ from sjdsl.trainers.own_settings import filled
 
 PAGE = (Path(__file__).parents[2] / "docs" / "own_algorithms.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r'```\w+ title="([\w.]+)"\n(.*?)```', PAGE, re.DOTALL))
-COMMANDS = [shlex.split(line) for line in re.sub(r"\\\n +", "", PAGE).splitlines() if line.startswith("sjdsl ")]
+COMMANDS = [shlex.split(line) for line in PAGE.splitlines() if line.startswith("sjdsl ")]
 SMALL = {**QUICK, "num_envs": 2, "num_steps": 4, "total_timesteps": 8 * 2}
 PER_AGENT = {"sharing": "per_agent", "mask_actions": False}
 
