@@ -16,6 +16,7 @@ PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 BENCH := $(BIN)/sjdsl bench
 ENVS ?= 1,128,1024,4096
 NINE := coins harvest_open harvest_closed harvest_partnership clean_up coop_mining gift_refinement mushrooms pd_arena
+OURS := ferry reputation stag_chase
 PAGE := --markdown docs/performance.md
 # A Python whose JAX sees a GPU, with the packages of pyproject.toml.
 GPU_PYTHON ?= python3
@@ -188,9 +189,9 @@ docs: .venv/ready
 results: .venv/ready
 	$(BIN)/sjdsl report docs/results/data -o docs/results.md --suite
 
-# Plays the scripted Schelling diagrams of the nine games again, and writes the tables of docs/schelling.md: about 30 minutes.
+# Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md: about 30 minutes.
 diagrams: .venv/ready
-	for game in $(NINE); do \
+	for game in $(NINE) $(OURS); do \
 	  $(BIN)/sjdsl schelling $$game --cooperators cooperator --defectors defector --episodes 200 -o runs/diagrams/$$game && \
 	  mkdir -p docs/schelling/$$game && cp runs/diagrams/$$game/schelling.json runs/diagrams/$$game/schelling.svg docs/schelling/$$game/ || exit 1; \
 	done

@@ -18,7 +18,7 @@ game reputation "Reputation" {
   param effort  : reward      = 1 in 0 .. 100   # ours: c of the source; who nurse one together share it
   param credit  : number      = 2 in 1 .. 9     # ours: who has more than best / credit is in good standing
 
-  param patience by 0 .. 3 : reward = { 0: 0, 1.. 2: -0.1, 3: -0.2 }  # ours: of each step in pain, by how many there were
+  param patience by 0 .. 3 : reward = { 0: 0, 1 .. 2: -0.1, 3: -0.2 }  # ours: of each step in pain, by how many there were
 
   param newcomer by agent : count = { otherwise: 3 }  # ours: what is thought of each at the start
   episode length

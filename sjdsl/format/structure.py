@@ -74,7 +74,7 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
             found.branches.add(start)
         case "call" | "turn" | "count" | "total" | "extreme" | "action" if end > start:
             found.tight.add(start + 1)
-        case "signed" | "entry":
+        case "signed":
             found.tight.add(start + 1)
         case "names" | "index" | "member":
             found.tight.add(start)
@@ -85,7 +85,7 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
         case _:
             pass
     match rule:
-        case "size" | "param":
+        case "size" | "param" if tokens[start + 2].type == "COLON":  # not one with `by`
             found.columns[start] = ("number", (start + 1, start + 2, start + 4))
         case "kind" | "field":
             found.columns[start] = (rule, (start + 2,))
@@ -95,7 +95,7 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
         case "look":
             found.columns[start] = (rule, tuple(n for n in range(start, end) if tokens[n].type in ("AS", "WITH"))[:1])
         case "entry":
-            found.columns[start] = (rule, (start + 2,))
+            found.columns[start] = (rule, (1 + next(n for n in range(start, end) if tokens[n].type == "COLON"),))
         case _:
             pass
 

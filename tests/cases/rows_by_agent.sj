@@ -1,9 +1,9 @@
 sj 1
 game rows_by_agent "Rows by agent and by numbers: memory, tit for tat, standing, tastes, a queue" {
-  size  players : count  = 3 in 1 .. 8
-  param taste   by agent : reward = { 0: { helped: 2, refused: 0 }, otherwise: { helped: 0, refused: 1 } }
-  param wage    by {     farmer, cleaner } : reward = { farmer: 2, otherwise: 1 }
-  param gift    by 0     .. 3 : reward = { 0: 0, 1.. 2: 1, 3: 2 }
+  size players : count = 3 in 1 .. 8
+  param taste by agent : reward = { 0: { helped: 2, refused: 0 }, otherwise: { helped: 0, refused: 1 } }
+  param wage by { farmer, cleaner } : reward = { farmer: 2, otherwise: 1 }
+  param gift by 0 .. 3 : reward = { 0: 0, 1 .. 2: 1, 3: 2 }
   episode 10
   kind grass "."
   kind shop  "S" { field owed by agent : 0 .. 9 capped = 0 }

@@ -177,3 +177,8 @@ def test_no_columns_where_they_would_make_a_line_too_long() -> None:
     text = formatted(f"sj 1 game a {{\nparam b : count = {' + '.join(['c'] * 20)}\nparam {long} : count = 1\n}}")
     assert "  param b : count = c + " in text
     assert f"  param {long} : count = 1" in text
+
+
+def test_ranges_keep_their_spaces_in_tables_and_rows() -> None:
+    text = "sj 1\ngame a {\n  param gift by 0 .. 3 : reward = { 0: 0, 1 .. 2: 1, 3..: 2 }\n  param long : steps = 1\n}\n"
+    assert check_whole(text) == text

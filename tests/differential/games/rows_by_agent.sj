@@ -1,10 +1,10 @@
 sj 1
 game rows_by_agent "Rows by agent, by role and by numbers, written in every way and read across" {
-  size  players  : count  = 3 in 1 .. 8
-  param taste    by agent : reward = { 0: 2, otherwise: 0.5 }
-  param wage     by {     farmer, cleaner } : reward = { farmer: 2, otherwise: 1 }
-  param mixed    by agent : reward = { none: 1, ripe: 2 }
-  param steps_of by 0     .. 3 : count = { 0: 1, 1.. 2: 4, 3: 2 }
+  size players : count = 3 in 1 .. 8
+  param taste by agent : reward = { 0: 2, otherwise: 0.5 }
+  param wage by { farmer, cleaner } : reward = { farmer: 2, otherwise: 1 }
+  param mixed by agent : reward = { none: 1, ripe: 2 }
+  param steps_of by 0 .. 3 : count = { 0: 1, 1 .. 2: 4, 3: 2 }
   episode 20
   kind grass "."
   kind tree  "T" { field fruit : { none, ripe } = ripe  field paid by agent : 0 .. 9 capped = 0 }

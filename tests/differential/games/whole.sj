@@ -2,8 +2,8 @@ sj 1
 game whole "Whole numbers: `quotient`, `round`, weighted numbers; `any` and `all`; `step` and defines that are shown" {
   param scale : number      = 1.5 in -4 .. 4
   param odds  : probability = 0.2 in 0 .. 0.5
-  param steep by {          low, high } : number = { low: 0.25, otherwise: -3.5 } in -4 .. 4
-  param one   : reward      = 1
+  param steep by { low, high } : number = { low: 0.25, otherwise: -3.5 } in -4 .. 4
+  param one : reward = 1
   episode 60
   kind grass "."
   kind soil  "s" { field level : { low, high } = low  field store : -9 .. 9 capped = 0 }
