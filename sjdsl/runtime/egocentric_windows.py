@@ -163,7 +163,8 @@ def _painted_as_bits(plane: Array, cells: Array, bits: Array) -> Array:
 def _painted_by_comparing(plane: Array, cells: Array, bits: Array) -> Array:
     """The form for GPUs of a value for each of a few cells: each cell of the plane compares itself with all of them."""
     here = cells[None] == jnp.arange(plane.shape[0], dtype=jnp.int32)[:, None]
-    return plane | lax.reduce(jnp.where(here, bits[None], jnp.uint8(0)), jnp.uint8(0), lax.bitwise_or, (1,))
+    painted: Array = lax.reduce(jnp.where(here, bits[None], jnp.uint8(0)), jnp.uint8(0), lax.bitwise_or, (1,))
+    return plane | painted
 
 
 def _painted_by_cell(plane: Array, cells: Array, bits: Array) -> Array:
