@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from functools import partial
+from itertools import accumulate
 from typing import Any, cast
 
 import flax
@@ -157,10 +158,10 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         allowed = allowed_in(env, networks.masks, worlds.state)
         if networks.paired:
             likes = masked(logits[0], None if allowed is None else allowed[..., None, :])
-            action = _draw(key, likes[..., INDIVIDUAL, :])
+            action = draw_actions(key, likes[..., INDIVIDUAL, :])
             return memory, action, Acting(jax.nn.log_softmax(likes), value[0], pack_mask(allowed))
         likes = masked(logits[0], allowed)
-        action = _draw(key, likes)
+        action = draw_actions(key, likes)
         return memory, action, Acting(chosen_log_probability(likes, action), value[0], pack_mask(allowed))
 
     def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
@@ -182,9 +183,18 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
     return Actor(act, networks.packing.pack, follow, lambda state: _joint(env, networks, state))
 
 
-def _draw(key: Array, logits: Array) -> Array:
-    """Returns actions `[B, N]` int32, each drawn on its own, of logits `[B, N, A]`."""
-    return jax.vmap(jax.random.categorical)(own_keys(key, len(logits)), logits).astype(jnp.int32)
+def draw_actions(key: Array, logits: Array) -> Array:
+    """Returns actions `[B, N]` int32, each drawn on its own, of logits `[B, N, A]`: the first whose share, with those before, exceeds a number.
+
+    One random number an action, where `jax.random.categorical` draws one for each that there is.
+    """
+    number, agents, _ = logits.shape
+    drawn = jax.vmap(lambda own: jax.random.uniform(own, (agents,)))(own_keys(key, number))
+    *before, total = accumulate(
+        jnp.moveaxis(jax.nn.softmax(logits), -1, 0)
+    )  # summed in order: a share of 0 changes no sum, and is not drawn
+    result: Array = sum((drawn * total >= shares).astype(jnp.int32) for shares in before)
+    return result
 
 
 def _joint(env: Environment, networks: ActorCritics, state: Any) -> Any:

@@ -15,9 +15,11 @@ from probes import FAST_TO_COMPILE, Probe, dilemma, endless_riches, learn, match
 from sjdsl.trainers import PPOConfig, TrainState, make_train
 from sjdsl.trainers.actor_critics import make_actor_critics
 from sjdsl.trainers.losses import Batch
+from sjdsl.trainers.masks import NEVER
 from sjdsl.trainers.optimisers import gradient_norms, learning_rate_schedule, make_optimiser, part_of_each, parts
 from sjdsl.trainers.ppo import (
     Acting,
+    draw_actions,
     draw_orders,
     explained_variance,
     learn_teams,
@@ -288,6 +290,16 @@ def test_a_minibatch_has_as_much_of_each_group_of_environments() -> None:
     np.testing.assert_array_equal(pairs, np.broadcast_to(np.repeat(np.arange(4), 3), (1, config.num_epochs, 4, 12)))
     remembering = draw_orders(jax.random.key(0), 1, PPOConfig(num_envs=8, num_steps=6, num_minibatches=2, memory="gru"))
     np.testing.assert_array_equal(np.sort(remembering // 2, axis=-1), np.broadcast_to(np.arange(4), (1, config.num_epochs, 2, 4)))
+
+
+def test_actions_are_drawn_with_their_probabilities() -> None:
+    """Of 40,000 environments, within five standard deviations; what is forbidden, first, last or in between, never."""
+    logits = jnp.array([[NEVER, 0.3, NEVER, -1.0, 2.0, NEVER], [1.0, -0.5, 0.0, 0.2, -3.0, 0.7], [NEVER, NEVER, NEVER, NEVER, NEVER, 0.0]])
+    number = 40_000
+    actions = np.asarray(draw_actions(jax.random.key(0), jnp.broadcast_to(logits, (number, *logits.shape))))
+    for agent, wanted in enumerate(np.asarray(jax.nn.softmax(logits))):
+        counted = np.bincount(actions[:, agent], minlength=6) / number
+        assert (np.abs(counted - wanted) <= 5 * np.sqrt(wanted * (1 - wanted) / number)).all()
 
 
 def test_explained_variance() -> None:
