@@ -50,7 +50,11 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
     changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
     if changed:
         raise RunError(f"{', '.join(changed)} has changed since {run_dir} was started: go on with the file as it was, or start a new run")
-    for said in unread_own(config).values():
+    try:
+        unread = unread_own(config)
+    except ConfigError as error:  # a hook that is not registered, or not in its file
+        raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
+    for said in unread.values():
         raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {said}")
     return manifest
 

@@ -48,9 +48,8 @@ def findings(contents: Contents) -> Section:
         {"claim": finding.claim, "game": game, "verdict": verdict} for finding in found for game, verdict in finding.verdicts.items()
     )
     text = (
-        "Each claim was tried with runs under the rules that the paper played. A claim about returns holds in a game if the difference has the "
-        f"paper's sign and p is below {SURE} (Welch, seeds), and does not hold if it has the other sign and p is below that. Else it is "
-        "undecided. The paper claims an order where its means differ by more than what it prints after ±, or by 5 % where it prints none.",
+        "Each claim was tried with runs under the rules that the paper played. A claim about returns is decided in a game if p is below "
+        f"{SURE} (Welch, over seeds): it holds if the difference has the paper's sign. Else it is undecided. The paper claims an order where its means differ by more than what it prints after ±, or by 5 % where it prints none.",
         "A claim about a diagram holds if the verdict over training seeds is a dilemma with the paper's fear or greed. "
         f"Ways converge alike if the 95 % interval of the difference lies within {ALIKE:.0%} of the return.",
     )
