@@ -286,6 +286,7 @@ def test_a_minibatch_has_as_much_of_each_group_of_environments() -> None:
     """Steps of 8 environments, 12 in a minibatch: 3 of each of the four pairs that 8 and 12 divide into; with memory whole rollouts of 2 pairs."""
     config = PPOConfig(num_envs=8, num_steps=6, num_minibatches=4)
     orders = draw_orders(jax.random.key(0), 1, config)
+    np.testing.assert_array_equal(np.sort(orders.reshape(config.num_epochs, 48)), np.broadcast_to(np.arange(48), (config.num_epochs, 48)))
     pairs = np.sort(np.asarray(orders) % 8 // 2, axis=-1)
     np.testing.assert_array_equal(pairs, np.broadcast_to(np.repeat(np.arange(4), 3), (1, config.num_epochs, 4, 12)))
     remembering = draw_orders(jax.random.key(0), 1, PPOConfig(num_envs=8, num_steps=6, num_minibatches=2, memory="gru"))
