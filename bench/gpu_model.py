@@ -61,14 +61,14 @@ TEN = (  # of Melting Pot's substrates: one of each family of rules
     "running_with_scissors_in_the_matrix__arena",
     "territory__rooms",
 )
-SUITE = {  # the suite's environments of the same games: module and class, agents as in the paper
+SUITE = {  # the suite's environments of the same games: module and class, and as many agents as ours have
     "coins": ("coin_game.coin_game:CoinGame", 2),
     "harvest_open": ("common_harvest.harvest_open:Harvest_open", 7),
     "clean_up": ("cleanup.clean_up:Clean_up", 7),
     "coop_mining": ("coop_mining.coop_mining:CoopMining", 6),
-    "gift_refinement": ("gift.gift:Gift", 6),
+    "gift_refinement": ("gift.gift:Gift", 5),
     "mushrooms": ("mushrooms.mushrooms:Mushrooms", 5),
-    "pd_arena": ("pd_arena.pd_arena:PD_Arena", 8),
+    "pd_arena": ("pd_arena.pd_arena:PD_Arena", 4),
 }
 GROUPS = {"nine": NINE, "ten": TEN}
 SECTION = "gpu model"
