@@ -183,7 +183,7 @@ def test_wrong_calls_are_refused() -> None:
         env.step(np.array([0, 7, 0, 0]))
     with pytest.raises(ValueError, match=r"one for each slot is wanted: \(4,\)"):
         env.step(np.zeros(2, int))
-    with pytest.raises(TypeError, match="the seed is one number"):
+    with pytest.raises(TypeError, match="the seed must be a whole number of 0 or more"):
         env.reset(seed=[1, 2, 3, 4])
     with pytest.raises(ValueError, match="only some agents of environment 1 are to be reset"):
         env.reset(options={"reset_mask": np.array([True, True, False, True])})
