@@ -25,7 +25,7 @@ game ferry "Ferry to a Market that Remembers" {
   kind wall  "#" { blocks agents, boat }
   kind lane  "r" {
     field way : { north, east, south, west } = east
-    glyph "l" with way = west  glyph "^" with way = north  glyph "v" with way = south  blocks agents
+    glyph "l" with way = west  glyph "u" with way = north  glyph "d" with way = south  blocks agents
   }
   kind dock  "D" { field across : cell of dock  blocks boat }
   map "maps/ferry.txt"

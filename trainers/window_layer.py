@@ -152,7 +152,7 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
 
         def add_cell(_: None, chosen: list[Array]) -> tuple[None, Array]:
             sizes = [number * rows_of(group, planes) for group in groups]
-            tables = [jnp.zeros((size, width)).at[own].add(flat, mode="drop") for size, own in zip(sizes, chosen, strict=True)]
+            tables = [jnp.zeros((size, width), jnp.float32).at[own].add(flat, mode="drop") for size, own in zip(sizes, chosen, strict=True)]
             return None, to_rows([table[None] for table in tables])[0][:, 0]
 
         _, by_cell = jax.lax.scan(add_cell, None, [row_numbers(cells, group, planes) for group in groups], length=cells.shape[-1])

@@ -47,6 +47,7 @@ def test_each_device_plays_its_share_with_a_key_of_its_own(tmp_path: Path) -> No
     assert differ == "True"
 
 
+@pytest.mark.thorough
 def test_the_example_of_the_page_of_speeds_runs(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "performance.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)

@@ -44,7 +44,7 @@ from sjdsl.cli import check, run
         ("train", 2, "name the game"),
         ("train orchard.sj --set learning_rat=1", 1, "did you mean `learning_rate`?"),
         ("train orchard.sj --preset quik", 1, "did you mean `quick`?"),
-        ("train orchard.sj --algorithm dqn", 2, "'ippo'"),
+        ("train orchard.sj --algorithm dqn", 1, "known: ippo, mappo, irat, vdn"),
         ("evaluate nowhere", 1, "nowhere"),
         ("bench orchard.sj --envs 1,many", 2, "1,128,1024"),
         ("bench orchard.sj --agents own,few", 2, "own,20"),

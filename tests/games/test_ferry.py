@@ -4,9 +4,9 @@ import pytest
 
 from sjdsl.testing import Stage
 
-ROWS = ("ff.DvlllD.ss", "...Drrr^D...")
+ROWS = ("ff.DdlllD.ss", "...DrrruD...")
 STAGE = Stage("ferry", ROWS, 2, arrows="AWVE")
-EMPTY = "...Drrr^D..."
+EMPTY = "...DrrruD..."
 
 
 def test_only_the_owner_harvests_a_plot() -> None:
@@ -17,14 +17,14 @@ def test_only_the_owner_harvests_a_plot() -> None:
 
 
 def test_the_boat_goes_round_along_the_lanes() -> None:
-    scene = STAGE.put("AA.DvbllD.ss", EMPTY)
+    scene = STAGE.put("AA.DdbllD.ss", EMPTY)
     columns = []
     for _ in range(6):
         columns.append(scene.step().value("boat.col")[0])
     assert columns == [4, 4, 5, 6, 7, 7]
 
 
-@pytest.mark.parametrize(("boat", "crosses"), [("ff.AvbllD.As", True), ("ff.AvlblD.As", False)])
+@pytest.mark.parametrize(("boat", "crosses"), [("ff.AdbllD.As", True), ("ff.AdlblD.As", False)])
 def test_who_boards_at_a_dock_where_the_boat_lies_lands_across(boat: str, crosses: bool) -> None:
     scene = STAGE.put(boat, EMPTY).step("board, stay")
     scene.has({"event crossed": [int(crosses), 0], "agent.away": [crosses, False]})
@@ -34,7 +34,7 @@ def test_who_boards_at_a_dock_where_the_boat_lies_lands_across(boat: str, crosse
 
 @pytest.mark.parametrize(("sold", "price"), [([0, 0, 0, 0, 0], 10), ([1, 2, 0, 0, 1], 6), ([9, 9, 0, 0, 0], 1)])
 def test_the_price_falls_with_the_sales_that_are_remembered(sold: list[int], price: int) -> None:
-    scene = STAGE.put("ff.DblllD.As", "A..Drrr^D...", fields={"agent.load": [2, 0], "sold": dict(enumerate(sold))}, step=1)
+    scene = STAGE.put("ff.DblllD.As", "A..DrrruD...", fields={"agent.load": [2, 0], "sold": dict(enumerate(sold))}, step=1)
     scene.step("sell, sell").has({"reward": [price, 0], "agent.load": [1, 0], "event sold_": [1, 0]})
     scene.has({"sold": dict(enumerate([sold[0] + 1, *sold[1:]]))})
 

@@ -1,17 +1,19 @@
 """The hunter of counterexamples: it finds none of what is proved, and one for each wrong rule of proving that is put back."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from math import inf
 
 import pytest
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import arithmetic
-from sjdsl.compiler.ir import ranges
+from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir import range_arithmetic, ranges
 from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.operations import Calculation
 from sjdsl.properties import GameFamily, effects, intervals, monotonicity, symmetry
 from tests.properties.hunt import Hunted, hunt, hunt_seeds
 from tests.properties.test_false_proofs import PAIR, SEEN, meet, numbers, yard
@@ -45,14 +47,14 @@ def exact(put: pytest.MonkeyPatch) -> None:
 def share_to_one(put: pytest.MonkeyPatch) -> None:
     """Of a fraction over a number it is taken for granted that it is a fraction."""
     exact(put)
-    typed = arithmetic._typed
+    result = arithmetic._result
 
-    def clamped(e: ir.Expr, left: ir.Expr, right: ir.Expr, unit: str, scope: object) -> ir.Expr:
-        made = typed(e, left, right, unit, scope)  # type: ignore[arg-type]
-        is_share = made.type.kind == "real" and unit == "fraction" and isinstance(made, ir.Arithmetic) and made.fn == "/"
-        return made.model_copy(update={"type": made.type.model_copy(update={"low": 0.0, "high": 1.0})}) if is_share else made
+    def clamped(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope) -> ir.Type:
+        made = result(row, e, args, scope)
+        is_share = row.share and args[0].type.unit == "fraction"
+        return made.model_copy(update={"low": 0.0, "high": 1.0}) if is_share else made
 
-    put.setattr(arithmetic, "_typed", clamped)
+    put.setattr(arithmetic, "_result", clamped)
 
 
 def without_blocks(put: pytest.MonkeyPatch) -> None:
@@ -77,7 +79,7 @@ def ramp_of_the_file(put: pytest.MonkeyPatch) -> None:
 def endless(put: pytest.MonkeyPatch) -> None:
     """Whole numbers are never too large, for proofs and for the compiler, which refuses these."""
     put.setattr(import_module("sjdsl.compiler"), "check_whole_numbers", lambda *_: None)
-    put.setattr(ranges, "INT32", (-inf, inf))
+    put.setattr(range_arithmetic, "INT32", (-inf, inf))
 
 
 def one_size(put: pytest.MonkeyPatch) -> None:

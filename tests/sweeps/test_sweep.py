@@ -249,6 +249,7 @@ def test_a_finished_cell_that_has_lost_a_policy_is_trained_anew(grown: tuple[Pat
     assert (folder / "failed" / f"{HIGH}_1" / "seed_0" / "policies").is_dir(), "what was there is kept"
 
 
+@pytest.mark.thorough
 def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[str], Outcome]) -> None:
     folder, lines, outcome = diverging
     assert lines[:2] == [f"{GOOD}: training side by side", f"{lines[1].partition(':')[0]}: training side by side"]

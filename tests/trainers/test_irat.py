@@ -247,6 +247,7 @@ def test_both_values_know_a_time_limit_from_an_ending(ends: Any, worth: list[flo
 # runs
 
 
+@pytest.mark.thorough
 def test_a_stopped_run_goes_on_to_the_same_end(tmp_path: Path) -> None:
     """Weights that change over the run included: stopped after update 7 of 12, with a checkpoint of update 6."""
     config = make_config({**SHORT.model_dump(), **IRAT, **SPANS})

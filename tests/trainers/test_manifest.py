@@ -75,6 +75,7 @@ def test_what_is_wrong_is_named(
     assert f"`{'.'.join(place)}" in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_whatever_stands_there_is_a_message(whole: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / MANIFEST).write_text(json.dumps(whole))
     assert read_manifest(tmp_path) == whole

@@ -65,6 +65,7 @@ def test_it_learns_coins(example: ModuleType) -> None:
     assert np.mean(returns[-10:]) > 100
 
 
+@pytest.mark.thorough
 def test_it_trains_any_game(example: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(example, "T", 5)
     monkeypatch.setattr(example, "B", 8)

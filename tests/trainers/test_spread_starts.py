@@ -24,7 +24,7 @@ def first_step_pays() -> Probe:
     [
         ({"spread_starts": False}, [2.0, 0.0, 0.0, 0.0] * 2),  # in lockstep: what an update learns from depends on its number
         ({}, [0.5] * 8),
-        ({"seeds": 2}, [0.5] * 8),
+        pytest.param({"seeds": 2}, [0.5] * 8, marks=pytest.mark.thorough),
         ({"algorithm": "vdn", "gradient_steps": 1}, [0.5] * 8),
     ],
 )
@@ -39,9 +39,7 @@ def test_rewards_of_updates_do_not_cycle(changes: dict[str, object], rewards: li
     np.testing.assert_allclose(found, rewards)
 
 
-@pytest.mark.parametrize(
-    ("steps", "begun"), [(1, [0, 1, 2, 3]), (2, [0, 0, 2, 2]), (3, [0, 0, 3, 3]), (4, [0, 0, 0, 0]), (8, [0, 0, 0, 0])]
-)
+@pytest.mark.parametrize(("steps", "begun"), [(1, [0, 1, 2, 3]), (3, [0, 0, 3, 3]), (4, [0, 0, 0, 0])])
 def test_starts_are_a_rollout_apart_and_returns_are_those_of_whole_episodes(steps: int, begun: list[int]) -> None:
     config = quick(num_envs=4, num_steps=steps, num_minibatches=1)
     run = with_spread_starts(compile_train(make_train(first_step_pays(), config), config), config, LENGTH)
