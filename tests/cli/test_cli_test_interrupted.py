@@ -97,9 +97,17 @@ def test_json_of_an_interruption_has_both(sjdsl: Sjdsl, monkeypatch: pytest.Monk
     assert [check["check"].split()[0] for check in document["undecided"]] == ["always", "always", "expect"]
 
 
+INTERRUPTIBLE = """
+import signal, sys
+from sjdsl.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs the tests in the background has it ignored
+sys.exit(main())
+"""
+
+
 def test_ctrl_c_ends_it_with_130_and_no_traceback(game: Path) -> None:
     """The signal itself, to a process of its own, once its first verdict has come through a pipe."""
-    command = [sys.executable, "-m", "sjdsl", "test", str(game), "--examples", "100000"]
+    command = [sys.executable, "-c", INTERRUPTIBLE, "test", str(game), "--examples", "100000"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "JAX_PLATFORMS": "cpu"}
     )
