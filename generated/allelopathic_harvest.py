@@ -401,7 +401,14 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     floor_under = SITE_OF_FLOOR[state.position]
     free = ~occupied(floor_under, NUM_FLOOR)
     position, heading, placed = come_back(
-        CELLS_FLOOR, free, back, key, STREAM_TICK, STREAM_TICK_2, state.position, state.heading, state.away_facing
+        CELLS_FLOOR,
+        free,
+        back,
+        random_bits(key, STREAM_TICK, NUM_AGENTS),
+        random_bits(key, STREAM_TICK_2, NUM_AGENTS),
+        state.position,
+        state.heading,
+        state.away_facing,
     )
     state = state.replace(position=position, heading=heading, away=jnp.where(placed, 0, state.away))
     return state, out

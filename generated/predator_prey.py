@@ -364,14 +364,28 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     lair_under = SITE_OF_LAIR[state.position]
     free = ~occupied(lair_under, NUM_LAIR)
     position, heading, placed = come_back(
-        CELLS_LAIR, free, back, key, STREAM_TICK, STREAM_TICK_2, state.position, state.heading, state.away_facing
+        CELLS_LAIR,
+        free,
+        back,
+        random_bits(key, STREAM_TICK, NUM_AGENTS),
+        random_bits(key, STREAM_TICK_2, NUM_AGENTS),
+        state.position,
+        state.heading,
+        state.away_facing,
     )
     state = state.replace(position=position, heading=heading, away=jnp.where(placed, 0, state.away))
     back_2 = due & (state.away_pool == 3)  # predator_prey.sj:78
     nest_under = SITE_OF_NEST[state.position]
     free_2 = ~occupied(nest_under, NUM_NEST)
     position_2, heading_2, placed_2 = come_back(
-        CELLS_NEST, free_2, back_2, key, STREAM_TICK_3, STREAM_TICK_4, state.position, state.heading, state.away_facing
+        CELLS_NEST,
+        free_2,
+        back_2,
+        random_bits(key, STREAM_TICK_3, NUM_AGENTS),
+        random_bits(key, STREAM_TICK_4, NUM_AGENTS),
+        state.position,
+        state.heading,
+        state.away_facing,
     )
     state = state.replace(position=position_2, heading=heading_2, away=jnp.where(placed_2, 0, state.away))
     return state, out

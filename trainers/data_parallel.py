@@ -1,4 +1,4 @@
-"""What every device computes of its own environments, and what devices tell each other: sums and means.
+"""What every device computes of its own environments, and what devices exchange: sums and means.
 
 Random draws do not depend on the number of devices, so that results differ by the order of float sums alone.
 """

@@ -57,7 +57,7 @@ Own = Annotated[tuple[tuple[str, Value], ...], BeforeValidator(_read_own), Plain
 
 
 def spread(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns settings with those of the table `own` one by one, as `own.NAME`; one that is given so already wins."""
+    """Returns settings with those of the table `own` one by one, as `own.NAME`; an `own.NAME` that is given directly wins."""
     own = values.get("own")
     if not isinstance(own, Mapping):
         return dict(values)
@@ -95,7 +95,7 @@ def taken_settings(config: Hooked) -> Iterator[tuple[str, Any, str]]:
 
 
 def unread_own(config: Hooked) -> dict[str, str]:
-    """Returns the settings of `own` that no hook takes, each with what is to be said of it; hooks are imported."""
+    """Returns the settings of `own` that no hook takes, each with its message; hooks are imported."""
     taken = [setting for setting, _, _ in taken_settings(config)]
     hooks = " and ".join(f"the {kind} `{name}`" for kind, name in config.hooks.items())
     known = (
@@ -108,8 +108,8 @@ def unread_own(config: Hooked) -> dict[str, str]:
 
 
 def missing_own(config: Hooked) -> Iterator[str]:
-    """Yields what is to be said of each setting that a hook wants and that is not given."""
+    """Yields a message for each setting that a hook requires and that is not given."""
     given = dict(config.own)
     for setting, default, hook in taken_settings(config):
         if default is Parameter.empty and setting not in given:
-            yield f"{hook} wants `{OWN}{setting}`, which has no default: --set {OWN}{setting}=…, in Python own={{{setting!r}: …}}"
+            yield f"{hook} requires `{OWN}{setting}`, which has no default: --set {OWN}{setting}=…, in Python own={{{setting!r}: …}}"

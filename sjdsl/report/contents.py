@@ -56,6 +56,11 @@ class Contents:
         """The names without those of variants, which are games only in measurements of speed: commands are made for these."""
         return tuple(name for name in self.names if "+" not in name)
 
+    def of_the_paper(self, row: DiagramRow | Meeting) -> bool:
+        """Returns whether a game was played by the rules and numbers of the paper."""
+        trained = {s.hash for s in self.index.settings if s.game == row.game and s.variant == variant()}
+        return not row.params and (row.hash in trained or variant_now(row.game, row.hash) == variant())
+
     def form(self, row: DiagramRow | Meeting) -> str:
         """Returns what differs in the game that was played from the bundled game as it is now, in words; `""` where nothing does."""
         now = rules_now(row.game, "")

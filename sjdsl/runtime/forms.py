@@ -16,7 +16,7 @@ forced = jax.make_user_context(None)  # `with forced("gpu"):` and `with forced("
 def by_platform(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: Any) -> Any:
     """Returns what a kernel makes of its arguments, in the form for the platform that the program is compiled for.
 
-    Where JAX has nothing but CPUs the other form is not even traced. Who compiles there for a GPU that is elsewhere says `forced("gpu")`.
+    Where JAX has only CPUs the other form is not even traced. To compile for a GPU on such a machine, use `with forced("gpu"):`.
     """
     chosen = forced.value or ("cpu" if jax.default_backend() == "cpu" else None)
     if chosen is not None:

@@ -13,7 +13,7 @@ from sjdsl.runtime import bits
 from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.counting import in_rows, size_of_set
 from sjdsl.runtime.forms import by_platform
-from sjdsl.runtime.random_bits import below, random_bits
+from sjdsl.runtime.random_bits import below
 
 
 def pick(member: Array, word: Array) -> tuple[Array, Array]:
@@ -257,9 +257,8 @@ def come_back(
     cells: Array,
     free: Array,
     back: Array,
-    key: Array,
-    stream: int,
-    heading_stream: int,
+    words: Array,
+    turns: Array,
     position: Array,
     heading: Array,
     away_facing: Array,
@@ -269,11 +268,10 @@ def come_back(
 
     Args:
       back: `[N]` bool, who is due; who finds no cell stays away.
-      key: two uint32 words; stream: that of the cells; heading_stream: that of the headings that are drawn.
+      words, turns: `[N]` uint32, the random bits that cells and headings are drawn by.
       heading: `[N]` integers; away_facing: `[N]` int32, the heading each will have, ANY_HEADING or SAME_HEADING.
       cells, free, position: as of `place`; own: as of `place_fitting`, None if each cell fits everybody.
     """
-    words, turns = (random_bits(key, number, position.shape[0]) for number in (stream, heading_stream))
     if own is None:
         position, placed = place(cells, free, words, position, back)
     else:

@@ -114,15 +114,16 @@ def test_come_back(dtype: jnp.dtype) -> None:
     cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([0, 0, 0, 0, 7], jnp.int32)
     back, free, key = jnp.array([True, True, True, True, False]), jnp.ones(3, bool), jnp.array([3, 4], jnp.uint32)
     facing = jnp.array([ANY_HEADING, SAME_HEADING, 2, 2, 2], jnp.int32)
-    where = (key, 8, 9, position, jnp.full(5, 1, dtype), facing)
-    drawn = int(random_bits(key, 9, 5)[0] >> 30)
+    words, turns = random_bits(key, 8, 5), random_bits(key, 9, 5)
+    where = (words, turns, position, jnp.full(5, 1, dtype), facing)
+    drawn = int(turns[0] >> 30)
     assert drawn != 1
-    new, heading, placed = jax.jit(come_back, static_argnums=(4, 5))(cells, free, back, *where)
-    assert new.tolist() == place(cells, free, random_bits(key, 8, 5), position, back)[0].tolist()
+    new, heading, placed = jax.jit(come_back)(cells, free, back, *where)
+    assert new.tolist() == place(cells, free, words, position, back)[0].tolist()
     assert (heading.tolist(), placed.tolist()) == ([drawn, 1, 2, 1, 1], [True, True, True, False, False])
     assert heading.dtype == dtype
     own = jnp.eye(5, 3, dtype=bool)[jnp.array([2, 0, 3, 1, 0])]
-    new, _, placed = jax.jit(come_back, static_argnums=(4, 5))(cells, free, back, *where, own)
+    new, _, placed = jax.jit(come_back)(cells, free, back, *where, own)
     assert (new.tolist(), placed.tolist()) == ([30, 10, 0, 20, 7], [True, True, False, True, False])
 
 

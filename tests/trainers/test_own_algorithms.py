@@ -188,7 +188,7 @@ def test_settings_are_numbers_texts_and_truths(given: dict[str, Any], read: Any)
         ({"own.other": 1, "reward": weighed}, "weighed` has no keyword-only argument of that name; the settings are weight"),
         (
             {"algorithm": counting},
-            "the algorithm `test_own_algorithms:counting` wants `own.factor`, which has no default: --set own.factor=",
+            "the algorithm `test_own_algorithms:counting` requires `own.factor`, which has no default: --set own.factor=",
         ),
         (
             {"own": {"weight": [1]}, "reward": weighed},

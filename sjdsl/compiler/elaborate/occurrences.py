@@ -1,7 +1,7 @@
 """Where names stand in a file and what each of them means: as elaboration resolved it, else by the name alone.
 
-Elaboration knows the type before each dot. It does not come to everything: not to what stands beside a mistake, to defines that nobody uses,
-to games that cannot be put together. There a name means what is declared under it, whatever the rest of its statement may be.
+Elaboration knows the type before each dot. It doesn't reach everything: text beside a mistake, defines that nobody uses, games that cannot
+be put together. There a name means what is declared under it, whatever the rest of its statement may be.
 """
 
 from collections.abc import Iterable, Mapping

@@ -130,6 +130,7 @@ class Comparison(Record):
     mirror: ir.Comparison  # the sign that says the same of the two exchanged
     opposite: ir.Comparison  # the sign that holds where this one does not
     english: str  # between the two numbers
+    named: str  # between their names, in generated code
 
 
 # ---- intervals
@@ -477,12 +478,12 @@ OPERATIONS: tuple[Function, ...] = (
     ),
 )
 COMPARISONS: dict[str, Comparison] = {
-    "<": Comparison(operator.lt, ">", ">=", "is less than"),
-    "<=": Comparison(operator.le, ">=", ">", "is at most"),
-    ">": Comparison(operator.gt, "<", "<=", "is more than"),
-    ">=": Comparison(operator.ge, "<=", "<", "is at least"),
-    "==": Comparison(operator.eq, "==", "!=", "equals"),
-    "!=": Comparison(operator.ne, "!=", "==", "does not equal"),
+    "<": Comparison(operator.lt, ">", ">=", "is less than", "below"),
+    "<=": Comparison(operator.le, ">=", ">", "is at most", "at_most"),
+    ">": Comparison(operator.gt, "<", "<=", "is more than", "above"),
+    ">=": Comparison(operator.ge, "<=", "<", "is at least", "at_least"),
+    "==": Comparison(operator.eq, "==", "!=", "equals", "is"),
+    "!=": Comparison(operator.ne, "!=", "==", "does not equal", "is_not"),
 }
 FUNCTIONS = {row.name: row for row in OPERATIONS if not (isinstance(row, Calculation) and row.sign)}
 CALCULATIONS = {row.name: row for row in OPERATIONS if isinstance(row, Calculation)}

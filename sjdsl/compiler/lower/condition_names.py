@@ -3,10 +3,10 @@
 import re
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.operations import COMPARISONS
 from sjdsl.compiler.ir.queries import action_named
 
 LONGEST = 28  # characters of a name that is put together
-COMPARISONS = {"<": "below", "<=": "at_most", ">": "above", ">=": "at_least", "==": "is", "!=": "is_not"}
 
 
 def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
@@ -44,7 +44,7 @@ def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
         case ir.Same(left=left, right=right):
             return _fitting(value_name(left), "is", value_name(right))
         case ir.Compare(fn=fn, left=left, right=right):
-            return _fitting(value_name(left), COMPARISONS[fn], value_name(right))
+            return _fitting(value_name(left), COMPARISONS[fn].named, value_name(right))
         case ir.InWords(words=words):
             return _fitting("is", "_or_".join(words))
         case ir.InSet(container=container):

@@ -329,8 +329,9 @@ def _return(pool: Pool, due: array.Expression, w: Writer) -> None:
     back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
     own = _of_those_who_return(pool, w)
     free = _free_cells(pool, None, own is None, w)
-    streams = (w.stream(number ^ ir.RETURN) for number in (pool.send.order_stream, pool.send.heading_stream))
-    among = (state_reads.cells_of(pool.kinds, w), free, back, KEY, *streams, position, heading, away_facing)
+    number = w.module.extent(pool.sort)
+    drawn = (array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number) for s in (pool.send.order_stream, pool.send.heading_stream))
+    among = (state_reads.cells_of(pool.kinds, w), free, back, *drawn, position, heading, away_facing)
     attributes = [attribute_of(name, pool.sort) for name in ("position", "heading", "away")]
     new_position, new_heading, placed = (array.Name(w.names.fresh(name)) for name in (*attributes[:2], "placed"))
     w.unpack((new_position, new_heading, placed), array.call("come_back", *among, *(() if own is None else (own,))))

@@ -47,13 +47,12 @@ def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:
     published = published_shape(game)
     note = f" ({published['note']})" if published and published["note"] else ""
     said = f"{published['shape']}, called a {published['type']}{note}" if published else ""
-    released = f"variant {variant()}"
     found = sorted(
         (row for row in contents.evidence.diagrams if row.game == game),
-        key=lambda row: (contents.form(row) != released, contents.form(row), row.unit != TRAINED),
+        key=lambda row: (not contents.of_the_paper(row), contents.form(row), row.unit != TRAINED),
     )
-    if said and not (found and contents.form(found[0]) == released):
-        return [(f"{game}, {released}", *("",) * 7, said, ""), *(_row(contents, row, "") for row in found)]
+    if said and not (found and contents.of_the_paper(found[0])):
+        return [(f"{game}, variant {variant()}", *("",) * 7, said, ""), *(_row(contents, row, "") for row in found)]
     return [_row(contents, row, said if number == 0 else "") for number, row in enumerate(found)]
 
 
@@ -75,6 +74,5 @@ def _label(contents: Contents, row: DiagramRow) -> str:
 
 
 def _record(contents: Contents, row: DiagramRow) -> dict[str, Any]:
-    published = published_shape(row.game) if contents.form(row) == f"variant {variant()}" else None
-    published = published or {}
+    published = (published_shape(row.game) if contents.of_the_paper(row) else None) or {}
     return {**vars(row), "published_shape": published.get("shape"), "published_type": published.get("type")}

@@ -10,6 +10,7 @@ from sjdsl.report.cells import Cell
 from sjdsl.report.contents import Contents, Game
 from sjdsl.report.page import Section, Table
 from sjdsl.report.published import Printed
+from sjdsl.report.sections.diagrams import TRAINED
 from sjdsl.report.sections.svo import by_angle
 from sjdsl.report.ways import APART, SHARED, common, exchanged, individual, is_ippo
 from sjdsl.report.welch import compare
@@ -23,8 +24,8 @@ Paper = Callable[[str], Printed | None]
 
 
 @dataclass(frozen=True)
-class Way:
-    """A way of training: its name, what it earned here and in the paper."""
+class Compared:
+    """A way of training that is compared with another: its name, what it earned here and in the paper."""
 
     name: str
     ours: Earned
@@ -75,7 +76,7 @@ def _share(finding: Finding) -> str:
     return f"{sum(found == HOLDS for found in finding.verdicts.values())} of {len(finding.verdicts)}"
 
 
-def _ordered(contents: Contents, more: Way, less: Way) -> Finding:
+def _ordered(contents: Contents, more: Compared, less: Compared) -> Finding:
     """Returns what was found of the order of two ways of training, in the games in which the paper has one."""
     signs: dict[str, int] = {}
     for name in published.suite():
@@ -103,8 +104,7 @@ def _sign(more: Cell | None, less: Cell | None, wanted: int) -> str:
 
 
 def _diagrams(contents: Contents) -> Finding:
-    rows = [row for row in contents.evidence.diagrams if row.unit == "training seed"]
-    found = {row.game: row for row in rows if contents.form(row) == f"variant {published.variant()}"}
+    found = {row.game: row for row in contents.evidence.diagrams if row.unit == TRAINED and contents.of_the_paper(row)}
     verdicts = {}
     for name in published.suite():
         shape, row = (published_shape(name) or {}).get("shape"), found.get(name)
@@ -142,16 +142,16 @@ def _returns(way: Callable[..., bool]) -> Earned:
     return lambda contents, game: None if game.setting is None else contents.index.returns(game.setting, way)
 
 
-def _exchange(ratio: float, name: str) -> Way:
-    return Way(name, _returns(exchanged(ratio)), lambda game: published.exchange(game).get(ratio))
+def _exchange(ratio: float, name: str) -> Compared:
+    return Compared(name, _returns(exchanged(ratio)), lambda game: published.exchange(game).get(ratio))
 
 
 def _angle(angle: float, contents: Contents, game: Game) -> Cell | None:
     return by_angle(contents, game)[1].get(angle)
 
 
-def _svo(angle: float) -> Way:
-    return Way(f"SVO {angle:g}°", partial(_angle, angle), lambda game: published.svo(game).get(angle))
+def _svo(angle: float) -> Compared:
+    return Compared(f"SVO {angle:g}°", partial(_angle, angle), lambda game: published.svo(game).get(angle))
 
 
 OWN, COMMON, HALF = _exchange(0.0, "individual reward"), _exchange(1.0, "common reward"), _exchange(0.5, "exchange 0.5")
