@@ -13,6 +13,7 @@ from sjdsl.runtime.planes import channel_names
 
 VARIANT = "socialjax"
 HEADINGS = ("agent: self", "agent: other same heading", "agent: other turned right", "agent: other opposite", "agent: other turned left")
+OWN_HEADING = tuple(f"agent.heading: {way}" for way in ("north", "east", "south", "west"))  # in the table's row on windows
 INTRODUCTION = """Each game of the paper has a variant `socialjax` with the rules and the observation of the released code. Things that look alike
 to its agents look alike here too. This table lists all remaining differences. Its first rows are found by comparing the channels."""
 Row = tuple[str, str, str, str]
@@ -54,5 +55,5 @@ def unread(entry: Entry, game: ir.Game) -> list[str]:
     """Returns our channels that say more than the released ones."""
     read = {name for source in [*entry.tiles, *entry.rest] for name in channels_of(source, game.agents.number)}
     read |= {name for layer in entry.layers for name in layer}
-    known = {*read, *HEADINGS, "agent: none", *(f"content: {look}" for look in entry.plain)}
+    known = {*read, *HEADINGS, *OWN_HEADING, "agent: none", *(f"content: {look}" for look in entry.plain)}
     return [name for name in channel_names(token_planes(game)) if name not in known]

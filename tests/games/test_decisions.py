@@ -120,7 +120,7 @@ DEFAULT = {
 }  # fmt: skip
 CROWD = {"numbers": {"players": 20}}  # paper: its speed table
 ROOMS_CROWD = {**CROWD, "rows": "_crowd"}
-COMPASS = {"relative": False}
+COMPASS = {"relative": False, "seen": frozen("heading")}  # ours: released windows tell half of it
 THROUGH_WALLS = {**COMPASS, "walls_stop": frozen("agents")}
 COOLING = {"seen": frozen("cooling"), "timers": frozen("cooling")}  # MP: who may use its beam knows it
 BY_CHANCE = {"length": 5000, "least": 1000, "interval": 100}  # MP: episodes end after 1000 steps or more, by chance
@@ -162,8 +162,8 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("gift_refinement", "socialjax"): {
         **COMPASS,
         "schedule": "grow walk collect offer receive(cut) receive(fine) sample consume",
-        "seen": frozenset(),
     },
+    ("gift_refinement", "automatic"): {},
     ("gift_refinement", "meltingpot"): {
         **IDENTITY,
         "numbers": {"players": 6, "reach": 5, "yields": (5, 5, 1), **BY_CHANCE, "ending": 0.2},
@@ -176,7 +176,6 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("mushrooms", "socialjax"): {
         **COMPASS,
         "schedule": "sprout(red) sprout(green) sprout(blue) sprout(orange) walk eat fire tick",
-        "seen": frozenset(),  # released code
     },
     ("mushrooms", "meltingpot"): {
         "numbers": {
@@ -198,7 +197,6 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
         **COMPASS,
         "schedule": "grow walk collect meet rest tick",
         "shape": {(1, 0), (2, 0)},  # released code: one cell is reached, two are marked
-        "seen": frozenset(),
         "of_others": frozen("bag"),  # released code: of everybody
     },
     **{(game, "crowd"): ROOMS_CROWD for game in ("harvest_closed", "harvest_partnership", "clean_up", "coop_mining", "gift_refinement")},

@@ -16,6 +16,7 @@ LOOKS = {"r": "ground token=raw"}
 DEFAULT = Stage("gift_refinement", ROWS, 5, looks=LOOKS)
 RELEASED = Stage("gift_refinement", ROWS, 5, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
 BOTH = pytest.mark.parametrize("stage", [DEFAULT, RELEASED], ids=["default", "socialjax"])
+AUTOMATIC = Stage("gift_refinement", ROWS, 5, variant="socialjax+automatic", looks=LOOKS, interpreted=BRIEFLY)
 FAR = Stage("gift_refinement", ROWS, 5, variant="meltingpot", looks=LOOKS, interpreted=BRIEFLY)
 LEVELS = ("raw", "cut", "fine")
 Bag = tuple[int, int, int]
@@ -171,6 +172,17 @@ def test_gifts_come_after_moves(stage: Stage) -> None:
     assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
 
 
+@pytest.mark.parametrize("action", ["stay", "turn_right", "gift"])
+def test_as_released_a_token_goes_ahead_unasked_to_who_faces_the_same_way(action: str) -> None:
+    for line, gives in (("TT>>TTTT", action != "turn_right"), ("TT>^TTTT", False)):
+        scene = in_line(AUTOMATIC, line, bags={0: (2, 0, 0)}).step(f"{action}, stay")
+        assert bags(scene, 0, 1) == ([(1, 0, 0), (0, 3, 0)] if gives else [(2, 0, 0), (0, 0, 0)])
+
+
+def test_as_released_a_full_bag_loses_the_token() -> None:
+    assert bags(in_line(AUTOMATIC, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("stay"), 0, 1) == [(0, 0, 0), (0, 15, 0)]
+
+
 # Melting Pot's reach of five cells
 
 
@@ -282,7 +294,7 @@ def test_what_is_seen() -> None:
     assert [scene.seen(0, f"agent.bag[{level}]") for level in LEVELS] == [1, 2, 3]
     assert [scene.seen(1, f"agent.bag[{level}]") for level in LEVELS] == [4, 5, 6]
     assert scene.seen(1, "agent", ahead=1) == "other same heading"
-    assert {plane.name for plane in RELEASED.env.token_planes} == {"content", "agent", "marks"}
+    assert {plane.name for plane in RELEASED.env.token_planes} == {"content", "agent", "marks", "agent.heading"}
 
 
 @BOTH

@@ -341,7 +341,7 @@ def test_as_released_everybody_sees_every_bag_and_nobody_who_is_held() -> None:
         assert [(name, scene.seen(observer, name, ahead, right)) for name, _ in wanted for ahead in (-1, 9) for right in (-5, 5)] == [
             pair for pair in wanted for _ in range(4)
         ]
-    assert own_planes(RELEASED) == {name for name, _ in wanted}
+    assert own_planes(RELEASED) == {"agent.heading", *(name for name, _ in wanted)}
 
 
 def own_planes(stage: Stage) -> set[str]:

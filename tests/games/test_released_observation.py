@@ -22,11 +22,18 @@ LOOKS = {
     "gift_refinement": {"floor", "token"},
     "pd_arena": {"floor", "coop", "defect"},
 }
-# Released code: beams leave marks, but not the ray of miners; of agents only the bags of the arena are shown.
+# Released code: beams leave marks, but not the ray of miners; of agents only the bags of the arena are shown. Ours: one's own heading, of
+# which the released window tells a half.
 PLANES = {
-    "coins": ["content", "agent"],
-    "coop_mining": ["content", "agent"],
-    "pd_arena": ["content", "agent", "marks", *(f"everyone[{agent}].bag[{word}]" for word in ("coop", "defect") for agent in range(4))],
+    "coins": ["content", "agent", "agent.heading"],
+    "coop_mining": ["content", "agent", "agent.heading"],
+    "pd_arena": [
+        "content",
+        "agent",
+        "marks",
+        *(f"everyone[{agent}].bag[{word}]" for word in ("coop", "defect") for agent in range(4)),
+        "agent.heading",
+    ],
 }
 
 
@@ -34,7 +41,7 @@ PLANES = {
 def test_looks_and_planes_are_the_released_ones(game: str) -> None:
     shown = planes(released_game(game))
     assert set(shown[0].labels) == {"outside", *LOOKS[game]}
-    assert [plane.name for plane in shown] == PLANES.get(game, ["content", "agent", "marks"])
+    assert [plane.name for plane in shown] == PLANES.get(game, ["content", "agent", "marks", "agent.heading"])
 
 
 @pytest.mark.parametrize("theirs", entries())
