@@ -28,7 +28,7 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
     """
     if STDIN in paths:
         if len(paths) > 1:
-            raise click.UsageError("`-` reads the standard input: name no files beside it", click.get_current_context())
+            raise click.UsageError("`-` reads the standard input: name no files beside it")
         return _format_stdin(only_check)
     changed, unchanged, problems = 0, 0, 0
     for path in files_of(paths):

@@ -9,7 +9,7 @@ import click
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path
 from sjdsl.cli.list import align
-from sjdsl.cli.page_text import write_text
+from sjdsl.files import write_whole
 from sjdsl.games_folder import bundled, game_names
 from sjdsl.starter import copied_files, game_of, package_files, starting_files
 
@@ -109,7 +109,8 @@ def _write(folder: Path, texts: Mapping[str, str]) -> list[Path]:
             raise click.ClickException(f"{path} is there already; nothing was written")
     require_folder(folder)
     for path, text in paths.items():
-        write_text(path, text)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, text)
         click.echo(path)
     return list(paths)
 

@@ -3,13 +3,16 @@
 from functools import cache
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 
+from sjdsl.extras import needs
 from sjdsl.render.colours import INK, PAPER, Colour, mixed
 from sjdsl.render.drawings import PALE, Figure
 from sjdsl.render.sprites import draw_sprite
 from sjdsl.render.tiles import badges_at, put_badges
 from sjdsl.runtime.actions import DIRECTIONS
+
+with needs("pictures"):
+    from PIL import Image, ImageDraw, ImageFont
 
 SMALLEST_WITH_NUMBER = 15  # pixels of a tile
 FINE = 4  # numbers are drawn this many times larger, then shrunk

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 
+from sjdsl.extras import needs
 from sjdsl.render.agents import draw_body, put_figure
 from sjdsl.render.colours import INK, PAPER
 from sjdsl.render.drawings import Drawing, draw_figures
@@ -13,6 +13,9 @@ from sjdsl.render.entries import cell_entries, figure_entries
 from sjdsl.render.look import Look
 from sjdsl.render.snapshot import Snapshot
 from sjdsl.render.tiles import draw_tile, tinted
+
+with needs("pictures"):
+    from PIL import Image, ImageDraw, ImageFont
 
 LINE, SWATCH, GAP, MARGIN = 23, 19, 14, 8  # pixels
 FONT = ImageFont.load_default(12.5)

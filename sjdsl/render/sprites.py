@@ -6,6 +6,7 @@ from io import BytesIO
 
 import numpy as np
 
+from sjdsl.extras import needs
 from sjdsl.render.colours import Colour
 
 FILLING = frozenset({"wall", "water", "floor"})  # these are as large as their cell, the others stand in it
@@ -20,8 +21,9 @@ def draw_sprite(name: str, colour: Colour, size: int, turns: int = 0) -> np.ndar
       name: of a file in `sprites/`; what is drawn there in `currentColor` takes `colour`.
       turns: quarter turns to the right.
     """
-    from PIL import Image  # a game that is never drawn needs no rasteriser, nor one that a browser draws
-    from resvg_py import svg_to_bytes
+    with needs("pictures"):
+        from PIL import Image  # a game that is never drawn needs no rasteriser, nor one that a browser draws
+        from resvg_py import svg_to_bytes
 
     svg = sprite_source(name).replace("currentColor", "#{:02x}{:02x}{:02x}".format(*colour))
     png = svg_to_bytes(svg_string=svg, width=size, height=size, skip_system_fonts=True)

@@ -15,7 +15,7 @@ from sjdsl.experiments.folder import differences, read_json
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell
-from sjdsl.sweeps.claims import Holder, holder_of
+from sjdsl.sweeps.locks import is_running
 from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.config import ConfigError, stored_config
@@ -83,8 +83,12 @@ class Progress:
 
     state: State
     update: int = 0  # done
-    by: Holder | None = None  # who runs it
     reason: str = ""  # why it failed
+
+    @property
+    def summary(self) -> str:
+        """`done`, or `failed, for its process was killed`."""
+        return f"{self.state}, for {self.reason}" if self.reason else self.state
 
 
 def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -232,28 +236,42 @@ def cells_of(known: Mapping[str, Any]) -> list[Cell]:
     return [Cell.read(name, described) for name, described in known["cells"].items()]
 
 
+def cells_at(folders: Sequence[Path | str]) -> tuple[Path, dict[str, Any], list[Cell]]:
+    """Returns the folder of a sweep, what its `sweep.json` says, and the cells that are in these folders `DIR/cells/NAME`.
+
+    Raises:
+      ExperimentError: they aren't folders of cells of one sweep.
+    """
+    paths = [Path(folder).resolve() for folder in folders]
+    sweep = paths[0].parents[1]
+    known = read_sweep(sweep)
+    named = {run_dir(sweep, cell): cell for cell in cells_of(known)}
+    unknown = [path.name for path in paths if path not in named]
+    if unknown:
+        raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
+    return sweep, known, [named[path] for path in paths]
+
+
 def run_dir(folder: Path, cell: Cell) -> Path:
     """Returns the folder of a cell's run."""
     return folder / CELLS / cell.name
 
 
-def progress_of(folder: Path, cell: Cell, episodes: int, claimed: bool = False) -> Progress:
-    """Returns how far a cell is, from its files alone.
+def progress_of(folder: Path, cell: Cell, episodes: int) -> Progress:
+    """Returns how far a cell is, from its files and its lock.
 
     Args:
       episodes: of its evaluation.
-      claimed: whether this process has claimed it: then it is not taken for one that runs.
     """
     path = run_dir(folder, cell)
     update = _updates(path)
     failed = read_json(folder / FAILED / f"{cell.name}.json")
     if failed is not None:
         return Progress("failed", update, reason=str(failed.get("reason", "")))
-    by = None if claimed else holder_of(folder, cell.name)
-    if by is not None:
-        return Progress("running", update, by)
     if is_done(folder, cell, episodes):
         return Progress("done", update)
+    if is_running(folder, cell.name):
+        return Progress("running", update)
     return Progress("stopped" if path.is_dir() and any(path.iterdir()) else "waiting", update)
 
 
