@@ -62,7 +62,7 @@ class EnvironmentOptions:
         return self.build(game)[0].game
 
     def make(self, game: str) -> "Environment":
-        """Returns the environment. Raises CompileError, and ClickException for arguments that don't fit the game."""
+        """Returns the environment of a game that `check` accepts."""
         return make_environment(self.describe(game))
 
     def or_else(self, preset: Mapping[str, Any]) -> "EnvironmentOptions":
@@ -158,13 +158,11 @@ def build_game(
 
 
 def make_environment(described: Mapping[str, Any], observation: "Encoding" = "tokens") -> "Environment":
-    """Returns the environment. Raises CompileError, and ClickException for arguments that do not fit the game."""
+    """Returns the environment. Raises CompileError, and ClickException for arguments that don't fit the game."""
     try:
         return sjdsl.make(**described, observation=observation)
     except (ValueError, TypeError, FileNotFoundError) as error:
-        if _is_ours(error):
-            raise
-        raise click.ClickException(str(error)) from None
+        raise click.ClickException(str(error)) from error
 
 
 @contextmanager
@@ -179,13 +177,3 @@ def named_in(file: Path | str) -> Iterator[None]:
         ) from None
     except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
         raise click.ClickException(f"{file} names a game that cannot be built with the settings it gives: {error}") from None
-
-
-def _is_ours(error: Exception) -> bool:
-    """Returns whether an error comes from deeper than the checks of arguments: then it is a bug, and its traceback is wanted."""
-    frames = []
-    trace = error.__traceback__
-    while trace is not None:
-        frames.append(trace.tb_frame.f_globals.get("__name__", ""))
-        trace = trace.tb_next
-    return frames[-1] not in ("sjdsl.factory", "sjdsl.parameters", "sjdsl.games_folder")

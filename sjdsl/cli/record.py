@@ -52,7 +52,12 @@ def command(
     if dataset_id is not None:
         if observation == "none":
             raise click.UsageError("a Minari dataset has observations; --observation none keeps none")
-        check_minari(dataset_id)
+        from sjdsl.interop.minari import check_name
+
+        try:  # before anything is played
+            check_name(dataset_id)
+        except ValueError as error:
+            raise click.ClickException(str(error)) from None
     check_policy(policy, options.check(game))
     require_unused(path, "recorded episodes")
     require_folder_of(path)
@@ -100,16 +105,6 @@ def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path
             click.echo(f"interrupted; the episodes played until now are stored\n{_summary(env, path, writer)}")
         raise
     return _summary(env, path, writer)
-
-
-def check_minari(dataset_id: str) -> None:
-    """Refuses a dataset before anything is played: without the package, by a name that is none, or that is taken."""
-    try:
-        from sjdsl.interop.minari import check_name
-
-        check_name(dataset_id)
-    except (ModuleNotFoundError, ValueError) as error:
-        raise click.ClickException(str(error)) from None
 
 
 def _summary(env: "Environment", path: Path, writer: "DatasetWriter") -> str:
