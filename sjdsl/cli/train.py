@@ -12,6 +12,7 @@ from sjdsl.cli.environment_options import EnvironmentOptions, environment_option
 from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.extras import MissingExtra, is_installed
 from sjdsl.trainers import load_preset, make_config
 from sjdsl.trainers.config import stored_config
 from sjdsl.trainers.extensions import find, lasting, require_allowed, short_name
@@ -172,7 +173,9 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
         f"\n{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.seeds):,.0f} steps a second; "
         f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
-    if not any((folder / LEARNING_CURVE).exists() for folder in result.folders):
+    if not is_installed("matplotlib"):
+        click.echo(f"no learning curve was drawn: {MissingExtra('matplotlib', 'plots')}")
+    elif not any((folder / LEARNING_CURVE).exists() for folder in result.folders):
         click.echo(
             f"no learning curve was drawn, for no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
         )
