@@ -10,7 +10,21 @@ import pytest
 REPOSITORY = Path(__file__).parents[2]
 EXTRAS = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
 # What extras bring, by the names that are imported: none of them is there.
-ABSENT = ("PIL", "resvg_py", "matplotlib", "textual", "pygls", "lsprotocol", "starlette", "uvicorn", "websockets", "av", "pandas", "rliable", "hypothesis")
+ABSENT = (
+    "PIL",
+    "resvg_py",
+    "matplotlib",
+    "textual",
+    "pygls",
+    "lsprotocol",
+    "starlette",
+    "uvicorn",
+    "websockets",
+    "av",
+    "pandas",
+    "rliable",
+    "hypothesis",
+)
 BARE = f"import sys\nfor name in {ABSENT}: sys.modules[name] = None\nfrom sjdsl.cli import run\n"
 NEEDS = {
     "render coins -o a.gif": "pictures",
