@@ -10,9 +10,9 @@ import json
 import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import jax
 import numpy as np
@@ -85,6 +85,10 @@ EVERYWHERE = (
 )
 
 
+# Of a game: the hash of its rules, `episodes`, `seed`, and `values`, each a mean with its 95 % interval; None where it is not always defined.
+Figures = dict[str, Any]
+
+
 def main() -> int:
     """Writes the pages, or with --check prints what is not up to date and returns 1 if there is anything."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -104,7 +108,7 @@ def write_games(path: Path, fresh: bool) -> None:
     """Writes the page of the games of `games/` itself, and its figures beside it."""
     figures = {} if fresh else read_figures(path.with_suffix(".json"))
     for name, written in game_texts().items():
-        if name not in figures or figures[name].hash != game_hash(written.game):
+        if name not in figures or figures[name]["hash"] != game_hash(written.game):
             print(f"{name}: measuring")
             figures[name] = measure(name)
     figures = {name: figures[name] for name in game_texts()}
@@ -130,7 +134,9 @@ def page_problems(path: Path) -> list[str]:
         kept = read_figures(path.with_suffix(".json"))
         text = games_page(kept)
         found = [f"{name}: no figures" for name in rules if name not in kept]
-        found += [f"{name}: the figures are of other rules" for name in rules if name in kept and kept[name].hash != game_hash(rules[name])]
+        found += [
+            f"{name}: the figures are of other rules" for name in rules if name in kept and kept[name]["hash"] != game_hash(rules[name])
+        ]
         found += [f"{name}: figures of no game" for name in kept if name not in rules]
     wanted, there = {pictures / f"{name}.png": game for name, game in rules.items()}, set(pictures.glob("*.png"))
     found += [f"{picture}: missing" for picture in sorted(wanted.keys() - there)]
@@ -189,32 +195,13 @@ def is_picture_of(path: Path, game: ir.Game) -> bool:
         return image.info.get(SHOWN) == picture_hash(game)
 
 
-@dataclass(frozen=True)
-class Figure:
-    """A mean over episodes and its 95 % confidence interval; None where it is not defined in every episode."""
-
-    mean: float | None
-    low: float | None
-    high: float | None
-
-
-@dataclass(frozen=True)
-class Figures:
-    """The figures of one game by name; `hash` is that of its rules."""
-
-    hash: str
-    episodes: int
-    seed: int
-    values: dict[str, Figure]
-
-
 def measure(name: str, episodes: int = EPISODES, seed: int = SEED) -> Figures:
     """Returns the figures of a bundled game under the policy that draws every action with equal probability."""
     env = make(name)
     found = summarise(evaluate(env, random_policy(env), jax.random.key(seed), episodes))
     wanted = figure_names(env.game)
-    values = {shown: Figure(*(_rounded(x) for x in (found[key].mean, found[key].low, found[key].high))) for key, shown in wanted.items()}
-    return Figures(env.hash, episodes, seed, values)
+    values = {shown: {end: _rounded(getattr(found[key], end)) for end in ("mean", "low", "high")} for key, shown in wanted.items()}
+    return {"hash": env.hash, "episodes": episodes, "seed": seed, "values": values}
 
 
 def figure_names(game: ir.Game) -> dict[str, str]:
@@ -235,15 +222,12 @@ def _rounded(value: float) -> float | None:
 
 def read_figures(path: Path) -> dict[str, Figures]:
     """Returns the figures that a file keeps, by game; none if there is no such file."""
-    if not path.is_file():
-        return {}
-    kept = json.loads(path.read_text(encoding="utf-8"))
-    return {game: Figures(**{**entry, "values": {n: Figure(**f) for n, f in entry["values"].items()}}) for game, entry in kept.items()}
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
 def figures_text(figures: Mapping[str, Figures]) -> str:
     """Returns figures as the text of their file."""
-    return json.dumps({game: asdict(entry) for game, entry in figures.items()}, indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(figures, indent=1, ensure_ascii=False) + "\n"
 
 
 def games_page(figures: Mapping[str, Figures]) -> str:
@@ -306,14 +290,14 @@ def _window(window: ir.Window) -> str:
 
 
 def _figures(f: Figures) -> list[str]:
-    title = f"A random policy, {f.episodes} episodes from seed {f.seed}, means with their 95 % confidence intervals:"
-    return [title, "", *table(("", "mean", "interval"), [(name, *_figure(figure)) for name, figure in f.values.items()]), ""]
+    title = f"A random policy, {f['episodes']} episodes from seed {f['seed']}, means with their 95 % confidence intervals:"
+    return [title, "", *table(("", "mean", "interval"), [(name, *_figure(**figure)) for name, figure in f["values"].items()]), ""]
 
 
-def _figure(figure: Figure) -> tuple[str, str]:
-    if figure.mean is None or figure.low is None or figure.high is None:
+def _figure(mean: float | None, low: float | None, high: float | None) -> tuple[str, str]:
+    if mean is None or low is None or high is None:
         return "not defined", "some returns are negative, or all are 0"
-    return _short(figure.mean), f"{_short(figure.low)} to {_short(figure.high)}"
+    return _short(mean), f"{_short(low)} to {_short(high)}"
 
 
 def _short(value: float) -> str:
