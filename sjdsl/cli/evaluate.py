@@ -64,8 +64,8 @@ def command(
     if scenario is not None:
         if film is not None or greedy is not None:
             raise click.UsageError(f"{'--film' if film is not None else '--greedy' if greedy else '--drawn'} is not for --scenario")
-        policy = f"{run}@{which}" if which is not None and path == Path(run) else run
-        evaluate_in_scenarios(policy, scenario, game, episodes, seed, output, options)
+        chosen = f"{run}@{which}" if which is not None and path == Path(run) else run
+        evaluate_in_scenarios(chosen, scenario, game, episodes, seed, output, options)
         return
     if film is not None:
         check_film(Path(film))
