@@ -119,8 +119,8 @@ lint: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/sjdsl fmt --check games tests/cases tests/differential tests/runtime tests/statistics
-	$(BIN)/sjdsl compile --all --check
-	$(BIN)/sjdsl doc --all --check
+	$(BIN)/sjdsl compile games/*.sj --check
+	$(BIN)/python -m bench.game_pages --check
 
 check: types lint
 	$(PYTEST)
@@ -177,13 +177,13 @@ damage: .venv/ready
 
 # Writes again what tests compare to; read the difference before it is committed.
 golden: .venv/ready
-	$(BIN)/sjdsl compile --all
-	$(BIN)/sjdsl doc --all
+	$(BIN)/sjdsl compile games/*.sj
+	$(BIN)/python -m bench.game_pages
 	$(PYTEST) --update-golden
 
-# Writes the page of the games again: their texts, and what a random policy comes to where the rules have changed.
+# Writes the pages of the games again: their texts, and what a random policy comes to where the rules have changed.
 docs: .venv/ready
-	$(BIN)/sjdsl doc --all
+	$(BIN)/python -m bench.game_pages
 
 # Writes docs/results.md again: the page of the results in docs/results/data.
 results: .venv/ready

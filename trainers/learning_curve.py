@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sjdsl.extras import is_installed
 from sjdsl.files import write_whole
 
 from .learning_signs import FIGURES
@@ -17,9 +18,9 @@ LEARNING_CURVE = "learning_curve.png"
 
 
 def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:
-    """Draws the raw returns of the episodes that ended over environment steps; nothing if none ended."""
+    """Draws the raw returns of the episodes that ended over environment steps; nothing if none ended, or without matplotlib."""
     panels = curve_panels(rows)
-    if not panels:
+    if not panels or not is_installed("matplotlib"):
         return
     picture = BytesIO()
     draw_panels(panels, title).savefig(picture, format="png", dpi=120)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from sjdsl.extras import require
 from sjdsl.files import write_whole
 
 from .config import Config, ConfigError
@@ -37,7 +38,7 @@ def open_loggers(names: Sequence[LoggerName], folder: Path, title: str, config: 
       folder: of the seed.
       done: environment steps after which the run goes on: what was logged of later ones is logged again.
     Raises:
-      ConfigError: a name that is none, or a package that is not installed.
+      ConfigError, MissingExtra: as in `check_loggers`.
     """
     check_loggers(names)
     with ExitStack() as stack:
@@ -46,14 +47,11 @@ def open_loggers(names: Sequence[LoggerName], folder: Path, title: str, config: 
 
 
 def check_loggers(names: Sequence[str]) -> None:
-    """Raises ConfigError for a logger that is unknown or not installed."""
-    import importlib.util
-
+    """Raises ConfigError for a logger that there is not, MissingExtra for one that is not installed."""
     for name in names:
         if name not in PACKAGE:
             raise ConfigError(f"unknown logger `{name}`; known: {', '.join(get_args(LoggerName))}")
-        if importlib.util.find_spec(PACKAGE[name]) is None:
-            raise ConfigError(f"`{name}` needs the package {PACKAGE[name]}: pip install 'sjdsl[{name}]'")
+        require(name, PACKAGE[name])
 
 
 def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Callable[[Row], None]:

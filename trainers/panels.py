@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sjdsl.extras import needs
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -45,7 +47,8 @@ def split_lines(lines: Sequence[Line], y_title: str) -> list[Panel]:
 
 def draw_panels(panels: Sequence[Panel], title: str = "") -> "Figure":
     """Returns a figure with the plots in rows; those of the same y title have the same range."""
-    from matplotlib.figure import Figure  # here: importing it costs as much as a short test
+    with needs("plots"):
+        from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
     columns = min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)

@@ -35,9 +35,10 @@ from .config import KEYS_OF, Algorithm, Config, ConfigError, RewardMode, make_co
 from .own_settings import OWN, spread
 
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
+ENVIRONMENT = {"variant": str, "map": str, "num_agents": int, "params": dict}
 SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_ANY}
 NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
-MEANS = {str: "text", bool: "true or false", dict: "a table"}
+MEANS = {str: "text", int: "a whole number", bool: "true or false", dict: "a table"}
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,8 @@ def _of_rewards(algorithm: Mapping[str, Any]) -> dict[Any, Any]:
 
 
 def _check_named(tables: Mapping[str, Any], where: str) -> None:
-    """Raises ConfigError for a table of an algorithm or a reward that there is not."""
+    """Raises ConfigError for an argument of the environment, an algorithm or a reward that there is not."""
+    _check(tables.get("environment", {}), ENVIRONMENT, f"{where}: environment")
     for section, names in NAMES.items():
         _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
     for algorithm, values in tables.get("algorithm", {}).items():

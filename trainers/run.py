@@ -26,7 +26,7 @@ from .processes import any_says, is_first
 from .progress import ProgressStyle, show_progress
 from .recorder import Recorder, open_recorders
 from .resuming import check_same_run, extended, restore_last
-from .run_errors import DiskError, RunError, TakenError, TooLargeError
+from .run_errors import DiskError, RunError, TooLargeError
 from .run_files import write_json
 from .run_folder import describe_run
 from .run_lock import is_unused, locked
@@ -94,9 +94,9 @@ def train(
         return _run((_new(env, config, run_dir, provenance, loggers, asked),), progress, callback)[0]
 
 
-def _held(run_dir: Path, claimed: bool = False) -> AbstractContextManager[None]:
+def _held(run_dir: Path) -> AbstractContextManager[None]:
     """Returns what holds the folder of a run, in the process that writes there."""
-    return locked(run_dir, claimed) if is_first() else nullcontext()
+    return locked(run_dir) if is_first() else nullcontext()
 
 
 def _new(
@@ -163,8 +163,7 @@ class Run:
 def train_side_by_side(runs: Sequence[Run], progress: ProgressStyle = "auto", callback: Callback | None = None) -> tuple[Result, ...]:
     """Trains runs that differ in numbers without shape as one program, and writes the folder of each as `train` would.
 
-    A folder that holds the run already, stopped, is gone on with. Other processes that call this with the same folder are not kept out:
-    whoever calls it sees to that, as sweeps do by claims. Figures are those of runs trained apart but for rounding: programs
+    A folder that holds the run already, stopped, is gone on with. Figures are those of runs trained apart but for rounding: programs
     that are compiled apart do not add up in the same order.
 
     Args:
@@ -172,7 +171,7 @@ def train_side_by_side(runs: Sequence[Run], progress: ProgressStyle = "auto", ca
       progress: as in `train`.
       callback: called with an `Update` of each run after each update; all end there if it returns True for one.
     Raises:
-      RunError: as `train`; every seed of every run has diverged; runs that cannot be trained as one program.
+      RunError: as `train`, or another process trains in one of the folders; every seed of every run has diverged; runs that cannot be trained as one program.
     """
     if len({kind_of(run.env, run.config) for run in runs}) != 1:
         raise RunError("runs that are trained side by side may differ in seeds and in numbers without shape only")
@@ -181,7 +180,7 @@ def train_side_by_side(runs: Sequence[Run], progress: ProgressStyle = "auto", ca
     with ExitStack() as stack:
         parts = []
         for run in runs:
-            stack.enter_context(_held(run.run_dir, claimed=True))
+            stack.enter_context(_held(run.run_dir))
             if (run.run_dir / MANIFEST).is_file():
                 manifest = _gone_on(check_same_run(run.env, run.run_dir))
                 parts.append(Part(run.env, run.config, run.run_dir, manifest))
@@ -297,16 +296,12 @@ def _told(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
     """Writes the manifest at the start, and again with how the run ended; makes faults of memory and disk RunErrors."""
     if is_first():
         write_json(run_dir / MANIFEST, manifest)
-    taken = False
     try:
         yield
         if manifest["status"] == "running":
             manifest["status"] = "finished"
     except KeyboardInterrupt:
         manifest["status"] = "interrupted"
-        raise
-    except TakenError:
-        taken = True
         raise
     except BaseException as error:
         manifest["status"] = f"failed: {error}"
@@ -316,7 +311,7 @@ def _told(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
             raise DiskError(_of_disk(error, run_dir)) from error
         raise
     finally:
-        if is_first() and not taken:
+        if is_first():
             _write_if_room(run_dir / MANIFEST, manifest)
 
 

@@ -11,7 +11,3 @@ class TooLargeError(RunError):
 
 class DiskError(RunError):
     """A file of a run could not be written; what was saved before is whole."""
-
-
-class TakenError(Exception):
-    """The folder of a run is another process's by now: nothing more is written into it."""

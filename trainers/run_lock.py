@@ -21,18 +21,16 @@ def is_unused(run_dir: Path) -> bool:
 
 
 @contextmanager
-def locked(run_dir: Path, claimed: bool = False) -> Iterator[None]:
+def locked(run_dir: Path) -> Iterator[None]:
     """Holds the folder of a run, which is made if it is not there.
 
-    Args:
-      claimed: processes with a claim agree otherwise on who is alone, and keep out only those that have none.
     Raises:
       RunError: another process trains there. OSError: the lock is a link.
     """
     run_dir.mkdir(parents=True, exist_ok=True)
     with open_in_place(run_dir / LOCK, "a+") as file:
         try:
-            fcntl.flock(file, (fcntl.LOCK_SH if claimed else fcntl.LOCK_EX) | fcntl.LOCK_NB)
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             file.seek(0)
             holder = file.read().strip() or "another process"

@@ -24,7 +24,7 @@ from .policies import Policy, trained_policy
 from .processes import any_says
 from .progress import Show
 from .recorder import Recorder
-from .run_errors import RunError, TakenError
+from .run_errors import RunError
 from .training_functions import TrainState
 
 
@@ -123,8 +123,8 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                     progress.stopped = True
                     break
                 last = time.perf_counter()  # what was evaluated, saved and told is no part of an update
-        except (OSError, TakenError):
-            whole = None  # there is no room for another attempt, or it is another process's
+        except OSError:
+            whole = None  # there is no room for another attempt
             raise
         except jax.errors.JaxRuntimeError as error:
             if "RESOURCE_EXHAUSTED" in str(error):

@@ -30,7 +30,7 @@ async function start() {
     await client.start();
   } catch (error) {
     vscode.window.showErrorMessage(
-      `The language server did not start (${error.message}). Install it with: pip install 'sjdsl[lsp]', or set sjdsl.path.`,
+      `The language server did not start (${error.message}). Install it with: pip install 'sjdsl[editor]', or set sjdsl.path.`,
     );
   }
 }

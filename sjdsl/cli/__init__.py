@@ -16,33 +16,46 @@ from sjdsl.cli.pointer import pointed
 from sjdsl.cli.terminal import INTERRUPTED, leave_at_once_if_compiling
 from sjdsl.near_names import meant
 
-COMMANDS = {
-    "bench": "Measure how fast games run.",
-    "check": "Report all mistakes in a game.",
-    "compile": "Write a game as a Python module.",
-    "crossplay": "Play policies with each other, mixture by mixture.",
-    "diff": "Print what differs between two variants or games.",
-    "doc": "Print the rules of a game in plain English.",
-    "dump": "Show a game after one stage of the compiler.",
-    "evaluate": "Evaluate a trained policy, compared with a random one.",
-    "explain": "Explain the code of a message, such as SJ101.",
-    "fmt": "Format the text of games.",
-    "list": "List games: agents, actions, parameters, variants.",
-    "lsp": "Serve editors: messages, completion, names, over the Language Server Protocol.",
-    "new": "Create a new game: a file, a map and a test.",
-    "play": "Control an agent of a game in the terminal.",
-    "plot": "Plot learning curves of runs.",
-    "record": "Store whole episodes as arrays: observations, actions, rewards.",
-    "render": "Draw a game as a GIF, MP4 or PNG.",
-    "replay": "Show a recorded episode.",
-    "report": "Make tables and pictures of results, beside the published ones.",
-    "schelling": "Plot what cooperators and defectors earn, and test for a dilemma.",
-    "studio": "Write and play a game in the browser.",
-    "sweep": "Train in a grid of configurations and games.",
-    "test": "Test the checks of a game.",
-    "trace": "Print what happens in a game, rule by rule and draw by draw.",
-    "train": "Train agents in a game.",
+GROUPS = {
+    "Write a game": {
+        "new": "Create a new game: a file, a map and a test.",
+        "check": "Report all mistakes in a game.",
+        "fmt": "Format the text of games.",
+        "explain": "Explain the code of a message, such as SJ101.",
+        "compile": "Write a game as a Python module.",
+        "dump": "Show a game after one stage of the compiler.",
+    },
+    "Look at it": {
+        "list": "List games: agents, actions, parameters, variants.",
+        "doc": "Print the rules of a game in plain English.",
+        "diff": "Print what differs between two variants or games.",
+        "play": "Control an agent of a game in the terminal.",
+        "render": "Draw a game as a GIF, MP4, PNG or HTML page.",
+        "trace": "Print what happens in a game, rule by rule and draw by draw.",
+        "record": "Store whole episodes as arrays.",
+        "replay": "Show a recorded episode.",
+    },
+    "Test it": {
+        "test": "Test the checks of a game.",
+        "bench": "Measure how fast games run.",
+    },
+    "Train agents": {
+        "train": "Train agents in a game.",
+        "evaluate": "Evaluate a trained policy, compared with a random one.",
+        "plot": "Plot learning curves of runs.",
+    },
+    "Experiment": {
+        "sweep": "Train in a grid of configurations and games.",
+        "crossplay": "Play policies with each other, mixture by mixture.",
+        "schelling": "Plot what cooperators and defectors earn, and test for a dilemma.",
+        "report": "Make tables and pictures of results.",
+    },
+    "Serve": {
+        "studio": "Write and play a game in the browser.",
+        "lsp": "Serve editors over the Language Server Protocol.",
+    },
 }
+COMMANDS = {name: summary for group in GROUPS.values() for name, summary in group.items()}
 
 # Nearly all that a command makes at first (modules, classes, tables) stays: looking for garbage in it, again when the process
 # ends, takes a fifth of the time of `check`.
@@ -67,12 +80,13 @@ class Commands(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Lists the commands without importing them."""
         del ctx
-        with formatter.section("Commands"):
-            formatter.write_dl([*COMMANDS.items()])
+        for title, group in GROUPS.items():
+            with formatter.section(title):
+                formatter.write_dl([*group.items()])
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            raise click.UsageError(f"there is no command `{args[0]}`{meant(args[0], COMMANDS, 'the commands are')}", ctx)
+            raise click.UsageError(f"there is no command `{args[0]}`{meant(args[0], COMMANDS, 'the commands are')}")
         return super().resolve_command(ctx, args)
 
 
@@ -98,7 +112,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
         except click.exceptions.Exit as exit_:
             return exit_.exit_code
         except Exception as error:
-            return report_fault(error)
+            words = sys.argv[1:] if arguments is None else arguments
+            return report_fault(error, " ".join(["sjdsl", *[word for word in words if word in COMMANDS][:1]]))
     return result if isinstance(result, int) else 0
 
 

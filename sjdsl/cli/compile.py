@@ -9,13 +9,12 @@ import click
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
-from sjdsl.cli.page_text import write_text
 from sjdsl.compiler import build, lower_build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.emit.standalone import standalone
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import main_games
+from sjdsl.files import write_whole
 
 FOLDER = Path("generated")
 
@@ -34,16 +33,14 @@ class Module:
 
 
 @click.command("compile")
-@click.argument("files", nargs=-1, metavar="FILE...")
-@click.option("--all", "everything", is_flag=True, help="Compile the games of games/ itself, without those of its folders.")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a generated file is not up to date.")
-@click.option("--standalone", "alone", is_flag=True, help="One file that needs only jax and numpy: NAME_standalone.py, in this folder.")
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a file is not up to date.")
+@click.option("--standalone", "alone", is_flag=True, help="NAME_standalone.py, which needs only jax and numpy.")
 @variant_option
 @map_option
 def command(
     files: tuple[str, ...],
-    everything: bool,
     output: str | None,
     only_check: bool,
     alone: bool,
@@ -54,21 +51,19 @@ def command(
 
     FILE is a `.sj` file or the name of a bundled or installed game. The same game gives the same bytes wherever it is compiled.
     """
-    if everything == bool(files):
-        raise click.UsageError("name the games to compile, or say --all", click.get_current_context())
     if output and only_check:
-        raise click.UsageError("--check writes nothing: leave out -o", click.get_current_context())
+        raise click.UsageError("--check writes nothing: leave out -o")
     if alone and only_check:
-        raise click.UsageError("--check looks at the modules in generated/ only: leave out --standalone", click.get_current_context())
-    names = main_games() if everything else files
-    modules = compile_games(names, variant, map_file, output, alone)
+        raise click.UsageError("--check looks at the modules in generated/ only: leave out --standalone")
+    modules = compile_games(files, variant, map_file, output, alone)
     _refuse_clashes(modules)
     if only_check:
-        return _report_differences(modules, strays_of(modules) if everything else [])
+        return _report_differences(modules)
     if output:
         require_folder(modules[0].path.parent)
     for module in modules:
-        write_text(module.path, module.text)
+        module.path.parent.mkdir(exist_ok=True)
+        write_whole(module.path, module.text)
         click.echo(module.summary)
     return 0
 
@@ -100,19 +95,13 @@ def compile_game(name: str, variant: str | None, map_file: str | None, output: s
     return Module(path, standalone(program) if alone else render(program))
 
 
-def strays_of(modules: Iterable[Module]) -> list[Path]:
-    """Returns the modules in the folder that no game makes."""
-    return sorted(set(FOLDER.glob("*.py")) - {module.path for module in modules})
-
-
-def _report_differences(modules: list[Module], strays: list[Path]) -> int:
+def _report_differences(modules: list[Module]) -> int:
     problems = []
     for module in modules:
         if not module.path.is_file():
             problems.append(f"{module.path} is missing")
         elif module.path.read_bytes() != module.text.encode():
             problems.append(f"{module.path} is not what compiling its game gives now")
-    problems += [f"{path} belongs to none of the games" for path in strays]
     for problem in problems:
         click.echo(problem)
     click.echo("compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date")

@@ -1,12 +1,14 @@
 """`sjdsl crossplay`: what policies earn in each other's company."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import click
 
+from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.experiment_options import echo_files, experiment, experiment_options
 from sjdsl.cli.policies import NAMES, warnings_as_notes
+from sjdsl.extras import require
 
 FILES = ("crossplay.csv", "crossplay.json", "matrix.png")
 
@@ -32,12 +34,11 @@ class SeveralPolicies(click.Command):
 @click.command("crossplay", cls=SeveralPolicies)
 @click.argument("game")
 @click.option("--slots", metavar="P,P,...", help="A policy for each slot, in order: one line-up, played as it is.")
-@click.option("--policies", multiple=True, metavar="P P ...", help=f"Instead: policies whose mixtures are played. Each is {NAMES}")
+@click.option("--policies", multiple=True, metavar="P P ...", help=f"Policies whose mixtures are played: {NAMES}")
 @click.option(
     "--mix",
     type=click.Choice(["all", "pairs"]),
-    default=None,
-    help="Which mixtures: all (the default), every one over the slots; or pairs, one agent of a policy among others of another, with a matrix.",
+    help="All mixtures (the default), or one agent among others of another policy.",
 )
 @experiment_options
 def command(
@@ -48,23 +49,23 @@ def command(
     episodes: int,
     seed: int,
     output: str | None,
-    **described: Any,
+    options: EnvironmentOptions,
 ) -> None:
     """Plays policies with each other in GAME: in one line-up, or in all mixtures of them.
 
     Each episode of a mixture draws who has which slot. The folder RUN of several seeds is a pool: seed i of one plays with seed i of the
     others, and the intervals are over seeds.
     """
-    context = click.get_current_context(silent=True)
     if (slots is None) == (not policies):
-        raise click.UsageError("name either --slots, a policy for each slot, or --policies, whose mixtures are played", context)
+        raise click.UsageError("name either --slots, a policy for each slot, or --policies, whose mixtures are played")
     if slots is not None and mix is not None:
-        raise click.UsageError("--mix is for --policies; --slots are one line-up", context)
+        raise click.UsageError("--mix is for --policies; --slots are one line-up")
     in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
     if "" in (in_slots or policies):
-        raise click.UsageError("a policy has no name; write one between every two commas, as in --slots cooperator,random", context)
+        raise click.UsageError("a policy has no name; write one between every two commas, as in --slots cooperator,random")
+    require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_crossplay")
-    with experiment(game, in_slots or policies, folder, described) as (env, say):
+    with experiment(game, in_slots or policies, folder, options) as (env, say):
         from sjdsl.experiments.crossplay import plan_cross_play, play_mixtures
         from sjdsl.experiments.summaries import crossplay_text
 

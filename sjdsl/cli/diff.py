@@ -24,7 +24,7 @@ def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: b
     position in the file, is no difference.
     """
     if len(games) > 2 or (len(games) == 1 and variants is None):
-        raise click.UsageError("name two games, or one game and two variants (--variants A B)", click.get_current_context())
+        raise click.UsageError("name two games, or one game and two variants (--variants A B)")
     sources = [open_game(name) for name in (games[0], games[-1])]
     old, new = (read_variant(source, name) for source, name in zip(sources, variants or (DEFAULT, DEFAULT), strict=True))
     found = differences(old, new)

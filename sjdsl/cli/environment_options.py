@@ -1,9 +1,10 @@
 """The options that describe an environment, and the environment they describe."""
 
+import functools
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -26,43 +27,105 @@ Command = Callable[..., Any]
 SEED = click.IntRange(0, 2**32 - 1)  # JAX makes a key of the lower 32 bits of a number: another beyond them would be one of these again
 
 
+@dataclass(frozen=True)
+class EnvironmentOptions:
+    """What --variant, --map, --agents and --param say: the arguments of `sjdsl.make` besides the game."""
+
+    variant: str | None = None
+    map: str | None = None  # a file
+    num_agents: int | None = None
+    params: Mapping[str, Any] = field(default_factory=dict)
+
+    def describe(self, game: str) -> dict[str, Any]:
+        """Returns the arguments of `make_environment`, as values that JSON can hold and that mean the same in every folder."""
+        path = game_path(game)
+        return {
+            "game": game if is_name(game) else str(path.resolve()),
+            "variant": self.variant,
+            "map": self.map and str(Path(self.map).resolve()),
+            "num_agents": self.num_agents,
+            "params": dict(self.params),
+        }
+
+    def build(self, game: str) -> tuple[Build, dict[str, Any]]:
+        """Returns the checked game and its run-time numbers, without JAX, which takes seconds to load.
+
+        Raises CompileError, and ClickException for numbers that don't fit the game.
+        """
+        try:
+            return build_game(game, self.params, self.variant, self.map, self.num_agents)
+        except ValueError as error:
+            raise click.ClickException(str(error)) from None
+
+    def check(self, game: str) -> "ir.Game":
+        """Returns the checked game; raises what `build` raises."""
+        return self.build(game)[0].game
+
+    def make(self, game: str) -> "Environment":
+        """Returns the environment of a game that `check` accepts."""
+        return make_environment(self.describe(game))
+
+    def or_else(self, preset: Mapping[str, Any]) -> "EnvironmentOptions":
+        """Returns these options, with what a preset says in place of those that weren't given; numbers of the game one by one."""
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        return EnvironmentOptions(**{**preset, **given, "params": {**preset.get("params", {}), **self.params}})
+
+
 def environment_options(command: Command) -> Command:
-    """Adds --variant, --map, --agents and --param to a command; they arrive as `variant`, `map_file`, `agents`, `params`."""
-    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="Number of agents, instead of the game's own.")
-    params = click.option(
-        "--param",
-        "params",
-        multiple=True,
-        metavar="NAME=VALUE",
-        help="A parameter of the game, such as apple=2 or regrow[red]=0.1.",
-    )
-    return variant_option(map_option(number(params(command))))
+    """Adds --variant, --map, --agents and --param, which arrive together as `options`."""
+
+    @functools.wraps(command)
+    def with_options(*, variant: str | None, map_file: str | None, agents: int | None, params: tuple[str, ...], **others: Any) -> Any:
+        return command(options=EnvironmentOptions(variant, map_file, agents, read_assignments(params)), **others)
+
+    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="Another number of agents.")
+    params = click.option("--param", "params", multiple=True, metavar="NAME=VALUE", help="A number of the game: apple=2, regrow[red]=0.1.")
+    return variant_option(map_option(number(params(with_options))))
 
 
-def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
-    """Returns `name=value` and `name[word]=value` as a mapping, with one level for each bracket."""
-    values: dict[str, Any] = {}
+def written_options(*but: str) -> list[str]:
+    """Returns the options and arguments that were written on the command line, as they are written; parameters in `but` aren't listed."""
+    context = click.get_current_context()
+    return [
+        max(parameter.opts, key=len) if isinstance(parameter, click.Option) else parameter.make_metavar(context).strip("[]")
+        for parameter in context.command.params
+        if parameter.name not in but and context.get_parameter_source(parameter.name or "") is click.core.ParameterSource.COMMANDLINE
+    ]
+
+
+def read_texts(given: tuple[str, ...]) -> dict[str, str]:
+    """Returns `name=value` as a mapping of texts."""
+    values: dict[str, str] = {}
     for text in given:
-        path, equals, value = text.partition("=")
-        if not equals or not path.strip():
-            raise click.UsageError(f"`{text}` must have the form name=value", click.get_current_context(silent=True))
-        *outer, last = path.strip().replace("]", "").split("[")
-        inner = values
-        for name in outer:
-            inner = inner.setdefault(name.strip(), {})
-            if not isinstance(inner, dict):
-                raise click.UsageError(
-                    f"`{name}` is given as one number and also word by word; give it one way", click.get_current_context(silent=True)
-                )
-        if last.strip() in inner:
-            refuse_second(path.strip())
-        inner[last.strip()] = _read_value(value.strip())
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name:
+            raise click.UsageError(f"`{text}` must have the form name=value")
+        if name in values:
+            _refuse_second(name)
+        values[name] = value
     return values
 
 
-def refuse_second(name: str) -> NoReturn:
-    """Raises UsageError for a name that has a value already: which one is meant cannot be told."""
-    raise click.UsageError(f"`{name}` is given twice; give it once", click.get_current_context(silent=True))
+def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
+    """Returns `name=value` and `name[word]=value` as a mapping, with one level for each bracket; values are JSON, or text."""
+    values: dict[str, Any] = {}
+    for text in given:
+        ((path, value),) = read_texts((text,)).items()
+        *outer, last = (word.strip() for word in path.replace("]", "").split("["))
+        inner = values
+        for name in outer:
+            inner = inner.setdefault(name, {})
+            if not isinstance(inner, dict):
+                raise click.UsageError(f"`{name}` is given as one number and also word by word; give it one way")
+        if last in inner:
+            _refuse_second(path)
+        inner[last] = _read_value(value)
+    return values
+
+
+def _refuse_second(name: str) -> NoReturn:
+    """Raises UsageError for a name that has a value already: there is no telling which one is meant."""
+    raise click.UsageError(f"`{name}` is given twice; give it once")
 
 
 def _read_value(text: str) -> Any:
@@ -75,24 +138,17 @@ def _read_value(text: str) -> Any:
 def describe_environment(
     game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Returns the arguments of `make_environment` as values that JSON can hold and that hold in every folder."""
-    path = game_path(game)
-    return {
-        "game": game if is_name(game) else str(path.resolve()),
-        "variant": variant,
-        "map": map_file and str(Path(map_file).resolve()),
-        "num_agents": agents,
-        "params": dict(params),
-    }
+    """Returns the arguments of `make_environment`; see `EnvironmentOptions.describe`."""
+    return EnvironmentOptions(variant, map_file, agents, params).describe(game)
 
 
 def build_game(
-    game: str, given: dict[str, Any], variant: str | None, map_file: str | None, agents: int | None
+    game: str, params: Mapping[str, Any], variant: str | None, map_file: str | None, agents: int | None
 ) -> tuple[Build, dict[str, Any]]:
-    """Returns a checked game and its run-time numbers. Raises CompileError, and ValueError for numbers that do not fit it."""
+    """Returns a checked game and its run-time numbers. Raises CompileError, and ValueError for numbers that don't fit it."""
     source = open_game(game)
     composition = compose(source, split_variants(variant))
-    sizes, rest = split_sizes(*composition.number_names(), given)
+    sizes, rest = split_sizes(*composition.number_names(), dict(params))
     made = build_composition(composition, replace(read_map(map_file, source), sizes=sizes, num_agents=agents))
     if agents is not None and made.game.agents.number != agents:
         raise ValueError(f"--agents {agents}, but a size in --param says {made.game.agents.number}")
@@ -101,22 +157,12 @@ def build_game(
     return made, {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
 
 
-def check_environment(game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]) -> "ir.Game":
-    """Returns the checked game, without importing JAX, which takes seconds. Raises CompileError, and ClickException for wrong arguments."""
-    try:
-        return build_game(game, dict(params), variant, map_file, agents)[0].game
-    except ValueError as error:
-        raise click.ClickException(str(error)) from None
-
-
 def make_environment(described: Mapping[str, Any], observation: "Encoding" = "tokens") -> "Environment":
-    """Returns the environment. Raises CompileError, and ClickException for arguments that do not fit the game."""
+    """Returns the environment. Raises CompileError, and ClickException for arguments that don't fit the game."""
     try:
         return sjdsl.make(**described, observation=observation)
     except (ValueError, TypeError, FileNotFoundError) as error:
-        if _is_ours(error):
-            raise
-        raise click.ClickException(str(error)) from None
+        raise click.ClickException(str(error)) from error
 
 
 @contextmanager
@@ -131,13 +177,3 @@ def named_in(file: Path | str) -> Iterator[None]:
         ) from None
     except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
         raise click.ClickException(f"{file} names a game that cannot be built with the settings it gives: {error}") from None
-
-
-def _is_ours(error: Exception) -> bool:
-    """Returns whether an error comes from deeper than the checks of arguments: then it is a bug, and its traceback is wanted."""
-    frames = []
-    trace = error.__traceback__
-    while trace is not None:
-        frames.append(trace.tb_frame.f_globals.get("__name__", ""))
-        trace = trace.tb_next
-    return frames[-1] not in ("sjdsl.factory", "sjdsl.parameters", "sjdsl.games_folder")

@@ -7,14 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import (
-    SEED,
-    check_environment,
-    describe_environment,
-    environment_options,
-    make_environment,
-    read_assignments,
-)
+from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, code_option
 from sjdsl.cli.stages import LOADING, Say, stages
@@ -23,12 +16,11 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 Command = Callable[..., Any]
-FOLDER = "The folder of the results; by default GAME_crossplay or GAME_schelling, after the command. The same command goes on with a stopped one."
 
 
 def experiment_options(command: Command) -> Command:
     """Adds --episodes, --seed, -o and --allow-code, besides those of an environment; they arrive as `episodes`, `seed`, `output`."""
-    output = click.option("-o", "output", metavar="DIR", help=FOLDER)
+    output = click.option("-o", "output", metavar="DIR", help="Folder of the results; by default GAME_COMMAND.")
     seed = click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
     episodes = click.option(
         "--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each line-up."
@@ -37,13 +29,12 @@ def experiment_options(command: Command) -> Command:
 
 
 @contextmanager
-def experiment(game: str, policies: Sequence[str], folder: Path, described: dict[str, Any]) -> Iterator[tuple["Environment", Say]]:
+def experiment(game: str, policies: Sequence[str], folder: Path, options: EnvironmentOptions) -> Iterator[tuple["Environment", Say]]:
     """Yields the environment of a command and what says its stages; refuses before JAX is loaded what can be refused by then."""
-    described["params"] = read_assignments(described["params"])
-    checked = check_environment(game, **described)
+    checked = options.check(game)
     for policy in policies:
         check_policy(policy, checked)
-    with playing_in(describe_environment(game, **described), folder) as both:
+    with playing_in(options.describe(game), folder) as both:
         yield both
 
 

@@ -5,22 +5,29 @@ import sys
 import click
 
 from sjdsl.cli.terminal import INTERRUPTED
+from sjdsl.extras import MissingExtra
 
 
-def report_fault(error: Exception) -> int:
-    """Prints what went wrong and returns the exit status; raises again what is no mistake of the user."""
+def report_fault(error: Exception, called: str) -> int:
+    """Prints what went wrong and returns the exit status; raises again what isn't a mistake of the user.
+
+    Args:
+      called: the command, whose help is pointed to where it was called in a wrong way.
+    """
     match error:
         case click.Abort():
             click.echo("interrupted", err=True)
             return INTERRUPTED
         case click.UsageError():
             click.echo(f"error: {error.format_message()}", err=True)
-            if error.ctx is not None:
-                click.echo(f"see `{error.ctx.command_path} --help`", err=True)
+            click.echo(f"see `{called} --help`", err=True)
             return error.exit_code
         case click.ClickException():
             click.echo(f"error: {error.format_message()}", err=True)
             return error.exit_code
+        case MissingExtra():
+            click.echo(f"error: {error}", err=True)
+            return 1
         case OSError() if error.filename is not None:
             click.echo(f"error: {error.filename}: {(error.strerror or 'cannot be used').lower()}", err=True)
             return 1

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.stages import Say
+from sjdsl.extras import require
 
 if TYPE_CHECKING:
     from sjdsl.render import Moment
@@ -18,16 +19,13 @@ FILMS = (".gif", ".mp4", PAGE)
 
 
 def check_film(path: Path) -> None:
-    """Refuses a file that is no film and no page, or one that needs a package that is missing."""
+    """Refuses a file that is neither a film nor a page. Raises MissingExtra for one that needs packages that are not installed."""
     if path.suffix not in FILMS:
-        raise click.UsageError(
-            f"`{path}` must end in .gif, .mp4 or .html, or where one picture is drawn in .png", click.get_current_context(silent=True)
-        )
+        raise click.UsageError(f"`{path}` must end in .gif, .mp4 or .html, or where one picture is drawn in .png")
     if path.suffix == ".mp4":
-        import importlib.util
-
-        if importlib.util.find_spec("av") is None:
-            raise click.ClickException("an .mp4 needs the package av: pip install 'sjdsl[video]'; a .gif and an .html need nothing")
+        require("video", "av")
+    if path.suffix != PAGE:
+        require("pictures", "PIL", "resvg_py")
 
 
 def save_film(

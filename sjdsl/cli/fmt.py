@@ -28,7 +28,7 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
     """
     if STDIN in paths:
         if len(paths) > 1:
-            raise click.UsageError("`-` reads the standard input: name no files beside it", click.get_current_context())
+            raise click.UsageError("`-` reads the standard input: name no files beside it")
         return _format_stdin(only_check)
     changed, unchanged, problems = 0, 0, 0
     for path in files_of(paths):
@@ -90,12 +90,7 @@ def _format_stdin(only_check: bool) -> int:
 
 
 def _summary(changed: int, unchanged: int, problems: int, only_check: bool) -> str:
-    """Returns `5 files: 2 were reformatted, 3 are unchanged`, without counts of zero."""
-    one = ("would be reformatted", "is formatted") if only_check else ("was reformatted", "is unchanged")
-    many = ("would be reformatted", "are formatted") if only_check else ("were reformatted", "are unchanged")
-    counts = (changed, unchanged, problems)
-    words = [
-        o if count == 1 else m for count, o, m in zip(counts, (*one, "cannot be formatted"), (*many, "cannot be formatted"), strict=True)
-    ]
-    said = [f"{count} {what}" for count, what in zip(counts, words, strict=True) if count]
-    return f"1 file {said[0][2:]}" if sum(counts) == 1 else f"{sum(counts)} files: {', '.join(said)}"
+    """Returns `5 files: 2 reformatted, 3 unchanged`, without counts of zero."""
+    counts = {"to be reformatted" if only_check else "reformatted": changed, "unchanged": unchanged, "with errors": problems}
+    number = sum(counts.values())
+    return f"{number} file{'s' * (number != 1)}: {', '.join(f'{count} {what}' for what, count in counts.items() if count)}"

@@ -53,4 +53,4 @@ def variant_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def map_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    return click.option("--map", "map_file", metavar="FILE", help="A text file with another map, drawn with the game's glyphs.")(command)
+    return click.option("--map", "map_file", metavar="FILE", help="Another map, drawn with the game's glyphs.")(command)

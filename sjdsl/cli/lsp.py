@@ -3,9 +3,10 @@
 import gc
 import os
 import sys
-from importlib.util import find_spec
 
 import click
+
+from sjdsl.extras import require
 
 HOST = "127.0.0.1"
 MANY = 50_000  # objects between two looks for garbage: a server lives long, and each text makes some
@@ -14,12 +15,11 @@ MANY = 50_000  # objects between two looks for garbage: a server lives long, and
 @click.command("lsp")
 @click.option("--tcp", "port", type=click.IntRange(min=0, max=65535), metavar="PORT", help=f"Listen on this port of {HOST} instead.")
 def command(port: int | None) -> int:
-    """Starts the language server, which an editor does for itself: docs/editors.md says how. It needs the extra `sjdsl[lsp]`.
+    """Starts the language server, which an editor does for itself: docs/editors.md says how. It needs the extra `sjdsl[editor]`.
 
     The exit status is the protocol's: 0, or 1 if the editor ends the session without having asked for it.
     """
-    if find_spec("pygls") is None:
-        raise click.ClickException("`sjdsl lsp` needs pygls; install it with: pip install 'sjdsl[lsp]'")
+    require("editor", "pygls")
     from sjdsl.editor.server import make_server
 
     gc.set_threshold(MANY, 20, 20)

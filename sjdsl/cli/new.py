@@ -9,7 +9,7 @@ import click
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path
 from sjdsl.cli.list import align
-from sjdsl.cli.page_text import write_text
+from sjdsl.files import write_whole
 from sjdsl.games_folder import bundled, game_names
 from sjdsl.starter import copied_files, game_of, package_files, starting_files
 
@@ -21,7 +21,7 @@ from sjdsl.starter import copied_files, game_of, package_files, starting_files
 )
 @click.option("--package", "as_package", is_flag=True, help="Make a folder NAME with a Python package that others can install.")
 @click.option("-o", "folder", metavar="FOLDER", default=".", help="Where to write; by default here.")
-def command(name: str | None, copied: str | None, as_package: bool, folder: str) -> int:
+def command(name: str | None, copied: str | None, as_package: bool, folder: str) -> None:
     """Writes NAME.sj, a small commented game, with its map and tests that pass.
 
     With --from, NAME.sj is a copy of another game, such as `--from clean_up`. A game of one's own can then extend it.
@@ -30,17 +30,21 @@ def command(name: str | None, copied: str | None, as_package: bool, folder: str)
     install it, and tests on GitHub after every push. Where it is installed, all commands and `sjdsl.make` find the game by name.
     """
     if copied is not None:
-        return _copy(copied, name, as_package, Path(folder))
+        _copy(copied, name, as_package, Path(folder))
+        return
     if name is None:
         raise click.UsageError("Missing argument 'NAME'.")
     try:
         texts = package_files(name) if as_package else starting_files(name)
     except ValueError as error:
         raise click.ClickException(str(error)) from None
-    return _new_package(name, Path(folder) / name, texts) if as_package else _new_game(name, Path(folder), texts)
+    if as_package:
+        _new_package(name, Path(folder) / name, texts)
+    else:
+        _new_game(name, Path(folder), texts)
 
 
-def _copy(copied: str, name: str | None, as_package: bool, folder: Path) -> int:
+def _copy(copied: str, name: str | None, as_package: bool, folder: Path) -> None:
     if as_package:
         raise click.UsageError("--from copies a game, and --package writes a new one: choose one of them")
     path = game_path(copied)
@@ -54,26 +58,20 @@ def _copy(copied: str, name: str | None, as_package: bool, folder: Path) -> int:
         (f"  sjdsl check {game}", "after each change: what is wrong with it"),
         (f"  sjdsl play {game}", "steer an agent; needs a terminal"),
     ]
-    for line in align(
-        [("next:", ""), *steps, (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change")]
-    ):
-        click.echo(line)
-    return 0
+    _say_next([*steps, (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change")])
 
 
-def _new_game(name: str, folder: Path, texts: Mapping[str, str]) -> int:
+def _new_game(name: str, folder: Path, texts: Mapping[str, str]) -> None:
     game, _, tests = _write(folder, texts)
     if name in game_names():
         click.echo(
             f"note: there is {_sort(name)} game {name} as well. To the commands `{name}` means that one, and `{name}.sj` means yours; "
             "another name would keep them apart"
         )
-    for line in align([("next:", ""), *next_steps(game, tests)]):
-        click.echo(line)
-    return 0
+    _say_next(next_steps(game, tests))
 
 
-def _new_package(package: str, folder: Path, texts: Mapping[str, str]) -> int:
+def _new_package(package: str, folder: Path, texts: Mapping[str, str]) -> None:
     name = game_of(package)
     if name in game_names():
         raise click.ClickException(f"there is {_sort(name)} game `{name}` already, and one name can have one game: choose another")
@@ -92,9 +90,12 @@ def _new_package(package: str, folder: Path, texts: Mapping[str, str]) -> int:
         (f"  sjdsl list {name}", "from then on the game is known by its name, everywhere"),
         (f"  sjdsl studio src/{package}/{name}.sj", "change it"),
     ]
-    for line in align([("next:", ""), *steps]):
-        click.echo(line)
-    return 0
+    _say_next(steps)
+
+
+def _say_next(steps: list[tuple[str, str]]) -> None:
+    """Prints commands, each with what it is for."""
+    click.echo("\n".join(align([("next:", ""), *steps])))
 
 
 def _sort(name: str) -> str:
@@ -109,7 +110,8 @@ def _write(folder: Path, texts: Mapping[str, str]) -> list[Path]:
             raise click.ClickException(f"{path} is there already; nothing was written")
     require_folder(folder)
     for path, text in paths.items():
-        write_text(path, text)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, text)
         click.echo(path)
     return list(paths)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, build_game, describe_environment, environment_options, make_environment, read_assignments
+from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import NAMES, check_policy, choose_policy, code_option
 from sjdsl.cli.stages import stages
@@ -37,8 +37,8 @@ NO_TERMINAL = (
 @click.command("play")
 @click.argument("game")
 @click.option("--agent", type=click.IntRange(min=0), metavar="N", default=0, show_default=True, help="The agent to control.")
-@click.option("--watch", is_flag=True, help="Control no agent: all agents follow the policy.")
-@click.option("--others", default="random", show_default=True, metavar="P", help=f"What the others do: {NAMES}")
+@click.option("--watch", is_flag=True, help="Control no agent: all agents follow the policy of --others.")
+@click.option("--others", default="random", show_default=True, metavar="P", help=f"The other agents: {NAMES}")
 @code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
 @click.option("--steps", type=click.IntRange(min=1), metavar="N", help="Most steps to play; by default the whole episode.")
@@ -48,19 +48,23 @@ NO_TERMINAL = (
 @click.option("--record", metavar="FILE", help="Store the episode for `sjdsl replay`.")
 @environment_options
 def command(
-    game: str, agent: int, watch: bool, others: str, seed: int, steps: int | None, speed: float, record: str | None, **described: Any
+    game: str,
+    agent: int,
+    watch: bool,
+    others: str,
+    seed: int,
+    steps: int | None,
+    speed: float,
+    record: str | None,
+    options: EnvironmentOptions,
 ) -> int:
     """Plays one episode of GAME: arrow keys move and turn, `,` and `.` step aside, space stays, digits are the game's own actions."""
-    described["params"] = read_assignments(described["params"])
-    environment = describe_environment(game, **described)
+    environment = options.describe(game)
     if not watch and not can_show_screen():
         raise click.ClickException(NO_TERMINAL)
     if record is not None:
         require_folder_of(Path(record))
-    try:
-        made, values = build_game(game, described["params"], described["variant"], described["map_file"], described["agents"])
-    except ValueError as error:
-        raise click.ClickException(str(error)) from None
+    made, values = options.build(game)
     if agent >= made.game.agents.number:
         raise click.ClickException(f"{made.game.name} has no agent {agent}; its agents are 0 to {made.game.agents.number - 1}")
     choose = _choice_of(others, made.game, seed)

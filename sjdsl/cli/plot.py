@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.folders import require_folder_of
+from sjdsl.extras import require
 
 
 @click.command("plot")
@@ -25,7 +26,8 @@ def command(runs: tuple[str, ...], output: str, metric: str) -> None:
     named = [(name, Path(folder)) if equals else (Path(name).name, Path(name)) for name, equals, folder in pairs]
     path = Path(output)
     if path.suffix not in (".png", ".svg", ".pdf"):
-        raise click.UsageError(f"`{path}` must end in .png, .svg or .pdf", click.get_current_context())
+        raise click.UsageError(f"`{path}` must end in .png, .svg or .pdf")
+    require("plots", "matplotlib")
     require_folder_of(path)
 
     from sjdsl.trainers.curves import draw_curves

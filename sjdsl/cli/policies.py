@@ -14,15 +14,15 @@ if TYPE_CHECKING:
     from sjdsl.compiler import ir
     from sjdsl.runtime.env import Environment
 
-NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION."
-policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=f"What the agents do: {NAMES}")
+NAMES = "random, stay, one of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or FILE.py:FUNCTION."
+policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=f"All agents: {NAMES}")
 
 
-def _allow(context: click.Context, _: click.Parameter, names: tuple[str, ...]) -> None:
+def _allow(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
     try:
         allow_code(*names)
     except ValueError as error:
-        raise click.UsageError(str(error), context) from None
+        raise click.UsageError(str(error)) from None
 
 
 code_option = click.option(
@@ -31,7 +31,7 @@ code_option = click.option(
     metavar="FILE.py:NAME",
     expose_value=False,
     callback=_allow,
-    help="Code of your own that a stored policy or run may load: an algorithm, a network, a partner's policy, a loss, a reward or a callback. All other code is refused.",
+    help="Your own code that a stored policy or run may load.",
 )
 
 

@@ -7,14 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import (
-    SEED,
-    check_environment,
-    describe_environment,
-    environment_options,
-    make_environment,
-    read_assignments,
-)
+from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
 from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
@@ -30,40 +23,45 @@ SAID = 100  # after so many episodes it is said how far they are
 
 @click.command("record")
 @click.argument("game")
-@click.option("-o", "output", metavar="FILE", help="The .npz file to write, one that is not there yet; by default GAME.npz.")
+@click.option("-o", "output", metavar="FILE", help="The new .npz file to write; by default GAME.npz.")
 @policy_option
 @code_option
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=10, show_default=True, help="Episodes to play.")
+@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; then N + 1, N + 2, ….")
 @click.option(
-    "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; the next ones have the next numbers."
+    "--observation", type=click.Choice(["tokens", "onehot", "none"]), default="tokens", show_default=True, help="What is stored of them."
 )
-@click.option(
-    "--observation",
-    type=click.Choice(["tokens", "onehot", "none"]),
-    default="tokens",
-    show_default=True,
-    help="Form of the stored observations.",
-)
-@click.option("--minari", "dataset_id", metavar="ID", help="Also make a Minari dataset, such as sjdsl/coins/random-v0, of the file.")
+@click.option("--minari", "dataset_id", metavar="ID", help="Also make a Minari dataset, such as sjdsl/coins/random-v0.")
 @environment_options
 def command(
-    game: str, output: str | None, policy: str, episodes: int, seed: int, observation: str, dataset_id: str | None, **described: Any
+    game: str,
+    output: str | None,
+    policy: str,
+    episodes: int,
+    seed: int,
+    observation: str,
+    dataset_id: str | None,
+    options: EnvironmentOptions,
 ) -> None:
     """Plays GAME and stores observations, actions and rewards of whole episodes."""
     path = Path(output or f"{Path(game).stem}.npz")
     if path.suffix != ".npz":
-        raise click.UsageError(f"`{path}` must end in .npz", click.get_current_context(silent=True))
+        raise click.UsageError(f"`{path}` must end in .npz")
     if seed + episodes > 2**32:
-        raise click.UsageError(f"the seeds go up to {seed + episodes - 1}; the last there is is {2**32 - 1}", click.get_current_context())
+        raise click.UsageError(f"the seeds go up to {seed + episodes - 1}; the last there is is {2**32 - 1}")
     if dataset_id is not None:
         if observation == "none":
-            raise click.UsageError("a Minari dataset has observations; --observation none keeps none", click.get_current_context())
-        check_minari(dataset_id)
-    described["params"] = read_assignments(described["params"])
-    check_policy(policy, check_environment(game, **described))
+            raise click.UsageError("a Minari dataset has observations; --observation none keeps none")
+        from sjdsl.interop.minari import check_name
+
+        try:  # before anything is played
+            check_name(dataset_id)
+        except ValueError as error:
+            raise click.ClickException(str(error)) from None
+    check_policy(policy, options.check(game))
     require_unused(path, "recorded episodes")
     require_folder_of(path)
-    environment = describe_environment(game, **described)
+    environment = options.describe(game)
     with stages(LOADING) as say:
         env = make_environment(environment)
         chosen = choose_policy(policy, env)
@@ -107,16 +105,6 @@ def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path
             click.echo(f"interrupted; the episodes played until now are stored\n{_summary(env, path, writer)}")
         raise
     return _summary(env, path, writer)
-
-
-def check_minari(dataset_id: str) -> None:
-    """Refuses a dataset before anything is played: without the package, by a name that is none, or that is taken."""
-    try:
-        from sjdsl.interop.minari import check_name
-
-        check_name(dataset_id)
-    except (ModuleNotFoundError, ValueError) as error:
-        raise click.ClickException(str(error)) from None
 
 
 def _summary(env: "Environment", path: Path, writer: "DatasetWriter") -> str:

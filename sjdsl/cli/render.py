@@ -1,54 +1,42 @@
 """`sjdsl render`: writes a game as a film or a page, or one moment of it as a picture."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
-from sjdsl.cli.environment_options import (
-    SEED,
-    check_environment,
-    describe_environment,
-    environment_options,
-    make_environment,
-    read_assignments,
-)
+from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options
 from sjdsl.cli.film import PAGE, check_film, save_film, told
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.extras import require
 
 
 @click.command("render")
 @click.argument("game")
-@click.option(
-    "-o",
-    "output",
-    metavar="FILE",
-    help="The file to write: a .gif or .mp4, an .html page that plays in a browser, or a .png of the last step; by default GAME.gif.",
-)
+@click.option("-o", "output", metavar="FILE", help="A .gif, .mp4, .html page or .png of the last step; by default GAME.gif.")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", default=100, show_default=True, help="Steps to play.")
-@click.option(
-    "--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N; a page has them all."
-)
+@click.option("--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N.")
 @policy_option
 @code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), metavar="N", default=8.0, show_default=True, help="Frames a second.")
 @environment_options
-def command(game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, **described: Any) -> None:
+def command(
+    game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, options: EnvironmentOptions
+) -> None:
     """Plays GAME, a bundled or installed one or a `.sj` file, and draws what happens."""
     path = Path(output or f"{Path(game).stem}.gif")
-    if path.suffix != ".png":
+    if path.suffix == ".png":
+        require("pictures", "PIL", "resvg_py")
+    else:
         check_film(path)
     if path.suffix == PAGE and every > 1:
-        raise click.UsageError("an .html page holds every step: leave out --every", click.get_current_context(silent=True))
-    described["params"] = read_assignments(described["params"])
-    check_policy(policy, check_environment(game, **described))
+        raise click.UsageError("an .html page holds every step: leave out --every")
+    check_policy(policy, options.check(game))
     require_folder_of(path)
     with stages(LOADING) as say:
-        env = make_environment(describe_environment(game, **described))
-
+        env = options.make(game)
         from sjdsl.render import make_painter, one_of, play_moments, save_png
 
         chosen = choose_policy(policy, env)

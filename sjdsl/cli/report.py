@@ -7,6 +7,7 @@ import click
 
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.stages import stages
+from sjdsl.extras import require
 
 
 @click.command("report")
@@ -28,6 +29,7 @@ def command(sources: tuple[str, ...], output: str, nested: bool, suite: bool, ch
     DIR is the folder of a run, a sweep, a Schelling diagram or a cross-play, a folder of such folders, the `data` of an earlier report, or
     a JSON file of `sjdsl bench --json`. What is found twice is taken from the one named later.
     """
+    require("plots", "matplotlib")
     path = Path(output)
     if not check:
         require_folder_of(path)

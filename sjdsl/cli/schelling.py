@@ -1,29 +1,31 @@
 """`sjdsl schelling`: what cooperators and defectors earn among each other, and whether that is a dilemma."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
+from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.experiment_options import echo_files, experiment, experiment_options
 from sjdsl.cli.policies import NAMES, warnings_as_notes
+from sjdsl.extras import require
 
 FILES = ("schelling.json", "schelling.png", "schelling.svg")
 
 
 @click.command("schelling")
 @click.argument("game")
-@click.option("--cooperators", required=True, metavar="P", help=f"The policy of who cooperates: {NAMES}")
-@click.option("--defectors", required=True, metavar="P", help="The policy of who defects, named likewise.")
+@click.option("--cooperators", required=True, metavar="P", help=f"Who cooperates: {NAMES}")
+@click.option("--defectors", required=True, metavar="P", help="Who defects, named likewise.")
 @experiment_options
-def command(game: str, cooperators: str, defectors: str, episodes: int, seed: int, output: str | None, **described: Any) -> None:
-    """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a dilemma to them.
+def command(game: str, cooperators: str, defectors: str, episodes: int, seed: int, output: str | None, options: EnvironmentOptions) -> None:
+    """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a dilemma to them, at 95 %.
 
-    An episode begins alike for every k, with the same order of slots, of which the first k cooperate. The folder RUN of several seeds is a
-    pool: seed i of one plays with seed i of the other, and the intervals are over seeds. The verdict holds at 95 %.
+    The folder RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the intervals are over seeds. The same
+    command goes on with a stopped one.
     """
+    require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_schelling")
-    with experiment(game, (cooperators, defectors), folder, described) as (env, say):
+    with experiment(game, (cooperators, defectors), folder, options) as (env, say):
         from sjdsl.experiments.schelling import plan_diagram, play_diagram
         from sjdsl.experiments.summaries import diagram_text
 

@@ -2,35 +2,30 @@
 
 import socket
 import webbrowser
-from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
 from sjdsl.cache import cache_folder
 from sjdsl.cli.game_file import game_path
+from sjdsl.extras import require
 from sjdsl.studio.access import HOST, Access, kept_token
 from sjdsl.studio.examples import example_of
 
 PORT = 8421
-NEEDED = ("starlette", "uvicorn", "websockets", "pygls")
 
 
 @click.command("studio")
 @click.argument("game", required=False)
-@click.option(
-    "--port", type=click.IntRange(0, 65535), metavar="N", help=f"The port to listen on; by default {PORT}, or any if that is taken."
-)
+@click.option("--port", type=click.IntRange(0, 65535), metavar="N", help=f"The port; by default {PORT}, or any if that is taken.")
 @click.option("--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]")
 def command(game: str | None, port: int | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules in words, generated code.
 
-    GAME is the `.sj` file to open first, or a bundled or installed game as an example. The page is served to this machine alone, needs no internet, and writes a file only when you save
-    it. It needs the extra `sjdsl[studio]`.
+    GAME is the `.sj` file to open first, or a bundled or installed game as an example. The page is served to this machine alone, needs no
+    internet, and writes a file only when you save it. It needs the extra `sjdsl[studio]`.
     """
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:
-        raise click.ClickException(f"`sjdsl studio` needs {', '.join(missing)}; install it with: pip install 'sjdsl[studio]'")
+    require("studio", "starlette", "uvicorn", "websockets", "pygls")
     folder = Path.cwd().resolve()
     opened = None if game is None else _inside(game, folder)
     import uvicorn

@@ -2,17 +2,18 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.configuration_options import check_policies, configuration_options, log_option, read_configuration, read_texts
-from sjdsl.cli.environment_options import build_game, describe_environment, environment_options, read_assignments
+from sjdsl.cli.environment_options import EnvironmentOptions, build_game, environment_options
+from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
-from sjdsl.sweeps.axes import as_number, read_axis
+from sjdsl.sweeps.axes import read_axis
 from sjdsl.sweeps.plan import Asked, Plan, plan_sweep
 from sjdsl.sweeps.protocols import ANGLES
 from sjdsl.trainers.run_errors import DiskError
@@ -20,58 +21,17 @@ from sjdsl.trainers.run_errors import DiskError
 if TYPE_CHECKING:
     from sjdsl.sweeps.cells import Describe
     from sjdsl.sweeps.running import Outcome
-    from sjdsl.trainers.loggers import LoggerName
 
 
 @click.command("sweep")
 @click.argument("games", nargs=-1, required=True, metavar="GAME...")
-@click.option(
-    "--axis",
-    "axes",
-    multiple=True,
-    metavar="NAME=v,v,...",
-    help="What is varied: a key of the configuration (reward, algorithm, svo_weight, sharing), own.NAME, variant, or param.NAME. Of several axes "
-    "every combination is a cell.",
-)
-@click.option(
-    "--protocol",
-    metavar="P",
-    help="A sweep of the paper by name: exchange (ratios 0 to 1), svo (weights, then angles), algorithms (six columns), sharing.",
-)
-@click.option(
-    "--run", "run_dir", required=True, metavar="DIR", help="The folder of the sweep; the same command goes on with a stopped one."
-)
-@configuration_options
-@click.option("--seeds", type=click.IntRange(min=1), default=3, show_default=True, metavar="K", help="Seeds of each cell, side by side.")
-@click.option(
-    "--episodes",
-    type=click.IntRange(min=1),
-    metavar="N",
-    default=30,
-    show_default=True,
-    help="Episodes to evaluate the last policy of each seed.",
-)
-@click.option("--engine", default="local", show_default=True, metavar="E", help="Who runs the cells: local, ray or slurm.")
-@click.option(
-    "--workers",
-    type=click.IntRange(min=1),
-    metavar="K",
-    help="Processes (with a share of the cores each), tasks or jobs at once.  [default: 1 process; as many tasks or jobs as fit]",
-)
-@click.option(
-    "--engine-set",
-    "engine_options",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="An option of ray (num_gpus=0.5) or slurm (timeout_min=600, slurm_partition=gpu).",
-)
-@click.option(
-    "--together",
-    type=click.IntRange(min=1),
-    metavar="K",
-    help="Train up to K cells as one program, where they differ in numbers without shape.  [default: 1 on a CPU; else as many as fit]",
-)
-@log_option
+@click.option("--axis", "axes", multiple=True, metavar="NAME=v,v,...", help="What varies: a setting, own.X, variant, param.X.")
+@click.option("--protocol", metavar="P", help="Of the paper: exchange, svo, algorithms, sharing.")
+@click.option("--run", "run_dir", required=True, metavar="DIR", help="Folder of the sweep.")
+@run_options(seeds=3)
+@click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each evaluation.")
+@click.option("--workers", type=click.IntRange(min=1), metavar="K", default=1, show_default=True, help="Processes side by side.")
+@click.option("--together", type=click.IntRange(min=1), metavar="K", help="Cells of one program, at most.")
 @click.option("--retry", "again", is_flag=True, help="Try failed cells again.")
 @click.option("--dry-run", is_flag=True, help="List the cells and how far they are, and stop.")
 @environment_options
@@ -80,59 +40,44 @@ def command(
     axes: tuple[str, ...],
     protocol: str | None,
     run_dir: str,
-    algorithm: str | None,
-    reward: str | None,
-    preset: str | None,
-    changes: tuple[str, ...],
-    seed: int | None,
-    seeds: int,
-    init_from: str | None,
-    partners: tuple[str, ...],
+    run: RunOptions,
     episodes: int,
-    engine: str,
-    workers: int | None,
-    engine_options: tuple[str, ...],
+    workers: int,
     together: int | None,
-    loggers: "tuple[LoggerName, ...]",
     again: bool,
     dry_run: bool,
-    variant: str | None,
-    map_file: str | None,
-    agents: int | None,
-    params: tuple[str, ...],
+    options: EnvironmentOptions,
 ) -> int:
     """Trains every cell of a sweep in GAMEs: each combination of the values of all axes, with K seeds, is a cell.
 
-    The folder gets sweep.json, a run folder cells/NAME for each cell, results.csv with a row for each cell and seed, and status.csv.
-    The same command goes on with a stopped sweep; a new value of an axis adds cells. Several processes may work on one folder.
+    The folder gets sweep.json, a run in cells/NAME for each cell, results.csv and status.csv. The same command goes on with a stopped
+    sweep; a new value adds cells. Several processes may work on one folder: docs/sweeps.md.
     """
-    settings = {**read_texts(changes), **read_configuration(algorithm, reward, seed, seeds, init_from, partners)}
-    given = read_assignments(params)
-    asked = Asked(games, [read_axis(text) for text in axes], protocol, settings, preset, variant, given, episodes, loggers)
+    listed = [read_axis(text) for text in axes]
+    asked = Asked(games, listed, protocol, run.settings, run.preset, options.variant, options.params, episodes, run.loggers)
     read: dict[str, ir.Game] = {}
-    describe = _describer(map_file, agents, read)
+    describe = _describer(options, read)
     plan = plan_sweep(asked, describe)  # what does not fit is said before JAX is loaded
     for cell in plan.cells:
         check_policies(cell.configuration(), read[cell.hash])
     folder = Path(run_dir)
-    options = {name: as_number(value) for name, value in read_texts(engine_options).items()}
     with stages(LOADING):
-        from sjdsl.sweeps.engines import Crew
         from sjdsl.sweeps.running import check_sweep, sweep
+        from sjdsl.sweeps.work import Watch
 
-    crew = Crew(engine, workers, options, "auto", lambda line: click.echo(line, err=True))
     if dry_run:
-        _list(plan, folder, check_sweep(asked, plan, folder.resolve(), crew))
+        _list(plan, folder, check_sweep(asked, plan, folder.resolve()))
         return 0
+    watch = Watch("auto", lambda line: click.echo(line, err=True))
     try:
-        outcome = sweep(asked, folder, describe, crew, together, again)
+        outcome = sweep(asked, folder, describe, workers, together, again, watch)
     except (KeyboardInterrupt, OSError, DiskError):
         click.echo(f"what was trained is kept in {folder}; the same command goes on with it", err=True)
         raise
     return _report(outcome, folder)
 
 
-def _describer(map_file: str | None, agents: int | None, read: dict[str, ir.Game]) -> "Describe":
+def _describer(options: EnvironmentOptions, read: dict[str, ir.Game]) -> "Describe":
     """Returns what makes the arguments of a game's environment, its name and its hash, without JAX; the same only once.
 
     The games that it has read are then in `read`, by their hashes.
@@ -140,10 +85,10 @@ def _describer(map_file: str | None, agents: int | None, read: dict[str, ir.Game
     known: dict[str, tuple[str, str]] = {}
 
     def describe(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple[dict[str, Any], str, str]:
-        provenance = describe_environment(game, variant, map_file, agents, params)
+        provenance = replace(options, variant=variant, params=params).describe(game)
         key = repr(sorted(provenance.items(), key=str))
         if key not in known:
-            made, _ = build_game(game, dict(params), variant, map_file, agents)
+            made, _ = build_game(game, params, variant, options.map, options.num_agents)
             known[key] = made.game.name, game_hash(made.game)
             read[known[key][1]] = made.game
         return provenance, *known[key]

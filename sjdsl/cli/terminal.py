@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from sjdsl.extras import require
 from sjdsl.screen import COMPILING
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def run_screen(game: "ir.Game", session: "Session", compiled: Callable[[], Any],
 
     Raises what went wrong while compiling.
     """
+    require("screen", "textual")
     from sjdsl.screen.app import Screen
 
     screen = Screen(game, session, compiled, speed, waits)

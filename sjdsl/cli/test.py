@@ -1,14 +1,12 @@
 """`sjdsl test`: tests the checks of games and prints a verdict on each, as soon as it is known."""
 
 import json
-import os
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import PurePath
 from typing import Any
 
 import click
 
-from sjdsl.cache import cache_folder
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import open_game, split_variants, variant_option
 from sjdsl.cli.stages import StatusLine, status_line
@@ -37,8 +35,6 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
     is shown with the shortest counterexample found. A check that depends on a line that never ran is untested, and the line is named. The
     exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
     """
-    os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
-
     effort, documents, failed = Effort(examples, seed=seed, any_map=any_map), list[dict[str, Any]](), False
     for file in files:
         tested = FileTest(file, variant, effort, (lambda _: None) if as_json else click.echo)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, build_game, environment_options, read_assignments
+from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.near_names import meant
@@ -25,20 +25,9 @@ STEPS = 10
 @click.command("trace")
 @click.argument("game")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; {STEPS}, or as many as the actions say.")
-@click.option(
-    "--seed",
-    type=SEED,
-    metavar="N",
-    default=0,
-    show_default=True,
-    help="Seed of the episode; with random actions it is the one that `sjdsl render` shows.",
-)
-@click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`; may be given several times.")
-@click.option(
-    "--actions",
-    metavar="A",
-    help="What agents do: random, a file, or the actions: 'forward, stay; zap, stay'; by default random.",
-)
+@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode, as in `sjdsl render`.")
+@click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`.")
+@click.option("--actions", metavar="A", help="What agents do: random (the default), a file, or 'forward, stay; zap, stay'.")
 @click.option("--policy", metavar="P", help="All agents follow this policy of the game's file.")
 @click.option("--all", "everything", is_flag=True, help="Also print failed draws and rules that did not happen.")
 @click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")
@@ -52,20 +41,17 @@ def command(
     policy: str | None,
     everything: bool,
     as_json: bool,
-    params: tuple[str, ...],
-    **described: Any,
+    options: EnvironmentOptions,
 ) -> None:
-    """Plays GAME, a bundled or installed one or a `.sj` file, on the reference interpreter and prints what each rule did.
+    """Plays GAME on the reference interpreter and prints what each rule did, in the order of the schedule.
 
-    Each step is printed in the order of the schedule: under every rule (file and line) the cells and agents it changed, rewards and
-    events, and the draws behind them. The map follows. In actions, a line of a file (or a part up to `;`) is a step, with an
-    action for each agent or one for all; a single one counts for every step.
+    Under every rule (file and line) stand the cells and agents it changed, rewards and events, and the draws behind them. In actions, a
+    line of a file (or a part up to `;`) is a step, with an action for each agent or one for all.
     """
-
     if actions is not None and policy is not None:
         raise click.UsageError("--actions and --policy both say what the agents do: choose one of them")
     try:
-        made, values = build_game(game, read_assignments(params), **described)
+        made, values = options.build(game)
         moments = played(made.game, values, seed, steps, actions or RANDOM, policy)
     except ValueError as error:
         raise click.ClickException(str(error)) from None

@@ -8,17 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.configuration_options import check_policies, configuration_options, log_option, read_configuration, read_texts
-from sjdsl.cli.environment_options import (
-    check_environment,
-    describe_environment,
-    environment_options,
-    make_environment,
-    named_in,
-    read_assignments,
-)
+from sjdsl.cli.environment_options import EnvironmentOptions, environment_options, make_environment, named_in, written_options
 from sjdsl.cli.evaluate import evaluate_run, list_files
+from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.extras import MissingExtra, is_installed
 from sjdsl.trainers import load_preset, make_config
 from sjdsl.trainers.config import stored_config
 from sjdsl.trainers.extensions import find, lasting, require_allowed, short_name
@@ -32,74 +26,66 @@ if TYPE_CHECKING:
     from sjdsl.trainers.loggers import LoggerName
 
 EPISODES = 30  # of the evaluation at the end
+BESIDE_RESUME = ("resumed", "episodes", "loggers", "callback", "distributed", "keys", "allow_code")
 
 
 @click.command("train")
 @click.argument("game", required=False)
-@configuration_options
-@click.option("--seeds", type=click.IntRange(min=1), metavar="K", help="Train K seeds side by side: seed, seed + 1 and so on.")
-@click.option("--run", "run_dir", metavar="DIR", help="Where the run's files go; by default a new folder in runs/.")
-@click.option(
-    "--resume", "resumed", metavar="DIR", help="Continue the stopped run in DIR; with --set total_timesteps=…, extend a finished one."
-)
-@click.option(
-    "--episodes",
-    type=click.IntRange(min=0),
-    metavar="N",
-    help="Episodes of the evaluation at the end; 0 for none.  [default: 30, or as the run that is resumed was started]",
-)
-@log_option
+@run_options()
+@click.option("--run", "run_dir", metavar="DIR", help="Folder of the run; by default a new one in runs/.")
+@click.option("--resume", "resumed", metavar="DIR", help="Continue a stopped run; --set total_timesteps=… extends it.")
+@click.option("--episodes", type=click.IntRange(min=0), metavar="N", help=f"Episodes of evaluation.  [default: {EPISODES}]")
 @click.option("--callback", metavar="FILE.py:NAME", help="Your own function, called after each update.")
-@click.option("--distributed", is_flag=True, help="One of several processes that train together; see docs/training.md.")
-@click.option("--keys", is_flag=True, help="List the configuration's keys with their values, and stop.")
+@click.option("--distributed", is_flag=True, help="One of several processes: docs/training.md.")
+@click.option("--keys", is_flag=True, help="List the settings with their values, and stop.")
 @environment_options
 def command(
     game: str | None,
-    algorithm: str | None,
-    reward: str | None,
-    preset: str | None,
-    changes: tuple[str, ...],
-    seed: int | None,
-    seeds: int | None,
+    run: RunOptions,
     run_dir: str | None,
     resumed: str | None,
     episodes: int | None,
-    loggers: "tuple[LoggerName, ...]",
-    init_from: str | None,
-    partners: tuple[str, ...],
     callback: str | None,
     distributed: bool,
     keys: bool,
-    **described: Any,
+    options: EnvironmentOptions,
 ) -> None:
     """Trains agents in GAME, a bundled or installed game or a `.sj` file, and evaluates them.
 
-    The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation.
+    The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation: docs/training.md.
     """
-    known = read_configuration(algorithm, reward, seed, seeds, init_from, partners)
     if distributed:
         join_processes()
     if resumed is not None:
-        longer = read_texts(changes).get("total_timesteps")
-        others = tuple(name for name in read_texts(changes) if name != "total_timesteps")
-        ours: dict[str, Any] = {"GAME": game, "--preset": preset, "--set": others, "--run": run_dir}
-        known = {name.replace("_", "-"): value for name, value in known.items()}
-        theirs = {name.removesuffix("_file").replace("params", "param"): value for name, value in described.items()}
-        _refuse_beside_resume({**known, **ours, **theirs})
-        _resume(Path(resumed), episodes, loggers or None, callback, longer)
+        only_longer = [*run.changes] == ["total_timesteps"]
+        wrong = written_options(*BESIDE_RESUME, *(["changes"] if only_longer else []))
+        if wrong:
+            said = f"a resumed run goes on as it was started, but for its total_timesteps: leave out {', '.join(wrong)}"
+            raise click.UsageError(said)
+        _resume(Path(resumed), episodes, run.loggers or None, callback, run.changes.get("total_timesteps"))
         return
-    game, kept, config = _choose(game, preset, {**read_texts(changes), **known}, needed=not keys)
+    game, environment, config = _choose(game, run, needed=not keys)
     if keys:
         _list_keys(config)
         return
-    described["params"] = {**kept.pop("params", {}), **read_assignments(described["params"])}
-    provenance = describe_environment(game, **described)
-    provenance |= {name: value for name, value in kept.items() if provenance.get(name) is None}
-    checked = check_environment(game, provenance["variant"], provenance["map"], provenance["num_agents"], provenance["params"])
-    check_policies(config, checked)
+    options = options.or_else(environment)
+    check_policies(config, options.check(game))
     if not distributed:  # then another process may have begun to write there
         _require_unused(run_dir)
-    _start(provenance, config, run_dir, EPISODES if episodes is None else episodes, loggers, callback)
+    episodes = EPISODES if episodes is None else episodes
+    click.echo(extent_of(config), err=True)
+    with stages(LOADING):
+        from sjdsl.trainers import train
+        from sjdsl.trainers.loggers import check_loggers
+
+        check_loggers(run.loggers)
+        provenance = options.describe(game)
+        env = make_environment(provenance)
+        found, asked = find_callback(callback)
+    kind = f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
+    path = Path(run_dir) if run_dir else new_folder(kind)
+    result = train(env, config, path, provenance=provenance, loggers=run.loggers, asked={"episodes": episodes, **asked}, callback=found)
+    _finish(result, env, config, episodes)
 
 
 def _list_keys(config: "Config") -> None:
@@ -120,29 +106,6 @@ def _require_unused(run_dir: str | None) -> None:
             f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or go on with the run in it: "
             f"sjdsl train --resume {shlex.quote(run_dir)}"
         )
-
-
-def _start(
-    provenance: dict[str, Any],
-    config: "Config",
-    run_dir: str | None,
-    episodes: int,
-    loggers: "tuple[LoggerName, ...]",
-    callback: str | None,
-) -> None:
-    click.echo(extent_of(config), err=True)
-    with stages(LOADING):
-        from sjdsl.trainers import train
-        from sjdsl.trainers.loggers import check_loggers
-
-        check_loggers(loggers)
-        env = make_environment(provenance)
-        found, asked = find_callback(callback)
-    path = (
-        Path(run_dir) if run_dir else new_folder(f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}")
-    )
-    result = train(env, config, path, provenance=provenance, loggers=loggers, asked={"episodes": episodes, **asked}, callback=found)
-    _finish(result, env, config, episodes)
 
 
 def extent_of(config: "Config") -> str:
@@ -210,20 +173,15 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
         f"\n{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.seeds):,.0f} steps a second; "
         f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
-    if not any((folder / LEARNING_CURVE).exists() for folder in result.folders):
+    if not is_installed("matplotlib"):
+        click.echo(f"no learning curve was drawn: {MissingExtra('matplotlib', 'plots')}")
+    elif not any((folder / LEARNING_CURVE).exists() for folder in result.folders):
         click.echo(
             f"no learning curve was drawn, for no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
         )
     for seed, update in result.diverged.items():
         click.echo(f"seed {seed} stopped in update {update}, for its loss became nan; its policy is that of update {update - 1}")
     list_files(result.run_dir)
-
-
-def _refuse_beside_resume(given: dict[str, Any]) -> None:
-    wrong = [name if name.startswith("--") or name == "GAME" else f"--{name}" for name, value in given.items() if value not in (None, ())]
-    if wrong:
-        said = f"a resumed run goes on as it was started, but for its total_timesteps: leave out {', '.join(wrong)}"
-        raise click.UsageError(said, click.get_current_context())
 
 
 def join_processes() -> None:
@@ -242,20 +200,16 @@ def join_processes() -> None:
         raise click.ClickException(f"cannot join the other processes: {error}; outside a cluster set {wanted}") from None
 
 
-def _choose(game: str | None, preset: str | None, changes: dict[str, Any], needed: bool) -> tuple[str, dict[str, Any], "Config"]:
+def _choose(game: str | None, run: RunOptions, needed: bool) -> tuple[str, dict[str, Any], "Config"]:
     """Returns the game, the preset's other arguments of its environment, and the configuration."""
-
-    if preset is None:
+    if run.preset is None:
         if game is None and needed:
-            raise click.UsageError(
-                "name the game to train in, as in `sjdsl train clean_up`, or a preset that names one", click.get_current_context()
-            )
-        return game or "", {}, make_config(changes)
-    loaded = load_preset(preset, changes, game)
+            raise click.UsageError("name the game to train in, as in `sjdsl train clean_up`, or a preset that names one")
+        return game or "", {}, make_config(run.settings)
+    loaded = load_preset(run.preset, run.settings, game)
     if loaded.game is None and needed:
         raise click.UsageError(
-            f"the preset `{preset}` does not name a game: name one, as in `sjdsl train clean_up --preset {preset}`",
-            click.get_current_context(),
+            f"the preset `{run.preset}` does not name a game: name one, as in `sjdsl train clean_up --preset {run.preset}`"
         )
     for name in loaded.left_out:
         mark = loaded.config.unread.get(name)

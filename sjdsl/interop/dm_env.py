@@ -7,12 +7,12 @@ from typing import Any
 import jax
 import numpy as np
 
+from sjdsl.extras import needs
 from sjdsl.factory import make
 from sjdsl.games_folder import bundled
 from sjdsl.interop.calls import numbers_of_actions, seeded_key
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.melting_pot_observations import observe
-from sjdsl.interop.missing import needs
 from sjdsl.render import take_snapshot
 from sjdsl.render.board import Tiles, draw_board
 from sjdsl.render.look import make_look

@@ -10,9 +10,9 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
+from sjdsl.extras import needs
 from sjdsl.factory import make as make_game
 from sjdsl.interop.copies import Copied
-from sjdsl.interop.missing import needs
 from sjdsl.interop.spaces import channel_bounds
 from sjdsl.runtime.env import Encoding
 

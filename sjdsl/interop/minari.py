@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.extras import needs
 from sjdsl.factory import make
 from sjdsl.interop.calls import by_name
 from sjdsl.interop.gymnasium import environment_id
-from sjdsl.interop.missing import needs
 from sjdsl.replay import Dataset, Episode
 
 with needs("minari"):

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.extras import needs
 from sjdsl.interop.calls import by_name, checked_seed
-from sjdsl.interop.missing import needs
 from sjdsl.interop.slots import Slots
 from sjdsl.interop.spaces import window_high
 from sjdsl.runtime.env import Encoding

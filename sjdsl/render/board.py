@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from sjdsl.render.agents import put_figure
 from sjdsl.render.drawings import cell_keys, draw_cell, draw_figures, draw_movers
 from sjdsl.render.look import Look
 from sjdsl.render.snapshot import Snapshot
-from sjdsl.render.tiles import draw_tile, tinted
+from sjdsl.render.tiles import draw_tile, put_figure, tinted
 
 TINT = 0.5
 Tiles = dict[tuple[str, tuple[int, ...]], np.ndarray]

@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from PIL import Image
-from PIL.PngImagePlugin import PngInfo
-
+from sjdsl.extras import needs
 from sjdsl.files import written_whole
+
+with needs("pictures"):
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
 
 MILLISECONDS = 120  # a frame is shown
 SAMPLES = 24  # frames whose colours make the palette
@@ -25,7 +27,8 @@ def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int 
 
 def save_mp4(frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS) -> None:
     """Writes frames as an H.264 film. Raises ModuleNotFoundError without the package `av` (`sjdsl[video]`)."""
-    import av
+    with needs("video"):
+        import av
 
     width, height = (2 * (side // 2) for side in frames[0].size)  # the encoding halves both
     with written_whole(Path(path)) as file, av.open(file, "w", format="mp4") as film:

@@ -2,14 +2,16 @@
 
 from dataclasses import dataclass, field
 
-from PIL import Image
-
+from sjdsl.extras import needs
 from sjdsl.render.board import Tiles, draw_board
 from sjdsl.render.colours import OUTSIDE
 from sjdsl.render.legend import MIN_WIDTH, draw_legend, draw_status
 from sjdsl.render.look import Look, make_look
 from sjdsl.render.snapshot import Snapshot
 from sjdsl.runtime.env import Environment
+
+with needs("pictures"):
+    from PIL import Image
 
 
 @dataclass(frozen=True)

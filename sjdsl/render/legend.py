@@ -1,18 +1,20 @@
 """Draws the legend below the board: names of what is shown, rewards, and the number of the step."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 
-from sjdsl.render.agents import draw_body, put_figure
+from sjdsl.extras import needs
 from sjdsl.render.colours import INK, PAPER
 from sjdsl.render.drawings import Drawing, draw_figures
 from sjdsl.render.entries import cell_entries, figure_entries
 from sjdsl.render.look import Look
 from sjdsl.render.snapshot import Snapshot
-from sjdsl.render.tiles import draw_tile, tinted
+from sjdsl.render.tiles import draw_figure, draw_tile, put_figure, tinted
+
+with needs("pictures"):
+    from PIL import Image, ImageDraw, ImageFont
 
 LINE, SWATCH, GAP, MARGIN = 23, 19, 14, 8  # pixels
 FONT = ImageFont.load_default(12.5)
@@ -59,8 +61,7 @@ def draw_status(look: Look, snapshot: Snapshot, width: int) -> Image.Image:
     for number, text in chips:
         line, place = divmod(number, per_line)
         left, top = MARGIN + place * chip, LINE * (1 + line) + 4
-        figure = figures[number]
-        body = Image.fromarray(draw_body(number, figure.colour, figure.sprite, 0, SWATCH, figure.held))
+        body = Image.fromarray(draw_figure(replace(figures[number], badges=()), SWATCH))
         strip.paste(body, (left, top), body)
         pen.text((left + SWATCH + 4, top + SWATCH // 2), text, INK, FONT, anchor="lm")
     return strip

@@ -1,4 +1,4 @@
-"""Draws cells, agents and movers as SVG, for browsers: the same parts in the same places as pixels have."""
+"""Draws cells, agents and movers as SVG: what browsers show, and what pixels are made of."""
 
 import re
 from base64 import b64encode
@@ -7,11 +7,16 @@ from functools import cache
 from sjdsl.render.colours import INK, PAPER, Colour, mixed
 from sjdsl.render.drawings import BAR_STEPS, BARS, PALE, Drawing, Figure
 from sjdsl.render.sprites import FILLING, sprite_source
-from sjdsl.render.tiles import BADGE, BADGE_CORNERS, BADGE_INSIDE, BAR, BODY, EDGE, slots
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.actions import DIRECTIONS
 
-SIZE = 48  # pixels of a picture's side: sharp where a cell has 24 on a screen of double density
+SIZE = 48  # pixels of a picture's side for browsers: sharp where a cell has 24 on a screen of double density
+EDGE = 0.12  # of a cell's side
+BAR = 0.13
+BODY, OBJECT, HALF, BADGE = 0.88, 0.74, 0.5, 0.42  # sides of sprites, as shares of a cell's side
+BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))  # row and column of the corner of each badge, in order
+BADGE_INSIDE = 0.74  # of the disc that a badge lies on
+GRIDDED = 8  # pixels from which on cells are told apart by lines
 NUMBER = 0.44, 0.36  # heights of numbers of one digit and of more, as shares of a cell's side
 DARK = 150  # brightness below which a number is written in white
 PALER = (
@@ -22,39 +27,57 @@ PALER = (
 _OUTER = re.compile(r"<svg\b[^>]*>|</svg>")
 
 
-def vector_tile(drawing: Drawing) -> str:
-    """Returns the tile of a cell, as SVG of `SIZE` pixels."""
-    parts = [_box(0, 0, SIZE, SIZE, drawing.ground)]
-    if drawing.body is None or drawing.body.sprite not in ("wall", "water"):
+def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
+    """Returns the tile of a cell, as SVG of `size` pixels."""
+    parts = [_box(0, 0, size, size, drawing.ground)]
+    if size >= GRIDDED and (drawing.body is None or drawing.body.sprite not in ("wall", "water")):
         line = mixed(drawing.ground, INK, 0.08)
-        parts += [_box(0, SIZE - 1, SIZE, 1, line), _box(SIZE - 1, 0, 1, SIZE, line)]
+        parts += [_box(0, size - 1, size, 1, line), _box(size - 1, 0, 1, size, line)]
     if drawing.body is not None:
-        parts.append(_placed(drawing.body, 1.0 if drawing.body.sprite in FILLING else BODY, (0.5, 0.5)))
+        parts.append(_placed(drawing.body, 1.0 if drawing.body.sprite in FILLING else BODY, (0.5, 0.5), size))
     if drawing.edge is not None:
-        width = round(SIZE * EDGE)
-        inner = SIZE - width
+        width = max(1, round(size * EDGE))
+        inner = size - width
         parts += [
-            _box(*at, drawing.edge) for at in ((0, 0, SIZE, width), (0, inner, SIZE, width), (0, 0, width, SIZE), (inner, 0, width, SIZE))
+            _box(*at, drawing.edge) for at in ((0, 0, size, width), (0, inner, size, width), (0, 0, width, size), (inner, 0, width, size))
         ]
-    parts += [_placed(picture, *slot) for picture, slot in zip(drawing.objects, slots(len(drawing.objects)), strict=False)]
-    parts += [_bar(place, eighths) for place, eighths in drawing.bars]
-    return _whole([*parts, *_badges(drawing.badges)])
+    parts += [_placed(picture, *slot, size) for picture, slot in zip(drawing.objects, _slots(len(drawing.objects)), strict=False)]
+    parts += [_bar(place, eighths, size) for place, eighths in drawing.bars]
+    return _whole([*parts, *_badges(drawing.badges, size)], size)
 
 
-def vector_figure(figure: Figure, ground: Colour | None = None) -> str:
-    """Returns an agent or a mover with what it carries, as SVG of `SIZE` pixels. `ground`: what lies under it; None for nothing."""
-    fill = mixed(figure.colour, PAPER, PALE) if figure.held else figure.colour
-    parts = [] if ground is None else [_box(0, 0, SIZE, SIZE, ground)]
-    body = _sprite(figure.sprite, fill, 0, 0, SIZE)
+def vector_figure(figure: Figure, ground: Colour | None = None, size: int = SIZE) -> str:
+    """Returns an agent or a mover with what it carries, as SVG of `size` pixels. `ground`: what lies under it; None for nothing."""
+    fill = filling(figure)
+    parts = [] if ground is None else [_box(0, 0, size, size, ground)]
+    body = _sprite(figure.sprite, fill, 0, 0, size)
     if figure.heading:
-        body = f'<g transform="rotate({90 * figure.heading} {SIZE / 2} {SIZE / 2})">{body}</g>'
+        body = f'<g transform="rotate({90 * figure.heading} {size / 2} {size / 2})">{body}</g>'
     if figure.held:  # its edge and eyes are paler, too
         parts.append(PALER)
         body = f'<g filter="url(#pale)">{body}</g>'
     parts.append(body)
     if figure.number is not None:
-        parts.append(_number(figure.number, fill, figure.heading, figure.held))
-    return _whole([*parts, *_badges(figure.badges)])
+        parts.append(_number(figure, size))
+    return _whole([*parts, *_badges(figure.badges, size)], size)
+
+
+def filling(figure: Figure) -> Colour:
+    """Returns the colour that a figure is drawn in: a paler one if it can only stay."""
+    return mixed(figure.colour, PAPER, PALE) if figure.held else figure.colour
+
+
+def number_ink(figure: Figure) -> Colour:
+    """Returns the colour in which a figure's number is read on it."""
+    fill = filling(figure)
+    ink = PAPER if sum(w * c for w, c in zip((0.3, 0.59, 0.11), fill, strict=True)) < DARK else INK
+    return mixed(ink, fill, 0.35) if figure.held else ink
+
+
+def number_place(figure: Figure) -> tuple[float, float, float]:
+    """Returns x, y and height of a figure's number, as shares of its side: behind the eyes, whichever way it looks."""
+    row, col = DIRECTIONS[figure.heading]
+    return 0.5 - 0.15 * col, 0.5 - 0.15 * row, NUMBER[(figure.number or 0) >= 10]
 
 
 def svg_url(svg: str) -> str:
@@ -62,8 +85,8 @@ def svg_url(svg: str) -> str:
     return "data:image/svg+xml;base64," + b64encode(svg.encode()).decode("ascii")
 
 
-def _whole(parts: list[str]) -> str:
-    return f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIZE}" height="{SIZE}" viewBox="0 0 {SIZE} {SIZE}">{"".join(parts)}</svg>'
+def _whole(parts: list[str], size: int) -> str:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" width="{size}" height="{size}" viewBox="0 0 {size} {size}">{"".join(parts)}</svg>'
 
 
 def _sprite(name: str, colour: Colour, left: int, top: int, side: int) -> str:
@@ -76,40 +99,45 @@ def _inside(name: str, colour: str) -> str:
     return re.sub(r"\s*\n\s*", "", _OUTER.sub("", sprite_source(name))).replace("currentColor", colour)
 
 
-def _placed(picture: Picture, share: float, centre: tuple[float, float]) -> str:
-    side = round(SIZE * share)
-    top, left = (min(max(0, round(SIZE * c - side / 2)), SIZE - side) for c in centre)
+def _placed(picture: Picture, share: float, centre: tuple[float, float], size: int) -> str:
+    side = max(1, round(size * share))
+    top, left = (min(max(0, round(size * c - side / 2)), size - side) for c in centre)
     return _sprite(picture.sprite, picture.colour, left, top, side)
 
 
-def _bar(place: int, eighths: int) -> str:
-    width, length = round(SIZE * BAR), max(1, round(SIZE * eighths / BAR_STEPS))
-    far = SIZE - width
-    boxes = ((0, far, length, width), (0, 0, length, width), (0, SIZE - length, width, length), (far, SIZE - length, width, length))
+def _slots(count: int) -> list[tuple[float, tuple[float, float]]]:
+    """Returns side and centre of each of `count` objects: the middle, two halves, or four quarters."""
+    if count == 1:
+        return [(OBJECT, (0.5, 0.5))]
+    if count == 2:
+        return [(HALF, (0.5, 0.25)), (HALF, (0.5, 0.75))]
+    return [(HALF, (row, col)) for row in (0.25, 0.75) for col in (0.25, 0.75)]
+
+
+def _bar(place: int, eighths: int, size: int) -> str:
+    """Returns a bar along one side of a cell: its length says how much, its colour and its side what."""
+    width, length = max(1, round(size * BAR)), max(1, round(size * eighths / BAR_STEPS))
+    far = size - width
+    boxes = ((0, far, length, width), (0, 0, length, width), (0, size - length, width, length), (far, size - length, width, length))
     return _box(*boxes[place], BARS[place])
 
 
-def _badges(badges: tuple[Picture, ...]) -> list[str]:
+def _badges(badges: tuple[Picture, ...], size: int) -> list[str]:
     """Returns small sprites in the corners of a cell, each on a pale disc so that it is seen on any ground."""
-    side = round(SIZE * BADGE)
-    inner = round(side * BADGE_INSIDE)
+    side = max(3, round(size * BADGE))
+    inner = max(2, round(side * BADGE_INSIDE))
     found = []
     for picture, (row, col) in zip(badges, BADGE_CORNERS, strict=False):
-        left, top, edge = col * (SIZE - side), row * (SIZE - side), (side - inner) // 2
+        left, top, edge = col * (size - side), row * (size - side), (side - inner) // 2
         found.append(_sprite("disc", PAPER, left, top, side) + _sprite(picture.sprite, picture.colour, left + edge, top + edge, inner))
     return found
 
 
-def _number(number: int, fill: Colour, heading: int, held: bool) -> str:
-    """Returns the number behind the eyes, upright whichever way the agent looks."""
-    row, col = DIRECTIONS[heading]
-    ink = PAPER if sum(w * c for w, c in zip((0.3, 0.59, 0.11), fill, strict=True)) < DARK else INK
-    ink = mixed(ink, fill, 0.35) if held else ink
-    height = SIZE * NUMBER[number >= 10]
-    x, y = SIZE * (0.5 - 0.15 * col), SIZE * (0.5 - 0.15 * row)
+def _number(figure: Figure, size: int) -> str:
+    x, y, height = (size * share for share in number_place(figure))
     return (
         f'<text x="{x:g}" y="{y:g}" dy=".35em" text-anchor="middle" font-family="sans-serif" font-weight="600" '
-        f'font-size="{height:g}" fill="{_css(ink)}">{number}</text>'
+        f'font-size="{height:g}" fill="{_css(number_ink(figure))}">{figure.number}</text>'
     )
 
 

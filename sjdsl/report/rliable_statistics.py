@@ -14,7 +14,7 @@ from sjdsl.trainers.panels import MOST
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-INSTALL = "This section takes the extra `rliable`: install it with `pip install 'sjdsl[rliable]'` and make the report again."
+INSTALL = "This section takes the extra `results`: install it with `pip install 'sjdsl[results]'` and make the report again."
 RESAMPLES = 2000
 SEED = 0  # of the resamples of each way of training: the same scores have the same intervals, whatever stands beside them
 POINTS = 101  # of a performance profile

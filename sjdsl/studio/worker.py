@@ -10,7 +10,6 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from sjdsl.cache import cache_folder
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
 
@@ -21,7 +20,6 @@ def main() -> None:
     """Says that it is ready, then answers every line of the standard input with one of the standard output, until there are no more."""
     _limit_memory()
     os.environ.setdefault("JAX_PLATFORMS", "cpu")  # an accelerator is for whoever trains beside the studio
-    os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(cache_folder() / "hypothesis"))  # else it makes .hypothesis/ here
     answers = sys.stdout
     sys.stdout = sys.stderr  # what anything prints is no answer
     bench = Bench(Path(sys.argv[1]))

@@ -7,12 +7,21 @@ from sjdsl.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .axes import Axis
     from .plan import Asked, plan_sweep
-    from .running import Outcome, sweep
-    from .work import run_cell
+    from .running import Outcome, prepare, sweep
+    from .work import Watch, run_cell
 
-__all__ = ["Asked", "Axis", "Outcome", "plan_sweep", "run_cell", "sweep"]
+__all__ = ["Asked", "Axis", "Outcome", "Watch", "plan_sweep", "prepare", "run_cell", "sweep"]
 
 __getattr__ = lazy_names(
     __name__,
-    {"Asked": "plan", "Axis": "axes", "Outcome": "running", "plan_sweep": "plan", "run_cell": "work", "sweep": "running"},
+    {
+        "Asked": "plan",
+        "Axis": "axes",
+        "Outcome": "running",
+        "Watch": "work",
+        "plan_sweep": "plan",
+        "prepare": "running",
+        "run_cell": "work",
+        "sweep": "running",
+    },
 )

@@ -15,7 +15,7 @@ from sjdsl.experiments.folder import differences, read_json
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell
-from sjdsl.sweeps.claims import Holder, holder_of
+from sjdsl.sweeps.locks import is_running
 from sjdsl.sweeps.plan import Asked, Plan, made_again
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.config import ConfigError, stored_config
@@ -83,8 +83,12 @@ class Progress:
 
     state: State
     update: int = 0  # done
-    by: Holder | None = None  # who runs it
     reason: str = ""  # why it failed
+
+    @property
+    def summary(self) -> str:
+        """`done`, or `failed, for its process was killed`."""
+        return f"{self.state}, for {self.reason}" if self.reason else self.state
 
 
 def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -125,17 +129,21 @@ def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) ->
         if inside:
             raise ExperimentError(f"{folder} is not empty and holds no sweep to go on with ({', '.join(inside[:3])}); name another folder")
         return dict(wanted)
-    faults = list(_faults(before, wanted)) or (list(_faults_of_others(before, wanted, plan)) if plan is not None else [])
-    if faults:
+    fault = "; ".join(_faults(before, wanted, plan))
+    if fault:
         advice = "Ask for new values of its axes with all else as it was, the games' files included, or name another folder"
-        raise ExperimentError(f"{folder} holds another sweep: {'; '.join(faults)}. {advice}")
+        raise ExperimentError(f"{folder} holds another sweep: {fault}. {advice}")
     axes = {name: [*values, *(value for value in wanted["axes"][name] if value not in values)] for name, values in before["axes"].items()}
     both = {key: {**before[key], **wanted[key]} for key in ("games", "cells")}
     return {**before, "axes": axes, "loggers": wanted["loggers"], **both}
 
 
-def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[str]:
-    """Yields why what is wanted is no continuation of a sweep."""
+def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any], plan: Plan | None) -> Iterator[str]:
+    """Yields why what is wanted is no continuation of a sweep.
+
+    A cell that isn't named again is made once more, by what is asked now: whatever else than an axis has changed, in the game's file, the
+    preset or the settings, makes it another. One for each algorithm, reward and variant tells, for presets and files have a part for each.
+    """
     wrong = _wrong(before)
     if wrong:
         yield wrong
@@ -150,50 +158,31 @@ def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[st
         yield f"it has {before['episodes']} episodes of each seed, here {wanted['episodes']}"
     if before["versions"] != wanted["versions"]:
         yield f"it was made with other versions: {'; '.join(differences(before['versions'], wanted['versions']))}"
-    for name, cell in wanted["cells"].items():
-        there = Cell.read(name, before["cells"][name]).described() if name in before["cells"] else None
-        if there is not None and there != cell:
-            what = "; ".join(differences(_flat(there), _flat(cell)))
-            yield f"its cell {name} has {what}"
+    grown = {cell["game"] for name, cell in wanted["cells"].items() if name not in before["cells"]}
+    compared = set()
+    for cell in sorted(cells_of(before), key=lambda cell: cell.name not in wanted["cells"]):
+        part = cell.game, cell.config.get("algorithm"), cell.config.get("reward"), cell.provenance.get("variant")
+        here = wanted["cells"].get(cell.name)
+        if here is None:
+            if plan is None or cell.stage != 1 or cell.game not in grown or part in compared:
+                continue
+            try:
+                cell.require_code()
+                here = plain(made_again(plan, cell).described())
+            except (ExperimentError, CompileError, ConfigError) as error:
+                yield f"its cell {cell.name} can no longer be made: {str(error).splitlines()[0]}"
+                return
+        compared.add(part)
+        what = "; ".join(differences(_flat(cell.described()), _flat(here)))
+        if what:
+            yield f"its cell {cell.name} has {what}"
             return  # the others most likely for the same reason
 
 
-def _faults_of_others(before: Mapping[str, Any], wanted: Mapping[str, Any], plan: Plan) -> Iterator[str]:
-    """Yields why new cells would not belong to cells of the same game that are not named again.
-
-    Those are made once more, by what is asked now: whatever else than an axis has changed, in the game's file, the preset or the
-    settings, makes them others. One for each algorithm, reward and variant tells, for presets and files have a part for each.
-    """
-    new = {cell["game"] for name, cell in wanted["cells"].items() if name not in before["cells"]}
-    told = {_part(cell) for name, cell in before["cells"].items() if name in wanted["cells"]}
-    for cell in cells_of(before):
-        there = cell.described()
-        if cell.game not in new or cell.stage != 1 or _part(there) in told:
-            continue
-        told.add(_part(there))
-        try:
-            cell.require_code()
-            here = plain(made_again(plan, cell).described())
-        except (ExperimentError, CompileError, ConfigError) as error:
-            yield f"its cell {cell.name} can no longer be made: {str(error).splitlines()[0]}"
-            return
-        what = "; ".join(differences(_flat(there), _flat(here)))
-        if what:
-            yield f"its cell {cell.name} has {what}"
-            return
-
-
-def _part(cell: Mapping[str, Any]) -> tuple[Any, ...]:
-    return cell["game"], cell["config"].get("algorithm"), cell["config"].get("reward"), cell["provenance"].get("variant")
-
-
 def _flat(cell: Mapping[str, Any]) -> dict[str, Any]:
-    return {"hash of the game": cell["hash"], **cell["config"], **_game(cell)}
-
-
-def _game(cell: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the arguments of a cell's game under names that no key of a configuration has."""
-    return {f"{key} of the game": value for key, value in cell["provenance"].items()}
+    """Returns what makes a cell, under names that differ."""
+    of_game = {f"{key} of the game": value for key, value in cell["provenance"].items()}
+    return {"hash of the game": cell["hash"], **cell["config"], **of_game}
 
 
 def read_sweep(folder: Path) -> dict[str, Any]:
@@ -232,28 +221,42 @@ def cells_of(known: Mapping[str, Any]) -> list[Cell]:
     return [Cell.read(name, described) for name, described in known["cells"].items()]
 
 
+def cells_at(folders: Sequence[Path | str]) -> tuple[Path, dict[str, Any], list[Cell]]:
+    """Returns the folder of a sweep, what its `sweep.json` says, and the cells that are in these folders `DIR/cells/NAME`.
+
+    Raises:
+      ExperimentError: they aren't folders of cells of one sweep.
+    """
+    paths = [Path(folder).resolve() for folder in folders]
+    sweep = paths[0].parents[1]
+    known = read_sweep(sweep)
+    named = {run_dir(sweep, cell): cell for cell in cells_of(known)}
+    unknown = [path.name for path in paths if path not in named]
+    if unknown:
+        raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
+    return sweep, known, [named[path] for path in paths]
+
+
 def run_dir(folder: Path, cell: Cell) -> Path:
     """Returns the folder of a cell's run."""
     return folder / CELLS / cell.name
 
 
-def progress_of(folder: Path, cell: Cell, episodes: int, claimed: bool = False) -> Progress:
-    """Returns how far a cell is, from its files alone.
+def progress_of(folder: Path, cell: Cell, episodes: int) -> Progress:
+    """Returns how far a cell is, from its files and its lock.
 
     Args:
       episodes: of its evaluation.
-      claimed: whether this process has claimed it: then it is not taken for one that runs.
     """
     path = run_dir(folder, cell)
     update = _updates(path)
     failed = read_json(folder / FAILED / f"{cell.name}.json")
     if failed is not None:
         return Progress("failed", update, reason=str(failed.get("reason", "")))
-    by = None if claimed else holder_of(folder, cell.name)
-    if by is not None:
-        return Progress("running", update, by)
     if is_done(folder, cell, episodes):
         return Progress("done", update)
+    if is_running(folder, cell.name):
+        return Progress("running", update)
     return Progress("stopped" if path.is_dir() and any(path.iterdir()) else "waiting", update)
 
 

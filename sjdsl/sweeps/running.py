@@ -11,20 +11,19 @@ import jax
 import sjdsl
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.cells import Cell, Describe
-from sjdsl.sweeps.claims import take
-from sjdsl.sweeps.engines import Batch, Crew, check_engine, run_batches
-from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, retry, run_dir, write_sweep
+from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, read_sweep, retry, run_dir, write_sweep
+from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.plan import Asked, Plan, plan_sweep, second_stage
+from sjdsl.sweeps.processes import Batch, run_in_processes
 from sjdsl.sweeps.protocols import SETS
 from sjdsl.sweeps.tables import collective_returns, write_tables
-from sjdsl.sweeps.work import environment_of
+from sjdsl.sweeps.work import ALONE, Tell, Watch, environment_of, run_cells
 from sjdsl.trainers.algorithms import make_train
 from sjdsl.trainers.config import ConfigError
 from sjdsl.trainers.loggers import check_loggers
 from sjdsl.trainers.policies import PolicyError
 from sjdsl.trainers.side_by_side import kind_of_config
 
-ALONE = Crew()  # this process
 PATIENCE = 2.0  # seconds between two looks at cells that other processes run
 
 
@@ -43,9 +42,10 @@ def sweep(
     asked: Asked,
     folder: Path | str,
     describe: Describe | None = None,
-    crew: Crew = ALONE,
+    workers: int = 1,
     together: int | None = None,
     again: bool = False,
+    watch: Watch = ALONE,
 ) -> Outcome:
     """Runs a sweep, or goes on with it: cells that are done are kept, stopped ones go on from their last checkpoint.
 
@@ -53,40 +53,53 @@ def sweep(
       asked: what the sweep is to be. Values that the folder does not have are added to it.
       folder: of the sweep; new, empty, or of the same one.
       describe: makes the arguments of an environment, its name and its hash; None: by `sjdsl.make`.
-      crew: the engine, and how many work side by side.
+      workers: processes of this machine, at most; 1: this one.
       together: cells that one program trains, at most, where they differ in numbers without shape only. None: one on a CPU, for
-        there more are not faster; elsewhere as many as fit into memory.
+        there more are not faster, or with several workers; elsewhere as many as fit into memory.
       again: whether failed cells are tried again.
+      watch: shows how far runs in this process are, and is told what happens.
     Raises:
       ExperimentError: what is asked does not fit together, or the folder holds something else. DiskError, OSError: the disk is full;
       the same call goes on.
     """
     path = Path(folder).resolve()
-    plan = plan_sweep(asked, describe or describe_with_make)
-    check_sweep(asked, plan, path, crew)
-    known = write_sweep(path, describe_sweep(asked, plan.cells))
-    cells = [*plan.cells]
+    plan, cells, following = _prepared(asked, path, describe)
     if again:
-        _retry(path, plan.cells, asked.episodes)
-    _run_stage(path, cells, asked.episodes, crew, together)
-    complete = True
+        _retry(path, cells, asked.episodes)
+    _run_stage(path, plan.cells, asked.episodes, workers, together, watch)
     if plan.follows:
-        following = following_cells(path, plan, known)
-        complete = following is not None
+        _, cells, following = _prepared(asked, path, describe)
         if following is None:
-            crew.tell("the second stage begins when every cell of the first is done")
+            watch.tell("the second stage begins when every cell of the first is done")
         else:
-            write_sweep(path, describe_sweep(asked, [*cells, *following]))
-            cells += following
-            _tell_weights(following, crew)
-            if again:
-                _retry(path, following, asked.episodes)
-            _run_stage(path, following, asked.episodes, crew, together)
-    write_tables(path, write_sweep(path, describe_sweep(asked, cells)))
-    return _outcome(path, cells, asked.episodes, complete)
+            _tell_weights(following, watch.tell)
+            _run_stage(path, following, asked.episodes, workers, together, watch)
+    write_tables(path, read_sweep(path))
+    return _outcome(path, cells, asked.episodes, complete=following is not None)
 
 
-def _tell_weights(following: Sequence[Cell], crew: Crew) -> None:
+def prepare(asked: Asked, folder: Path | str, describe: Describe | None = None) -> list[Path]:
+    """Writes `sweep.json` and returns the folders of all cells, each of which `run_cell` runs, in whatever process or machine.
+
+    A protocol of two stages has the cells of the second among them as soon as all of the first are done. Arguments and errors are those
+    of `sweep`.
+    """
+    path = Path(folder).resolve()
+    return [run_dir(path, cell) for cell in _prepared(asked, path, describe)[1]]
+
+
+def _prepared(asked: Asked, path: Path, describe: Describe | None) -> tuple[Plan, list[Cell], list[Cell] | None]:
+    """Writes `sweep.json`; returns the plan, all cells that there are by now, and those of a second stage, None if it can't begin yet."""
+    plan = plan_sweep(asked, describe or describe_with_make)
+    check_sweep(asked, plan, path)
+    known = write_sweep(path, describe_sweep(asked, plan.cells))
+    following = following_cells(path, plan, known) if plan.follows else []
+    cells = [*plan.cells, *(following or ())]
+    write_sweep(path, describe_sweep(asked, cells))
+    return plan, cells, following
+
+
+def _tell_weights(following: Sequence[Cell], tell: Tell) -> None:
     """Says which weight was best, for each game and combination of axes."""
     for said in dict.fromkeys(
         f"second stage of {cell.game}{''.join(f', {name} {value}' for name, value in cell.values.items() if name not in SETS['svo'])}: "
@@ -94,16 +107,15 @@ def _tell_weights(following: Sequence[Cell], crew: Crew) -> None:
         + ("; without weight all angles are alike, and one is trained" if not cell.values["svo_weight"] else "")
         for cell in following
     ):
-        crew.tell(said)
+        tell(said)
 
 
-def check_sweep(asked: Asked, plan: Plan, folder: Path, crew: Crew) -> dict[str, Any]:
+def check_sweep(asked: Asked, plan: Plan, folder: Path) -> dict[str, Any]:
     """Returns what `sweep.json` is to say.
 
     Raises:
-      ExperimentError: an engine, a logger, a folder or a configuration is refused; nothing has been written.
+      ExperimentError: a logger, a folder or a configuration is refused; nothing has been written.
     """
-    check_engine(crew)
     check_loggers(asked.loggers)
     known = merged(folder, describe_sweep(asked, plan.cells), plan)
     check_cells(plan.cells)
@@ -141,52 +153,50 @@ def _retry(folder: Path, cells: Sequence[Cell], episodes: int) -> None:
     for cell in cells:
         if progress_of(folder, cell, episodes).state != "failed":
             continue
-        claim = take(folder, cell.name)
-        if claim is None:
+        lock = take(folder, cell.name)
+        if lock is None:
             continue
         try:
             retry(folder, cell)
         finally:
-            claim.release()
+            lock.release()
 
 
-def _run_stage(folder: Path, cells: Sequence[Cell], episodes: int, crew: Crew, together: int | None) -> None:
+def _run_stage(folder: Path, cells: Sequence[Cell], episodes: int, workers: int, together: int | None, watch: Watch) -> None:
     """Runs cells until each is done or has failed, here or elsewhere."""
     told: set[str] = set()
+    at_once = together or (1 if workers > 1 or jax.default_backend() == "cpu" else len(cells))
     while True:
-        states = {cell.name: progress_of(folder, cell, episodes) for cell in cells}
-        left = [cell for cell in cells if states[cell.name].state in ("waiting", "stopped")]
+        states = {cell.name: progress_of(folder, cell, episodes).state for cell in cells}
+        left = [cell for cell in cells if states[cell.name] in ("waiting", "stopped")]
         if left:
-            run_batches(batches_of(folder, left, _at_once(crew, together)), crew)
+            batches = batches_of(folder, left, at_once)
+            if workers > 1 and len(batches) > 1:
+                run_in_processes(batches, workers, watch.tell)
+            else:
+                for batch in batches:
+                    run_cells(batch, watch)
             continue
-        elsewhere = {name: found.by for name, found in states.items() if found.state == "running"}
-        if not elsewhere:
+        running = [name for name, state in states.items() if state == "running"]
+        if not running:
             return
-        for name, holder in elsewhere.items():
-            if name not in told and holder is not None:
-                crew.tell(f"{name}: waiting for the process {holder.pid} on {holder.host}, which runs it")
-        told |= elsewhere.keys()
+        for name in running:
+            if name not in told:
+                watch.tell(f"{name}: waiting for another process, which runs it")
+        told.update(running)
         time.sleep(PATIENCE)
 
 
-def _at_once(crew: Crew, together: int | None) -> int | None:
-    """Returns how many cells a program trains; None for as many as fit."""
-    if together is not None:
-        return together
-    return None if crew.engine == "local" and (crew.workers or 1) == 1 and jax.default_backend() != "cpu" else 1
-
-
-def batches_of(folder: Path, cells: Sequence[Cell], at_once: int | None) -> list[Batch]:
+def batches_of(folder: Path, cells: Sequence[Cell], at_once: int) -> list[Batch]:
     """Returns the folders of cells in batches, each for one program, in the order of the cells.
 
     Args:
-      at_once: cells of a batch, at most; None for all that differ in numbers without shape only.
+      at_once: cells of a batch, at most; they differ in numbers without shape only.
     """
     kinds: dict[Any, list[Cell]] = {}
     for cell in cells:
         kinds.setdefault((cell.hash, kind_of_config(cell.configuration())), []).append(cell)
-    size = at_once or len(cells)
-    chunks = [members[start : start + size] for members in kinds.values() for start in range(0, len(members), size)]
+    chunks = [members[start : start + at_once] for members in kinds.values() for start in range(0, len(members), at_once)]
     order = {cell.name: number for number, cell in enumerate(cells)}
     chunks.sort(key=lambda chunk: order[chunk[0].name])
     return [tuple(str(run_dir(folder, cell)) for cell in chunk) for chunk in chunks]

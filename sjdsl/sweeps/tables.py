@@ -31,7 +31,7 @@ Row = dict[str, str]
 OF_CELL = ("cell", "game", "hash", "protocol", "stage", "point", "algorithm", "reward", "sharing", "variant")
 OF_RUN = ("seed", "updates", "env_steps", "episodes", "together", "hardware")
 FIRST = ("collective_return", "collective_return_low", "collective_return_high", "equality", "episode_length")
-OF_STATUS = ("cell", "game", "stage", "point", "seeds", "state", "update", "updates", "env_steps", "seconds", "by", "reason")
+OF_STATUS = ("cell", "game", "stage", "point", "seeds", "state", "update", "updates", "env_steps", "seconds", "reason")
 
 
 def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
@@ -118,7 +118,7 @@ def _number(value: float | None) -> str:
 
 
 def status(folder: Path, known: Mapping[str, Any]) -> list[Row]:
-    """Returns a row for each cell: how far it is, who runs it, why it failed."""
+    """Returns a row for each cell: how far it is, why it failed."""
     return [_status_of(cell, progress_of(folder, cell, known["episodes"]), run_dir(folder, cell)) for cell in cells_of(known)]
 
 
@@ -137,7 +137,6 @@ def _status_of(cell: Cell, progress: Progress, path: Path) -> Row:
         "updates": updates,
         "env_steps": steps * progress.update // updates,
         "seconds": _seconds(cell, progress, path),
-        "by": f"{progress.by.host} {progress.by.pid}" if progress.by else "",
         "reason": progress.reason,
     }
     return {key: str(value) for key, value in known.items()}

@@ -2,9 +2,8 @@
 
 import gc
 import json
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -18,10 +17,9 @@ from sjdsl.experiments.players import acting_kind
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell
-from sjdsl.sweeps.claims import BEAT, Claim, take
 from sjdsl.sweeps.folder import (
     EVALUATION,
-    cells_of,
+    cells_at,
     diverged_in,
     evaluation_of,
     is_finished,
@@ -32,6 +30,7 @@ from sjdsl.sweeps.folder import (
     run_dir,
     seed_dirs,
 )
+from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.tables import collective_returns, write_status, write_tables
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.config import ConfigError, make_config, stored_config
@@ -41,10 +40,9 @@ from sjdsl.trainers.policies import PolicyError, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import START, policy_path
 from sjdsl.trainers.progress import ProgressStyle
 from sjdsl.trainers.run import Run, train_side_by_side
-from sjdsl.trainers.run_errors import DiskError, RunError, TakenError, TooLargeError
+from sjdsl.trainers.run_errors import DiskError, RunError, TooLargeError
 from sjdsl.trainers.run_lock import LOCK
 from sjdsl.trainers.side_by_side import kind_of
-from sjdsl.trainers.updates import Update
 
 Tell = Callable[[str], None]
 REFUSALS = (RunError, ConfigError, PolicyError, ExperimentError)
@@ -57,19 +55,9 @@ class Watch:
 
     progress: ProgressStyle = "none"
     tell: Tell = lambda _: None
-    stop: Callable[[], bool] = lambda: False  # whether runs are to end after the update under way, and to be gone on with later
 
 
 ALONE = Watch()
-
-
-@dataclass
-class Held:
-    """A cell that this process has claimed."""
-
-    cell: Cell
-    claim: Claim
-    checked: float = 0.0  # when the claim was looked at last
 
 
 def run_cell(folder: Path | str) -> str:
@@ -83,67 +71,51 @@ def run_cell(folder: Path | str) -> str:
       DiskError, OSError: the disk is full; what was written before stays. ExperimentError: it is no cell of a sweep. NotAllowed: it needs
       code that the caller has not named (`allow_code`).
     """
-    path = Path(folder).resolve()
-    for cell in cells_of(read_sweep(path.parents[1])):
-        if cell.name == path.name:
-            cell.require_code()
-    return run_cells([path])[0]
+    for cell in cells_at([folder])[2]:
+        cell.require_code()
+    return run_cells([folder])[0]
 
 
 def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
-    """Runs several cells, as `run_cell` does: those that differ in numbers without shape as one program.
-
-    Args:
-      folders: of cells of one sweep.
-      watch: how the runs are looked after.
-    """
-    paths = [Path(folder).resolve() for folder in folders]
-    sweep = paths[0].parents[1]
-    known = read_sweep(sweep)
-    named = {cell.name: cell for cell in cells_of(known)}
-    unknown = [path.name for path in paths if path.name not in named or path.parents[1] != sweep]
-    if unknown:
-        raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
-    cells = [named[path.name] for path in paths]
+    """Runs several cells of one sweep, as `run_cell` does: those that differ in numbers without shape as one program."""
+    sweep, known, cells = cells_at(folders)
     for cell in cells:
         make_config(cell.config, asked=())  # whoever has cells run names their code
     try:
-        with _claimed(sweep, cells, known["episodes"]) as held:
+        with _locked(sweep, cells, known["episodes"]) as ours:
             write_status(sweep, known)
-            _run_held(sweep, held, known["episodes"], watch)
+            _run(sweep, ours, known["episodes"], watch)
     except BaseException:  # also where a user interrupts: nobody runs the cells any more
         with suppress(OSError, ExperimentError):  # the disk may be full
             write_status(sweep, read_sweep(sweep))  # another process may have added cells
         raise
     known = read_sweep(sweep)  # another process may have added cells
     write_tables(sweep, known)
-    for one in held:
-        _tell_end(sweep, one.cell, known, watch.tell)
+    for cell in ours:
+        _tell_end(sweep, cell, known, watch.tell)
     jax.clear_caches()  # compiled programs would fill the memory in the course of a long sweep
     gc.collect()
     return [progress_of(sweep, cell, known["episodes"]).state for cell in cells]
 
 
 @contextmanager
-def _claimed(sweep: Path, cells: Sequence[Cell], episodes: int) -> Iterator[list[Held]]:
-    """Yields the cells that are to be run here, claimed; releases them at the end, whatever happens."""
-    held: list[Held] = []
-    try:
+def _locked(sweep: Path, cells: Sequence[Cell], episodes: int) -> Iterator[list[Cell]]:
+    """Yields the cells that are to be run here, and keeps other processes from running them."""
+    with ExitStack() as stack:
+        ours = []
         for cell in cells:
-            if progress_of(sweep, cell, episodes).state in (*OVER, "running"):
+            lock = None if progress_of(sweep, cell, episodes).state in OVER else take(sweep, cell.name)
+            if lock is None:
                 continue
-            claim = take(sweep, cell.name)
-            if claim is not None:
-                held.append(Held(cell, claim))
-        yield [one for one in held if progress_of(sweep, one.cell, episodes, claimed=True).state not in OVER]  # another may have done it
-    finally:
-        for one in held:
-            one.claim.release()
+            stack.callback(lock.release)
+            if progress_of(sweep, cell, episodes).state not in OVER:  # another may have done it meanwhile
+                ours.append(cell)
+        yield ours
 
 
-def _run_held(sweep: Path, held: Sequence[Held], episodes: int, watch: Watch) -> None:
-    """Trains claimed cells, side by side where that can be, and evaluates them."""
-    waiting = _groups(sweep, held)
+def _run(sweep: Path, cells: Sequence[Cell], episodes: int, watch: Watch) -> None:
+    """Trains cells that this process has locked, side by side where that can be, and evaluates them."""
+    waiting = _groups(sweep, cells)
     while waiting:
         group = waiting.pop(0)
         try:
@@ -154,21 +126,24 @@ def _run_held(sweep: Path, held: Sequence[Held], episodes: int, watch: Watch) ->
                 watch.tell(f"{len(group)} cells do not fit into memory together; {half} at a time")
                 waiting[:0] = [group[:half], group[half:]]
                 continue
-            record_failure(sweep, group[0].cell, str(error))
-        except TakenError as error:
-            watch.tell(str(error))
-            continue
+            record_failure(sweep, group[0], str(error))
         except (DiskError, OSError):
             raise
         except Exception as error:  # a reward, a network or a policy of the user's own may raise anything: the other cells go on
-            left = [one for one in group if not (diverged_in(run_dir(sweep, one.cell)) or is_finished(run_dir(sweep, one.cell)))]
+            left = [cell for cell in group if _is_open(sweep, cell)]
             if len(group) > 1 and left:
-                watch.tell(f"{_said(error)}; so {', '.join(one.cell.name for one in left)} are run one by one")
-                waiting[:0] = [[one] for one in left]
+                watch.tell(f"{_said(error)}; so {', '.join(cell.name for cell in left)} are run one by one")
+                waiting[:0] = [[cell] for cell in left]
             elif left:
-                record_failure(sweep, group[0].cell, _said(error))
-        for one in group:
-            _finish(sweep, one.cell, episodes)
+                record_failure(sweep, group[0], _said(error))
+        for cell in group:
+            _finish(sweep, cell, episodes)
+
+
+def _is_open(sweep: Path, cell: Cell) -> bool:
+    """Whether the run of a cell has updates left to do, and can do them."""
+    path = run_dir(sweep, cell)
+    return not is_finished(path) and not diverged_in(path)
 
 
 def _said(error: Exception) -> str:
@@ -176,53 +151,37 @@ def _said(error: Exception) -> str:
     return str(error) if isinstance(error, REFUSALS) else f"{type(error).__name__}: {error}"
 
 
-def _groups(sweep: Path, held: Sequence[Held]) -> list[list[Held]]:
+def _groups(sweep: Path, cells: Sequence[Cell]) -> list[list[Cell]]:
     """Returns cells in groups that one program can run: of one kind, and with a checkpoint of the same update, or without any."""
-    groups: list[tuple[Any, set[str], list[Held]]] = []
-    for one in held:
-        kind = kind_of(environment_of(one.cell), one.cell.configuration())
-        saved = {path.name for path in (run_dir(sweep, one.cell) / CHECKPOINTS).glob("*") if path.name.isdecimal()}
+    groups: list[tuple[Any, set[str], list[Cell]]] = []
+    for cell in cells:
+        kind = kind_of(environment_of(cell), cell.configuration())
+        saved = {path.name for path in (run_dir(sweep, cell) / CHECKPOINTS).glob("*") if path.name.isdecimal()}
         for other, common, members in groups:
             if kind == other and (common & saved or not (common or saved)):
                 common &= saved
-                members.append(one)
+                members.append(cell)
                 break
         else:
-            groups.append((kind, saved, [one]))
+            groups.append((kind, saved, [cell]))
     return [members for _, _, members in groups]
 
 
-def _train(sweep: Path, group: Sequence[Held], watch: Watch) -> None:
+def _train(sweep: Path, group: Sequence[Cell], watch: Watch) -> None:
     """Trains the cells of a group that are not finished."""
-    open_ = [one for one in group if not is_finished(run_dir(sweep, one.cell)) and not diverged_in(run_dir(sweep, one.cell))]
-    if not open_:
+    left = [cell for cell in group if _is_open(sweep, cell)]
+    if not left:
         return
     known = read_sweep(sweep)
     runs = []
-    for one in open_:
-        path = run_dir(sweep, one.cell)
+    for cell in left:
+        path = run_dir(sweep, cell)
         _clear_half_begun(path)
         asked = {"episodes": known["episodes"]}
-        runs.append(Run(environment_of(one.cell), one.cell.configuration(), path, one.cell.provenance, known["loggers"], asked))
+        runs.append(Run(environment_of(cell), cell.configuration(), path, cell.provenance, known["loggers"], asked))
         again = ", from its last checkpoint" if (path / MANIFEST).is_file() else ""
-        watch.tell(f"{one.cell.name}: training{again}{' side by side' if len(open_) > 1 else ''}")
-    train_side_by_side(runs, watch.progress, _callback(open_, watch.stop))
-
-
-def _callback(held: Sequence[Held], stop: Callable[[], bool]) -> Callable[[Update], bool]:
-    """Returns what ends runs that are to end, or whose cell another process has taken over, for this one was suspended."""
-
-    def look(update: Update) -> bool:
-        del update
-        now = time.time()
-        for one in held:
-            if now - one.checked > BEAT:
-                one.checked = now
-                if one.claim.is_lost:
-                    raise TakenError(f"{one.cell.name}: another process has taken over, for this one was suspended for long")
-        return stop()
-
-    return look
+        watch.tell(f"{cell.name}: training{again}{' side by side' if len(left) > 1 else ''}")
+    train_side_by_side(runs, watch.progress)
 
 
 def _clear_half_begun(path: Path) -> None:
@@ -308,9 +267,9 @@ def _environment(provenance: str) -> Any:
 
 def _tell_end(sweep: Path, cell: Cell, known: Mapping[str, Any], tell: Tell) -> None:
     progress = progress_of(sweep, cell, known["episodes"])
-    if progress.state == "failed":
-        tell(f"{cell.name}: failed, for {progress.reason}")
-    elif progress.state == "done":
+    if progress.state == "done":
         returns = collective_returns(sweep, known)[cell.name]
         seeds = f"mean of {len(returns)} seeds" if len(returns) > 1 else "one seed"
         tell(f"{cell.name}: done, collective return {sum(returns) / len(returns):.4g} ({seeds})")
+    elif progress.state == "failed":
+        tell(f"{cell.name}: {progress.summary}")

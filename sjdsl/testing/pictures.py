@@ -8,6 +8,7 @@ from typing import Any
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.testing.signs import Signs
+from sjdsl.trace.picture import with_figures
 
 Pose = tuple[int, int, int]  # row, column, heading
 
@@ -141,18 +142,8 @@ def draw_cells(signs: Signs, board: Board, world: World) -> list[list[str]]:
 
 def draw_picture(signs: Signs, board: Board, world: World) -> list[Row]:
     """Returns the map as it is now, movers and agents over it, all numbers told."""
-    grid = draw_cells(signs, board, world)
-    for character, sort in signs.movers.items():
-        for at in world.movers[sort].position:
-            if at is not None:
-                grid[at.row][at.col] = character
-    standing: list[list[tuple[int, int]]] = [[] for _ in grid]
-    for agent, place in enumerate(world.position):
-        if place is not None:
-            grid[place.row][place.col] = signs.arrows[world.heading[agent]]
-            standing[place.row].append((place.col, agent))
-    numbers = [tuple(agent for _, agent in sorted(row)) for row in standing]
-    return [Row("".join(row), here) for row, here in zip(grid, numbers, strict=True)]
+    movers = {sort: character for character, sort in signs.movers.items()}
+    return [Row(*line) for line in with_figures(draw_cells(signs, board, world), world, movers, signs.arrows)]
 
 
 def compare_pictures(wanted: Sequence[Row], found: Sequence[Row]) -> str | None:

@@ -73,14 +73,25 @@ def draw(looks: Looks, board: Board, world: World) -> list[str]:
     for cell, kind in board.kind_of.items():
         state = tuple((name, world.cells[kind, name][board.number[cell]]) for name in looks.shown[kind])
         rows[cell.row][cell.col] = looks.characters[kind, state]
-    for sort, herd in world.movers.items():
-        for at in herd.position:
+    lines = with_figures(rows, world, looks.movers, ARROWS)
+    return [f"{line}  {' '.join(map(str, numbers))}".rstrip() for line, numbers in lines]
+
+
+def with_figures(rows: list[list[str]], world: World, movers: Mapping[str, str], arrows: str) -> list[tuple[str, tuple[int, ...]]]:
+    """Returns each row of cells with movers and agents on them, and the numbers of its agents from left to right.
+
+    Args:
+      rows: the characters of the cells, which are written over.
+      movers: sort -> its character.
+      arrows: of agents that face north, east, south, west.
+    """
+    for sort, character in movers.items():
+        for at in world.movers[sort].position:
             if at is not None:
-                rows[at.row][at.col] = looks.movers[sort]
+                rows[at.row][at.col] = character
     beside: list[list[tuple[int, int]]] = [[] for _ in rows]
     for agent, place in enumerate(world.position):
         if place is not None:
-            rows[place.row][place.col] = ARROWS[world.heading[agent]]
+            rows[place.row][place.col] = arrows[world.heading[agent]]
             beside[place.row].append((place.col, agent))
-    numbers = (" ".join(str(agent) for _, agent in sorted(row)) for row in beside)
-    return [f"{''.join(row)}  {own}".rstrip() for row, own in zip(rows, numbers, strict=True)]
+    return [("".join(row), tuple(agent for _, agent in sorted(own))) for row, own in zip(rows, beside, strict=True)]

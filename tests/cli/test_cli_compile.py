@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.games_folder import main_games
-
 
 def test_it_writes_a_module_and_says_so(sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl("compile", "orchard.sj")
@@ -53,15 +51,6 @@ def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> N
     shown = sjdsl("compile", "orchard.sj", "--check")
     assert shown.status == 1
     assert "generated/orchard.py is not what compiling its game gives now" in shown.out
-
-
-def test_check_of_all_games_finds_strays(sjdsl: Sjdsl, folder: Path) -> None:
-    assert sjdsl("compile", "--all").status == 0
-    assert sorted(p.stem for p in (folder / "generated").iterdir()) == main_games()
-    (folder / "generated/old_game.py").touch()
-    shown = sjdsl("compile", "--all", "--check")
-    assert shown.status == 1
-    assert "generated/old_game.py belongs to none of the games" in shown.out
 
 
 def test_nothing_is_written_when_one_game_is_wrong(sjdsl: Sjdsl, folder: Path) -> None:

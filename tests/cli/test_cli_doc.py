@@ -61,8 +61,6 @@ def test_an_unknown_variant_is_refused_with_those_there_are(sjdsl: Sjdsl) -> Non
         ("diff", "orchard.sj"),
         ("diff", "a", "b", "c"),
         ("doc",),
-        ("doc", "orchard.sj", "--all"),
-        ("doc", "orchard.sj", "--fresh"),
     ],
 )
 def test_what_cannot_be_meant(sjdsl: Sjdsl, arguments: tuple[str, ...]) -> None:

@@ -25,13 +25,13 @@ def test_a_file_is_laid_out_in_place(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "ugly.sj").write_text(UGLY)
     shown = sjdsl("fmt", "ugly.sj", "orchard.sj")
     assert shown.status == 0
-    assert shown.out == "ugly.sj was reformatted\n2 files: 1 was reformatted, 1 is unchanged\n"
+    assert shown.out == "ugly.sj was reformatted\n2 files: 1 reformatted, 1 unchanged\n"
     assert (folder / "ugly.sj").read_text() == (folder / "orchard.sj").read_text().replace("episode length", "episode length  # steps")
 
 
 def test_a_formatted_file_is_not_touched(sjdsl: Sjdsl, folder: Path) -> None:
     before = (folder / "orchard.sj").stat()
-    assert sjdsl("fmt", "orchard.sj").out == "1 file is unchanged\n"
+    assert sjdsl("fmt", "orchard.sj").out == "1 file: 1 unchanged\n"
     after = (folder / "orchard.sj").stat()
     assert (before.st_mtime_ns, before.st_ino) == (after.st_mtime_ns, after.st_ino)
 
@@ -40,7 +40,7 @@ def test_check_writes_nothing_and_names_the_files(sjdsl: Sjdsl, folder: Path) ->
     (folder / "ugly.sj").write_text(UGLY)
     shown = sjdsl("fmt", "--check", ".")
     assert shown.status == 1
-    assert shown.out == "ugly.sj would be reformatted\n2 files: 1 would be reformatted, 1 is formatted\n"
+    assert shown.out == "ugly.sj would be reformatted\n2 files: 1 to be reformatted, 1 unchanged\n"
     assert (folder / "ugly.sj").read_text() == UGLY
     assert sjdsl("fmt", "--check", "orchard.sj").status == 0
 
@@ -53,7 +53,7 @@ def test_a_file_with_mistakes_is_left_alone_and_the_others_are_done(sjdsl: Sjdsl
     assert "did you mean `schedule`?" in shown.err
     assert (folder / "a_wrong.sj").read_text() == WRONG
     assert "ugly.sj was reformatted" in shown.out
-    assert "3 files: 1 was reformatted, 1 is unchanged, 1 cannot be formatted" in shown.out
+    assert "3 files: 1 reformatted, 1 unchanged, 1 with errors" in shown.out
 
 
 def test_a_game_that_is_wrong_but_can_be_read_is_laid_out(sjdsl: Sjdsl, folder: Path) -> None:

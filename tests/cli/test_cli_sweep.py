@@ -102,8 +102,6 @@ def test_what_is_refused_at_once(sjdsl: Sjdsl, folder: Path, arguments: tuple[st
     [
         (("--set", "num_minibatches=5"), "orchard_apple-1: num_envs x num_steps = 4 x 8 = 32 steps cannot be split"),
         (("--partners", "7=random"), "orchard_apple-1: "),
-        (("--engine", "lcal"), "there is no engine `lcal`; did you mean `local`?"),
-        (("--engine-set", "num_gpus=1"), "the engine local has no options"),
         (("--run", "orchard.sj"), "orchard.sj is a file, and a sweep is a folder"),
     ],
 )

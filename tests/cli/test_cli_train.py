@@ -36,7 +36,7 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     assert evaluated.status == 0, evaluated.text
     assert "means of 3 episodes" in evaluated.out
     assert "playing 3 episodes of the trained policy" in evaluated.err
-    assert "trained return" in evaluated.out
+    assert "return " in evaluated.out
     assert "the best policy: means of 3 episodes" in evaluated.out
     stored = json.loads((run_dir / "evaluation_best.json").read_text())
     said = {"policy": "best", "seed": 0, "greedy": None, "episodes": 3}
@@ -124,9 +124,7 @@ def test_the_best_policy_is_evaluated_and_filmed(trained: Path, sjdsl: Sjdsl, fo
 
 
 def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
-    import importlib.util
-
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    monkeypatch.setattr("sjdsl.extras.find_spec", lambda _: None)
     for call in (["evaluate", folder, "--film", "x.mp4"], ["render", "orchard.sj", "-o", "x.mp4"]):
         shown = sjdsl(*call)
         assert shown.status == 1

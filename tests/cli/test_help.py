@@ -5,11 +5,12 @@ import shlex
 import click
 import pytest
 
-from sjdsl.cli import COMMANDS, commands
+from sjdsl.cli import COMMANDS, GROUPS, commands
 from sjdsl.cli.examples import EXAMPLES
 
 ABOVE = click.Context(commands, info_name="sjdsl")
 WIDTH = 100
+LINES = 40
 
 
 def command(name: str) -> click.Command:
@@ -32,6 +33,7 @@ def test_every_option_is_told(name: str) -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_examples_are_calls(name: str) -> None:
     shown = command(name).get_help(click.Context(command(name), parent=ABOVE, info_name=name, max_content_width=WIDTH))
+    assert len(EXAMPLES[name]) == 2
     for line in EXAMPLES[name]:
         program, called, *arguments = shlex.split(line)
         assert (program, called) == ("sjdsl", name)
@@ -39,6 +41,18 @@ def test_the_examples_are_calls(name: str) -> None:
         command(name).make_context(name, arguments, parent=ABOVE)
 
 
-def test_every_command_has_examples() -> None:
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name != "bench"])  # it has options for its pages as well
+def test_the_help_fits_one_screen(name: str) -> None:
+    """As it is printed in a terminal of 80 columns."""
+    shown = command(name).get_help(click.Context(command(name), parent=ABOVE, info_name=name, terminal_width=80)).splitlines()
+    assert len(shown) <= LINES, "\n".join(shown)
+    assert max(map(len, shown)) <= 80
+
+
+def test_every_command_has_examples_and_a_group() -> None:
     assert {*EXAMPLES} == {*COMMANDS}
-    assert all(EXAMPLES.values())
+    shown = commands.get_help(click.Context(commands, info_name="sjdsl"))
+    assert len(shown.splitlines()) <= LINES + 10
+    for title, group in GROUPS.items():
+        below = shown.partition(f"\n{title}:\n")[2].partition("\n\n")[0]
+        assert [line.split()[0] for line in below.splitlines() if line.startswith("  ") and line[2] != " "] == [*group]

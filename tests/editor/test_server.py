@@ -162,7 +162,7 @@ def test_without_pygls_the_command_says_what_to_install() -> None:
     program = "import sys; sys.modules['pygls'] = None; sys.argv = ['sjdsl', 'lsp']; from sjdsl.cli import main; main()"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "pip install 'sjdsl[lsp]'" in done.stderr
+    assert "pip install 'sjdsl[editor]'" in done.stderr
     assert "Traceback" not in done.stderr
 
 

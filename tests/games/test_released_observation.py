@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from bench.game_pages import released_game, released_section, unread
 from sjdsl.compiler.lower import token_planes
-from sjdsl.doc.released import released_game, released_section, unread
 from sjdsl.interop.socialjax_table import NOT_HERE, channels_of, differences, entries
 from sjdsl.interpreter.planes import planes
 from sjdsl.runtime.planes import channel_names

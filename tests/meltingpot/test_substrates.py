@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sjdsl.cli.melting_pot_page import build_of, melting_pot_problems
+from bench.game_pages import build_of, page_problems
 from sjdsl.compiler import ast
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
@@ -89,7 +89,7 @@ def test_each_difference_is_a_sentence() -> None:
 
 
 def test_the_page_is_up_to_date() -> None:
-    assert melting_pot_problems(PAGE) == [], "run `sjdsl doc --all`"
+    assert page_problems(PAGE) == [], "run `make docs`"
 
 
 def test_a_page_of_something_else_is_found(tmp_path: Path) -> None:
@@ -100,9 +100,9 @@ def test_a_page_of_something_else_is_found(tmp_path: Path) -> None:
     stray = pictures / "stray.png"
     stray.write_bytes(b"")
     (tmp_path / "meltingpot.md").write_text(PAGE.read_text(encoding="utf-8").replace("# Melting Pot", "# Another pot"), encoding="utf-8")
-    assert melting_pot_problems(tmp_path / "meltingpot.md") == [
-        f"{stray}: of no substrate",
-        f"{tmp_path / 'meltingpot.md'}: not what the table of substrates says",
+    assert page_problems(tmp_path / "meltingpot.md") == [
+        f"{stray}: of no game",
+        f"{tmp_path / 'meltingpot.md'}: not what the games say",
     ]
 
 

@@ -1,4 +1,4 @@
-"""The notebooks run from their first cell to their last with what `pip install sjdsl` brings, and are kept without outputs."""
+"""The notebooks run from their first cell to their last with what `pip install 'sjdsl[pictures,plots]'` brings, and are kept without outputs."""
 
 import ast
 import os
@@ -125,9 +125,10 @@ def test_it_is_kept_without_outputs(name: str) -> None:
 def test_it_opens_in_colab_and_imports_only_what_is_installed_with_sjdsl(name: str) -> None:
     first, install, *cells = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells
     assert f"(https://colab.research.google.com/github/sjdsl/sjdsl/blob/main/examples/{name}.ipynb)" in first.source
-    assert install.source.endswith("%pip install --quiet sjdsl")
+    assert install.source.endswith("%pip install --quiet 'sjdsl[pictures,plots]'")
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
-    brought = {re.split(r"[\[>=<; ]", wanted)[0].lower() for wanted in project["dependencies"]} | HAS_JUPYTER
+    wanted = [*project["dependencies"], *project["optional-dependencies"]["pictures"], *project["optional-dependencies"]["plots"]]
+    brought = {re.split(r"[\[>=<; ]", text)[0].lower() for text in wanted} | HAS_JUPYTER
     owners = packages_distributions()
     for module in _imported("\n".join(cell.source for cell in cells if cell.cell_type == "code")):
         if module not in sys.stdlib_module_names and module != "sjdsl":

@@ -10,10 +10,10 @@ import sjdsl
 from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.render import make_painter, take_snapshot
-from sjdsl.render.agents import draw_body
 from sjdsl.render.colours import SPRITES, read_colour
 from sjdsl.render.drawings import Figure, draw_movers
 from sjdsl.render.entries import figure_entries
+from sjdsl.render.tiles import draw_figure
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.env import Environment
 
@@ -58,7 +58,7 @@ def test_movers_are_drawn_where_they_are(tmp_path: Path) -> None:
     cells = picture[:size, left : left + 5 * size].reshape(size, 5, size, 3).swapaxes(0, 1)
     _, (agent,) = env.cells(state)
     for herd, heading in ((deer, 3), (coin, 1)):
-        body = draw_body(None, herd.colour, herd.sprite, heading, size, False)
+        body = draw_figure(Figure(None, herd.colour, herd.sprite, heading), size)
         full = body[..., 3] == 255
         rows, cols = before.movers[herd.name]
         assert len(cols) == len(set(cols)) == (2 if herd is deer else 1)

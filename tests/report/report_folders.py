@@ -177,7 +177,7 @@ def write_training(path: Path, seconds: Mapping[str, Sequence[float]]) -> None:
 
 
 def random_returns(path: Path, returns: Mapping[str, float], rules: str | None = None) -> None:
-    """Writes the file that `sjdsl doc --all` keeps the figures of a random policy in; `rules`: a hash that all games have."""
+    """Writes the file that bench/game_pages.py keeps the figures of a random policy in; `rules`: a hash that all games have."""
     figures = {game: {"return, summed over agents": {"mean": mean, "low": mean - 1, "high": mean + 1}} for game, mean in returns.items()}
     write_json(
         path, {game: {"hash": rules or RULES[game], "episodes": 200, "seed": 0, "values": values} for game, values in figures.items()}

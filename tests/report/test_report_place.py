@@ -130,7 +130,7 @@ def test_a_section_stays_where_its_extra_is_missing_and_nothing_has_changed(tmp_
     more = read_folders([out / "data", write_run(tmp_path / "more", "coins", (90.0,), first=0, reward="common", **PAPERS)])
     report = write_report(more, out, COMMAND)
     assert report.lacks == (
-        "This section takes the extra `rliable`: install it with `pip install 'sjdsl[rliable]'` and make the report again.",
+        "This section takes the extra `results`: install it with `pip install 'sjdsl[results]'` and make the report again.",
     )
     assert "0.1235" not in (out / "report.md").read_text()
     assert "tables/over_games.csv" not in files(out)

@@ -3,11 +3,9 @@
 import ast
 import errno
 import os
-import socket
 import stat
 import threading
 from collections.abc import Callable
-from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -18,7 +16,7 @@ from sjdsl.files import parse_json, read_bytes, read_json, write_whole, written_
 from sjdsl.replay import DatasetWriter, Header, Recording
 from sjdsl.replay.recording import save_recording
 from sjdsl.studio.folder import Folder, digest
-from sjdsl.sweeps.claims import _clock
+from sjdsl.sweeps.locks import take
 from sjdsl.trainers.metrics_files import EVALUATIONS, METRICS_CSV, METRICS_JSONL, append_line, cut_metrics, open_metrics
 from sjdsl.trainers.run_files import write_json
 from sjdsl.trainers.run_lock import LOCK, locked
@@ -141,7 +139,7 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
     assert (victim.read_text(), mode(target), target.read_text() != "game") == ("theirs", 0o600, True)
 
 
-@pytest.mark.parametrize("what", ["run", "experiment", "metrics", "table", "evaluations", "cut", "clock"])
+@pytest.mark.parametrize("what", ["run", "experiment", "metrics", "table", "evaluations", "cut", "cell"])
 def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     """Locks, logs and what is taken off their ends: a folder of a stranger may have links in their places."""
     victim = tmp_path / "victim"
@@ -153,21 +151,21 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
         "table": METRICS_CSV,
         "evaluations": EVALUATIONS,
         "cut": METRICS_JSONL,
+        "cell": "locks/cell.lock",
     }
-    link = tmp_path / "folder" / names.get(what, f".clock_{socket.gethostname()}_{os.getpid()}")
+    link = tmp_path / "folder" / names[what]
     link.parent.mkdir(parents=True)
-    link.symlink_to(victim if what != "clock" else tmp_path / "new")
+    link.symlink_to(victim)
     changes: dict[str, Callable[[], object]] = {
         "run": lambda: locked(link.parent).__enter__(),
         "experiment": lambda: open_folder(link.parents[1], {}).__enter__(),
         "evaluations": lambda: append_line(link, {"update": 3}),
         "cut": lambda: list(cut_metrics(link.parent, 1)),
-        "clock": lambda: _clock(link.parent),
+        "cell": lambda: take(link.parents[1], "cell"),
     }
-    with pytest.raises(OSError, match="it is a link, through which nothing is written") if what != "clock" else nullcontext():
+    with pytest.raises(OSError, match=r"it is a link, through which nothing is written|symbolic link"):
         changes.get(what, lambda: open_metrics(link.parent).__enter__())()
     assert victim.read_text() == '{"update": 1}\n{"update": 2}\n'
-    assert not (tmp_path / "new").exists()
 
 
 def test_a_data_set_is_written_the_same_way(tmp_path: Path) -> None:
@@ -213,7 +211,7 @@ def test_what_is_no_json_is_a_value_error(text: str, tmp_path: Path) -> None:
 
 
 WRITES = {"write_text", "write_bytes", "replace", "truncate", "touch", "mkstemp", "NamedTemporaryFile"}
-MAY_WRITE = {"sjdsl/files.py", "sjdsl/studio/access.py", "sjdsl/sweeps/claims.py"}  # the others make files that must be new: O_EXCL
+MAY_WRITE = {"sjdsl/files.py", "sjdsl/studio/access.py"}  # the others make files that must be new: O_EXCL
 
 
 def calls(path: Path) -> set[str]:

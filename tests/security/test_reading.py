@@ -22,7 +22,6 @@ from sjdsl.report.markdown import inert, page_text
 from sjdsl.report.written import LISTED, _listed, place_of
 from sjdsl.studio.folder import Folder
 from sjdsl.studio.runs import stored_policies
-from sjdsl.sweeps.claims import holder_of
 from sjdsl.trainers import PolicyError
 from sjdsl.trainers.policy_file import policy_path
 from sjdsl.trainers.policy_names import split_name
@@ -130,9 +129,6 @@ def test_digits_that_are_no_numbers_in_names_of_files(tmp_path: Path) -> None:
     assert split_name("run@²") == (Path("run"), "²")
     with pytest.raises(PolicyError, match="has no policy called last, but of ²"):
         policy_path(tmp_path, "last")
-    (tmp_path / "claims").mkdir()
-    (tmp_path / "claims/cell@².json").touch()
-    assert holder_of(tmp_path, "cell") is None
     assert run_state(tmp_path / "seed_²") is None
 
 

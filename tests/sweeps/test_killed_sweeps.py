@@ -1,7 +1,6 @@
 """Sweeps whose process is killed, or that two processes work on, or that run out of room: the same results, and no cell twice."""
 
 import csv
-import json
 import os
 import signal
 import subprocess
@@ -10,6 +9,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
 from tests.sweeps.described import GAME
@@ -60,10 +60,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [pytest.param(1, 150, marks=pytest.mark.thorough), *(pytest.param(*at, marks=pytest.mark.slow) for at in ((0, 0), (0, 50), (2, 299)))],
 )
 def test_kill_minus_nine(whole: Path, tmp_path: Path, cell: int, rows: int) -> None:
-    """Killed when a cell has learnt so many updates of 300; at 0, when it has been claimed."""
+    """Killed when a cell has learnt so many updates of 300; at 0, when it has been locked."""
     folder = tmp_path / "sweep"
     process = start(folder)
-    wait_for(lambda: rows_in(folder, CELLS[cell]) >= rows if rows else (folder / "claims" / f"{CELLS[cell]}@0.json").exists(), process)
+    wait_for(lambda: rows_in(folder, CELLS[cell]) >= rows if rows else (folder / "locks" / f"{CELLS[cell]}.lock").exists(), process)
     process.kill()
     process.communicate()
     assert process.returncode == -signal.SIGKILL
@@ -84,7 +84,6 @@ def test_two_processes_on_one_folder(whole: Path, tmp_path: Path) -> None:
     trained = sorted(line.partition(":")[0] for text in said for line in text.splitlines() if ": training" in line)
     assert trained == sorted(CELLS)
     assert results(folder) == results(whole)
-    assert len([*(folder / "claims").glob("*.json")]) == 3
 
 
 @pytest.mark.slow
@@ -93,7 +92,7 @@ def test_one_of_two_processes_is_killed_and_the_other_takes_over(whole: Path, tm
     first = start(folder)
     wait_for(lambda: rows_in(folder, CELLS[0]) >= 50, first)
     second = start(folder)
-    wait_for(lambda: (folder / "claims" / f"{CELLS[1]}@0.json").exists(), second)
+    wait_for(lambda: (folder / "locks" / f"{CELLS[1]}.lock").exists(), second)
     first.kill()
     first.communicate()
     _, said = second.communicate(timeout=PATIENCE)
@@ -106,9 +105,9 @@ def test_a_worker_that_the_system_kills_costs_its_cell(whole: Path, tmp_path: Pa
     folder = tmp_path / "sweep"
     process = start(folder, "--workers", "2")
     wait_for(lambda: rows_in(folder, CELLS[0]) >= 50, process)
-    claim = json.loads((folder / "claims" / f"{CELLS[0]}@0.json").read_text())
-    assert claim["pid"] != process.pid
-    os.kill(claim["pid"], signal.SIGKILL)
+    lock = str(folder / "locks" / f"{CELLS[0]}.lock")
+    (worker,) = [child for child in psutil.Process(process.pid).children() if lock in {file.path for file in child.open_files()}]
+    worker.kill()
     _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, said[-3000:]
     assert f"failed: {CELLS[0]}: its process was killed" in said

@@ -10,10 +10,10 @@ import pytest
 
 from sjdsl.sweeps import running, work
 from sjdsl.sweeps.axes import Axis
-from sjdsl.sweeps.engines import Batch, Crew
 from sjdsl.sweeps.folder import cells_of, read_sweep, record_failure
 from sjdsl.sweeps.plan import Asked
 from sjdsl.sweeps.running import Outcome, sweep
+from sjdsl.sweeps.work import Watch
 from sjdsl.trainers.run_errors import TooLargeError
 from tests.sweeps.described import GAME, TINY
 
@@ -36,21 +36,19 @@ def run_with(earned: Callable[[Any, int], float], fails: Callable[[Any], bool], 
     """Runs the sweep with cells that earn what `earned` says of a cell and a seed."""
     said: list[str] = []
 
-    def run(batches: Sequence[Batch], crew: Crew) -> None:
-        del crew
+    def run(batch: Sequence[str], _: Watch) -> None:
         cells = {cell.name: cell for cell in cells_of(read_sweep(folder))}
-        for batch in batches:
-            for path in map(Path, batch):
-                cell = cells[path.name]
-                if fails(cell):
-                    record_failure(folder, cell, "it had to")
-                else:
-                    finish(path, cell.seeds, lambda seed, cell=cell: earned(cell, seed))  # type: ignore[misc]
+        for path in map(Path, batch):
+            cell = cells[path.name]
+            if fails(cell):
+                record_failure(folder, cell, "it had to")
+            else:
+                finish(path, cell.seeds, lambda seed, cell=cell: earned(cell, seed))  # type: ignore[misc]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(running, "run_batches", run)
+        patch.setattr(running, "run_cells", run)
         patch.setattr(running, "check_cells", lambda _: None)
-        return sweep(ASKED, folder, crew=Crew(tell=said.append)), said
+        return sweep(ASKED, folder, watch=Watch(tell=said.append)), said
 
 
 def test_angles_at_the_best_weight_with_other_seeds(tmp_path: Path) -> None:
@@ -98,7 +96,7 @@ def test_cells_that_do_not_fit_into_memory_together_are_halved(tmp_path: Path, m
 
     monkeypatch.setattr(work, "train_side_by_side", train)
     said: list[str] = []
-    outcome = sweep(RATES, tmp_path / "sweep", crew=Crew(tell=said.append), together=5)
+    outcome = sweep(RATES, tmp_path / "sweep", watch=Watch(tell=said.append), together=5)
     assert len(outcome.done) == 5
     assert sizes == [5, 3, 2, 1, 2]
     assert "5 cells do not fit into memory together; 3 at a time" in said
@@ -115,31 +113,3 @@ def test_a_cell_that_does_not_fit_alone_has_failed(tmp_path: Path, monkeypatch: 
     outcome = sweep(RATES, tmp_path / "sweep")
     assert outcome.failed == {"matrix_game_learning_rate-0.2": "an update needs more"}
     assert len(outcome.done) == 4
-
-
-def test_a_process_that_was_suspended_leaves_a_cell_that_was_taken_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "BEAT", -1.0)
-    folder = tmp_path / "sweep"
-
-    def train(runs: Sequence[Any], progress: str, callback: Callable[[Any], bool]) -> None:
-        del progress
-        assert callback(None) is False
-        elsewhere = {"machine": "another", "host": "far", "pid": 7, "started": 0.0}
-        (folder / "claims" / f"{runs[0].run_dir.name}@1.json").write_text(json.dumps(elsewhere))
-        callback(None)
-        raise AssertionError("it went on")
-
-    def done_elsewhere(_: float) -> None:
-        """The other process ends, while this one waits."""
-        for cell in cells_of(read_sweep(folder)):
-            finish(folder / "cells" / cell.name, cell.seeds, float)
-            claim = folder / "claims" / f"{cell.name}@1.json"
-            claim.write_text(json.dumps({**json.loads(claim.read_text()), "released": True}))
-
-    monkeypatch.setattr(work, "train_side_by_side", train)
-    monkeypatch.setattr("sjdsl.sweeps.running.time.sleep", done_elsewhere)
-    said: list[str] = []
-    one = Asked([GAME], [Axis("learning_rate", (0.1,))], settings=TINY, episodes=2)
-    assert sweep(one, folder, crew=Crew(tell=said.append)).done == ("matrix_game_learning_rate-0.1",)
-    assert said[1].endswith("another process has taken over, for this one was suspended for long")
-    assert said[-1].endswith("waiting for the process 7 on far, which runs it")

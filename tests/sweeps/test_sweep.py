@@ -16,9 +16,9 @@ from sjdsl.experiments import find_pool
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps import work
 from sjdsl.sweeps.axes import Axis
-from sjdsl.sweeps.engines import Crew
 from sjdsl.sweeps.plan import Asked
-from sjdsl.sweeps.running import Outcome, sweep
+from sjdsl.sweeps.running import Outcome, prepare, sweep
+from sjdsl.sweeps.work import Watch
 from sjdsl.trainers import evaluate, load_policy
 from sjdsl.trainers.evaluation import evaluation_key
 from sjdsl.trainers.run_errors import DiskError
@@ -57,22 +57,16 @@ def states_of(folder: Path) -> dict[str, str]:
 def grown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Outcome]:
     """A sweep of one ratio, to which another was added; what was said; what came of it. `killed`: the folder while the second was trained."""
     folder, lines = tmp_path_factory.mktemp("sweeps") / "grown", list[str]()
-    sweep(asked(0.25), folder, crew=Crew(tell=lines.append))
-    once = work._callback
+    sweep(asked(0.25), folder, watch=Watch(tell=lines.append))
+    train = work.train_side_by_side
 
-    def copying(held: Any, stop: Any) -> Any:
-        look = once(held, stop)
-
-        def copy(update: Any) -> bool:
-            if update.number == 2:  # as a process leaves it that is killed now
-                shutil.copytree(folder, folder.parent / "killed")
-            return look(update)
-
-        return copy
+    def copy(update: Any) -> None:
+        if update.number == 2:  # as a process leaves it that is killed now
+            shutil.copytree(folder, folder.parent / "killed")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(work, "_callback", copying)
-        outcome = sweep(asked(0.75), folder, crew=Crew(tell=lines.append))
+        patch.setattr(work, "train_side_by_side", lambda runs, progress: train(runs, progress, copy))
+        outcome = sweep(asked(0.75), folder, watch=Watch(tell=lines.append))
     return folder, lines, outcome
 
 
@@ -114,7 +108,7 @@ def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], mon
     monkeypatch.setattr(work, "train_side_by_side", None)
     before = table_of(grown[0])
     said: list[str] = []
-    outcome = sweep(asked(0.25, 0.75), grown[0], crew=Crew(tell=said.append))
+    outcome = sweep(asked(0.25, 0.75), grown[0], watch=Watch(tell=said.append))
     assert outcome.done == (LOW, HIGH)
     assert said == []
     assert table_of(grown[0]) == before
@@ -123,11 +117,9 @@ def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], mon
 @pytest.mark.thorough
 def test_killed_it_goes_on_to_the_same_results(grown: tuple[Path, list[str], Outcome]) -> None:
     folder = grown[0].parent / "killed"
-    (claim,) = folder.glob(f"claims/{HIGH}@*.json")
-    held = json.loads(claim.read_text())
-    claim.write_text(json.dumps({**held, "started": held["started"] - 100.0}))  # a process of this number that is no more
+    assert (folder / "locks" / f"{HIGH}.lock").exists(), "a file that nobody holds is in no one's way"
     said: list[str] = []
-    sweep(asked(0.25, 0.75), folder, crew=Crew(tell=said.append))
+    sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append))
     assert said[0] == f"{HIGH}: training, from its last checkpoint"
     assert table_of(folder) == table_of(grown[0])
 
@@ -151,10 +143,10 @@ def test_what_another_process_runs_is_waited_for(
         done.write_text(text)  # the other process has done it
         other.release()
 
-    outcome = sweep(asked(0.25, 0.75), folder, crew=Crew(tell=tell))
+    outcome = sweep(asked(0.25, 0.75), folder, watch=Watch(tell=tell))
     assert outcome.done == (LOW, HIGH)
     assert len(said) == 1
-    assert said[0].startswith(f"{HIGH}: waiting for the process ")
+    assert said[0] == f"{HIGH}: waiting for another process, which runs it"
 
 
 def test_an_evaluation_of_something_else_is_not_taken_for_a_result(grown: tuple[Path, list[str], Outcome], tmp_path: Path) -> None:
@@ -210,16 +202,24 @@ def test_folders_of_something_else_are_refused(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
 
 
-def test_engines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sjdsl.sweeps.engines.find_spec", lambda _: None)
-    for engine, said in (
-        ("ray", r"needs the package ray: pip install 'sjdsl\[ray\]'"),
-        ("slurm", r"needs the package submitit: pip install 'sjdsl\[slurm\]'"),
-        ("rya", "did you mean `ray`"),
-    ):
-        with pytest.raises(ExperimentError, match=said):
-            sweep(asked(0.25), tmp_path / "new", crew=Crew(engine))
-    assert not (tmp_path / "new").exists()
+def test_cells_may_be_run_one_by_one_by_whoever(
+    grown: tuple[Path, list[str], Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a job of a cluster does: `run_cell` with each folder that `prepare` returns."""
+    paths = prepare(asked(0.25, 0.75), tmp_path / "sweep")
+    assert [path.name for path in paths] == [LOW, HIGH]
+    assert (tmp_path / "sweep" / "sweep.json").is_file()
+    assert not paths[0].exists()
+    monkeypatch.setattr(
+        work,
+        "_train",
+        lambda sweep, group, _: [shutil.copytree(grown[0] / "cells" / cell.name, sweep / "cells" / cell.name) for cell in group],
+    )
+    assert [work.run_cell(path) for path in paths] == ["done", "done"]
+    assert [work.run_cell(path) for path in paths] == ["done", "done"]
+    assert table_of(tmp_path / "sweep") == table_of(grown[0])
+    with pytest.raises(ExperimentError, match="has no cell nothing"):
+        work.run_cell(tmp_path / "sweep" / "cells" / "nothing")
 
 
 @pytest.fixture(scope="module")
@@ -228,7 +228,7 @@ def diverging(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]
     folder, lines = tmp_path_factory.mktemp("sweeps") / "diverging", list[str]()
     rates = Asked([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
     with jax.debug_key_reuse(False):
-        return folder, lines, sweep(rates, folder, crew=Crew(tell=lines.append), together=2)
+        return folder, lines, sweep(rates, folder, watch=Watch(tell=lines.append), together=2)
 
 
 GOOD, BAD = "matrix_game_learning_rate-0.001", "matrix_game_learning_rate-1e-38"
@@ -242,8 +242,8 @@ def test_a_finished_cell_that_has_lost_a_policy_is_trained_anew(grown: tuple[Pat
     shutil.rmtree(seed / "policies")
     (seed / "evaluation.json").unlink()
     said: list[str] = []
-    assert sweep(asked(0.25, 0.75), folder, crew=Crew(tell=said.append)).failed
-    outcome = sweep(asked(0.25, 0.75), folder, crew=Crew(tell=said.append), again=True)
+    assert sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append)).failed
+    outcome = sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append), again=True)
     assert (outcome.done, outcome.failed) == ((LOW, HIGH), {}), said
     assert table_of(folder) == table_of(grown[0])
     assert (folder / "failed" / f"{HIGH}_1" / "seed_0" / "policies").is_dir(), "what was there is kept"

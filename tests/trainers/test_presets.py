@@ -39,6 +39,11 @@ def test_a_preset_in_a_file(tmp_path: Path) -> None:
         ("game = 3\n", "`game` must be text, not 3"),
         ('game = "a"\nconfig = 3\n', "`config` must be a table, not 3"),
         ('only_listed = "yes"\n', "`only_listed` must be true or false, not 'yes'"),
+        ("[environment]\nagents = 3\n", r"mine\.toml: environment: unknown key `agents`; did you mean `num_agents`|the keys are"),
+        (
+            '[games.coins.environment]\nnum_agents = "3"\n',
+            r"mine\.toml: games\.coins: environment: `num_agents` must be a whole number, not '3'",
+        ),
         ("[algorithm]\nippo = 3\n", r"mine\.toml: algorithm: `ippo` must be a table, not 3"),
         ("[algorithm.ipo]\nseed = 3\n", r"mine\.toml: algorithm: unknown key `ipo`; did you mean `ippo`"),
         ("[reward.svoo]\nseed = 3\n", r"mine\.toml: reward: unknown key `svoo`; did you mean `svo`"),

@@ -13,7 +13,7 @@ from run_outcomes import SHORT, counting, read_manifest
 
 from sjdsl.trainers import RunError, resume, run, train
 from sjdsl.trainers.run import Run, train_side_by_side
-from sjdsl.trainers.run_lock import LOCK, is_unused, locked
+from sjdsl.trainers.run_lock import LOCK, is_unused
 from sjdsl.trainers.updates import Update
 
 CONFIG = SHORT.model_copy(update={"evaluate_every": 0})
@@ -57,11 +57,6 @@ def test_a_run_that_is_under_way_is_not_begun_or_resumed_beside(tmp_path: Path) 
     assert "is not empty" in said[1]
     assert read_manifest(folder)["status"] == "finished"
     assert [json.loads(line)["update"] for line in (folder / "metrics.jsonl").read_text().splitlines()] == [*range(1, 13)]
-
-
-def test_processes_with_claims_agree_among_themselves(tmp_path: Path) -> None:
-    with locked(tmp_path, claimed=True), locked(tmp_path, claimed=True), pytest.raises(RunError, match="in use"), locked(tmp_path):
-        pass
 
 
 def test_a_lock_that_nobody_holds_is_in_no_ones_way(tmp_path: Path) -> None:

@@ -8,15 +8,14 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from probes import matching
-from run_outcomes import OF_THE_CLOCK, SHORT, counting, read_lines, read_manifest
+from run_outcomes import OF_THE_CLOCK, read_lines, read_manifest
 from safetensors.numpy import load_file
 
 import sjdsl
-from sjdsl.trainers import RunError, Update, compiled, make_config, run, train
+from sjdsl.trainers import RunError, Update, compiled, make_config, train
 from sjdsl.trainers.compiled import NoMemoryError
 from sjdsl.trainers.run import Run, train_side_by_side
-from sjdsl.trainers.run_errors import TakenError, TooLargeError
+from sjdsl.trainers.run_errors import TooLargeError
 from sjdsl.trainers.side_by_side import TRACED, kind_of
 
 GAME = Path(__file__).parent / "games" / "prisoners_dilemma.sj"
@@ -162,20 +161,6 @@ def test_runs_that_do_not_fit_are_told_apart_from_others(tmp_path: Path, monkeyp
     with pytest.raises(TooLargeError, match="too much"):
         train_side_by_side(the_runs(tmp_path), "none")
     assert json.loads((tmp_path / "0" / "manifest.json").read_text())["status"] == "failed: too much"
-
-
-def test_a_folder_that_another_process_has_taken_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing more is saved: neither a checkpoint nor how the run ended."""
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-
-    def taken(update: Update) -> None:
-        if update.number == 3:
-            raise TakenError("another has it")
-
-    with pytest.raises(TakenError):
-        train(matching(), SHORT.model_copy(update={"evaluate_every": 0}), tmp_path / "run", "none", callback=taken)
-    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["2"]
-    assert read_manifest(tmp_path / "run")["status"] == "running"
 
 
 OTHERS: dict[str, dict[str, Any]] = {

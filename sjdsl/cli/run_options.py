@@ -1,0 +1,73 @@
+"""The options of commands that train: what a run's configuration is made of."""
+
+import functools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.cli.environment_options import SEED, read_texts
+from sjdsl.cli.policies import check_policy, code_option
+
+if TYPE_CHECKING:
+    from sjdsl.compiler import ir
+    from sjdsl.trainers import Config
+    from sjdsl.trainers.loggers import LoggerName
+
+Command = Callable[..., Any]
+ALGORITHMS = ("ippo", "mappo", "irat", "vdn")
+REWARDS = ("individual", "common", "svo", "exchange", "inequity")
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What the options of a run say."""
+
+    preset: str | None
+    changes: Mapping[str, str]  # --set
+    named: Mapping[str, Any]  # settings with an option of their own
+    loggers: "tuple[LoggerName, ...]"
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The settings that were given, as they were written: the configuration knows what they mean."""
+        return {**self.changes, **self.named}
+
+
+def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
+    """Adds the options of a run, which arrive together as `run`. `seeds`: how many, unless the command says it."""
+    options = (
+        click.option("--preset", metavar="P", help="Start from paper, released, two_cores, overnight, quick or FILE.toml."),
+        click.option("--algorithm", metavar="A", help=f"Learn by {', '.join(ALGORITHMS)} or FILE.py:NAME."),
+        click.option("--reward", metavar="R", help=f"Learn from {', '.join(REWARDS)} or FILE.py:NAME."),
+        click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help="A setting; `sjdsl train --keys` lists them all."),
+        click.option("--seed", type=SEED, metavar="N", help="The first seed.  [default: 0]"),
+        click.option(
+            "--seeds", type=click.IntRange(min=1), default=seeds, show_default=True, metavar="K", help="Train K seeds side by side."
+        ),
+        click.option("--init-from", metavar="POLICY", help="Start with RUN, RUN@best or FILE.safetensors."),
+        click.option("--partners", multiple=True, metavar="AGENT=POLICY", help="Agents that don't learn: 1=random, 1,2=RUN@best."),
+        code_option,
+        click.option(
+            "--log", "loggers", multiple=True, type=click.Choice(["tensorboard", "wandb"]), help="Where metrics go besides files."
+        ),
+    )
+
+    def add(command: Command) -> Command:
+        @functools.wraps(command)
+        def with_run(*, preset: str | None, changes: tuple[str, ...], loggers: Any, **others: Any) -> Any:
+            given = {name: others.pop(name) for name in ("algorithm", "reward", "seed", "seeds", "init_from", "partners")}
+            given["partners"] = ",".join(given["partners"]) or None
+            named = {name: value for name, value in given.items() if value is not None}
+            return command(run=RunOptions(preset, read_texts(changes), named, loggers), **others)
+
+        return functools.reduce(lambda decorated, option: option(decorated), reversed(options), with_run)
+
+    return add
+
+
+def check_policies(config: "Config", game: "ir.Game") -> None:
+    """Raises ClickException for what a configuration names as a policy and what can't be one."""
+    for named in filter(None, (config.init_from, *(policy for _, policy in config.partners))):
+        check_policy(named, game)

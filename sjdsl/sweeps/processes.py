@@ -1,0 +1,87 @@
+"""Processes of this machine that run cells side by side, each with its share of the cores.
+
+XLA starts a thread for every core that a process may use. Two processes with a thread on each core wait for one another at every
+operation that is divided among threads; with cores of its own each waits for nobody (docs/sweeps.md has the measurement).
+"""
+
+import multiprocessing
+import os
+from collections.abc import Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
+from itertools import pairwise
+
+from sjdsl.sweeps.folder import cells_at, progress_of, record_failure
+from sjdsl.sweeps.work import Tell, run_cells
+
+Batch = tuple[str, ...]  # folders of cells that are run by one call of `run_cells`
+KILLED = "its process was killed, perhaps for want of memory; --retry goes on from its last checkpoint"
+
+
+def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None:
+    """Runs batches of cells, each once. A process that the system kills costs the cells it ran, and is replaced.
+
+    Raises:
+      DiskError, OSError: a disk is full; what was written before stays.
+    """
+    left = [*batches]
+    running: dict[Future[list[str]], tuple[Batch, ProcessPoolExecutor, tuple[int, ...]]] = {}
+    with ExitStack() as stack:
+
+        def start(cores: tuple[int, ...]) -> ProcessPoolExecutor:
+            """Returns a pool of one process, which is ended with the others."""
+            spawn = multiprocessing.get_context("spawn")
+            pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=_keep_to, initargs=(cores,))
+            stack.callback(pool.shutdown, cancel_futures=True)
+            return pool
+
+        free = [(start(cores), cores) for cores in shares_of(_usable_cores(), min(workers, len(left)))]
+        while left or running:
+            while left and free:
+                pool, cores = free.pop(0)
+                try:
+                    future = pool.submit(run_cells, left[0])
+                except BrokenProcessPool:  # it was killed while it had nothing to do
+                    free.append((start(cores), cores))
+                    continue
+                running[future] = left.pop(0), pool, cores
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                batch, pool, cores = running.pop(future)
+                try:
+                    future.result()
+                except BrokenProcessPool:
+                    _fail_open_cells(batch)
+                    pool = start(cores)
+                free.append((pool, cores))
+                sweep, known, cells = cells_at(batch)
+                for cell in cells:
+                    tell(f"{cell.name}: {progress_of(sweep, cell, known['episodes']).summary}")
+
+
+def _fail_open_cells(batch: Batch) -> None:
+    """Writes down that the cells of a batch whose process died have failed, unless they were done or another process runs them."""
+    sweep, known, cells = cells_at(batch)
+    for cell in cells:
+        if progress_of(sweep, cell, known["episodes"]).state in ("waiting", "stopped"):
+            record_failure(sweep, cell, KILLED)
+
+
+def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:
+    """Returns the cores of each of `workers` processes: equal shares but for one core; all of them where there are too few."""
+    if workers > len(cores):
+        return [tuple(cores)] * workers
+    bounds = [len(cores) * number // workers for number in range(workers + 1)]
+    return [tuple(cores[low:high]) for low, high in pairwise(bounds)]
+
+
+def _usable_cores() -> list[int]:
+    """Returns the cores that this process may use; none where the system doesn't let a process choose (Linux does)."""
+    return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+
+
+def _keep_to(cores: tuple[int, ...]) -> None:
+    """Keeps this process to its cores; called before the process has started JAX, whose threads are then as many."""
+    if cores:
+        os.sched_setaffinity(0, cores)
