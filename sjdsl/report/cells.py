@@ -86,7 +86,7 @@ class Setting:
 
 def setting_of(run: Run) -> Setting:
     """Returns the game of a run. Under the paper's rules, numbers that the released code sets for one way of training are part of them."""
-    released = run.variant == published.variant() and _numbers(run.params) == published.params(run.game, run.algorithm, run.reward)
+    released = run.variant == published.variant(run.game) and _numbers(run.params) == published.params(run.game, run.algorithm, run.reward)
     return Setting(run.game, run.hash, run.variant, "" if released else run.params, run.map, run.num_agents)
 
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sjdsl.experiments.bundled_rules import rules_now, variant_now
 from sjdsl.games_folder import game_names
@@ -22,13 +22,13 @@ class Game:
     @property
     def published(self) -> str:
         """The name under which the paper has figures of it: of its own rules, numbers and map only."""
-        of_the_paper = self.setting is None or (self.setting.plain and self.setting.variant == variant())
+        of_the_paper = self.setting is None or (self.setting.plain and self.setting.variant == variant(self.name))
         return self.name if of_the_paper else ""
 
     @property
-    def variant(self) -> str:
-        """The variant that it was, or is to be, trained in."""
-        return variant() if self.setting is None else self.setting.variant
+    def asked(self) -> tuple[str, str]:
+        """Its name and the variant that it was, or is to be, trained in."""
+        return self.name, variant(self.name) if self.setting is None else self.setting.variant
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,15 @@ class Contents:
         """The names without those of variants, which are games only in measurements of speed: commands are made for these."""
         return tuple(name for name in self.names if "+" not in name)
 
+    def wanted_variant(self, name: str) -> str:
+        """Returns the variant of a game in which commands find what is missing: the paper's on the page of the whole suite, else none."""
+        return variant(name) if self.whole_suite and name in suite() else ""
+
     def of_the_paper(self, row: DiagramRow | Meeting) -> bool:
         """Returns whether a game was played by the rules and numbers of the paper."""
-        trained = {s.hash for s in self.index.settings if s.game == row.game and s.variant == variant()}
-        return not row.params and (row.hash in trained or variant_now(row.game, row.hash) == variant())
+        theirs = variant(row.game)
+        trained = {s.hash for s in self.index.settings if s.game == row.game and s.variant == theirs}
+        return not row.params and (row.hash in trained or row.hash == (rules_now(row.game, theirs) or ("",))[0])
 
     def form(self, row: DiagramRow | Meeting) -> str:
         """Returns what differs in the game that was played from the bundled game as it is now, in words; `""` where nothing does."""
@@ -68,26 +73,33 @@ class Contents:
             return row.params
         trained = (setting for setting in self.index.settings if (setting.game, setting.hash) == (row.game, row.hash))
         known = next((_forms(setting.variant, setting.map) for setting in trained if setting.variant or setting.map), None)
-        forms = known or _forms(variant_now(row.game, row.hash) or "") or [f"rules {row.hash[:6]}", f"{row.num_agents} agents"]
+        theirs = self.of_the_paper(replace(row, params=""))
+        forms = known or _forms(variant(row.game) if theirs else variant_now(row.game, row.hash) or "")
+        forms = forms or [f"rules {row.hash[:6]}", f"{row.num_agents} agents"]
         return ", ".join([*forms, *filter(None, (row.params,))])
 
 
-def called(names: Iterable[str]) -> str:
-    """Returns games as a command names them, each once: bundled and installed ones by name, others by their file."""
+def called(names: Iterable[str], form: str = "") -> str:
+    """Returns games as a command names them, each once: bundled and installed ones by name, others by their file; and their variant."""
     known = set(game_names())
-    return " ".join(name if name in known else f"{name}.sj" for name in dict.fromkeys(names))
+    games = [name if name in known else f"{name}.sj" for name in dict.fromkeys(names)]
+    return " ".join([*games, *(("--variant", form) if form else ())])
 
 
-def sweeps_of(games: Iterable[Game], options: str, run: str) -> tuple[str, ...]:
-    """Returns the commands that train in games, one for all of the same variant. `run`: the folder, without the variant."""
+def sweeps_of(games: Iterable[tuple[str, str]], options: str, run: str) -> tuple[str, ...]:
+    """Returns the commands that train in games, each with its variant: one for all of the same. `run`: the folder, without the variant."""
     by_variant: dict[str, list[str]] = {}
-    for game in games:
-        by_variant.setdefault(game.variant, []).append(game.name)
+    for name, form in games:
+        by_variant.setdefault(form, []).append(name)
     return tuple(
-        f"sjdsl sweep {called(names)}{f' --variant {form}' if form else ''} {options} --preset two_cores --seeds 5 "
-        f"--run {run}{f'_{form}' if form else ''}"
+        f"sjdsl sweep {called(names, form)} {options} --preset two_cores --seeds 5 --run {in_folder(run, form)}"
         for form, names in by_variant.items()
     )
+
+
+def in_folder(run: str, form: str) -> str:
+    """Returns the folder of a sweep in a variant."""
+    return f"{run}_{form}" if form else run
 
 
 def contents_of(evidence: Evidence, whole_suite: bool) -> Contents:
@@ -100,7 +112,7 @@ def contents_of(evidence: Evidence, whole_suite: bool) -> Contents:
         Game(s.game, f"{label}, rules {s.hash[:6]}, {s.num_agents} agents" if label in twice else label, s) for s, label in plain.items()
     ]
     there = {game.published for game in games}
-    games += [Game(name, f"{name}, variant {variant()}", None) for name in suite() if whole_suite and name not in there]
+    games += [Game(name, f"{name}, variant {variant(name)}", None) for name in suite() if whole_suite and name not in there]
     order = _ordered({game.name for game in games})
     return Contents(index, tuple(sorted(games, key=lambda game: (order.index(game.name), game.label))), whole_suite)
 

@@ -39,9 +39,10 @@ def suite() -> tuple[str, ...]:
     return tuple(_content()["exchange"]["games"])
 
 
-def variant() -> str:
-    """Returns the variant of its games that the paper played: the rules of its released code."""
-    return str(_content()["rules"]["variant"])
+def variant(game: str) -> str:
+    """Returns the variant of a game that the paper played: the rules of its released code."""
+    rules = _content()["rules"]
+    return str(rules["variants"].get(game, rules["variant"]))
 
 
 def params(game: str, algorithm: str, reward: str) -> Mapping[str, float]:

@@ -33,9 +33,10 @@ def evidence(sources: Path) -> Evidence:
 def fixed() -> Iterator[None]:
     """Has the bundled games' rules be those of the folders here, but for harvest_open; and `rliable` not installed."""
     now = {**RULES, "harvest_open": "new"}
-    known = {game: (rules, AGENTS[game]) for game, rules in now.items()}
+    known = {(game, ""): (rules, AGENTS[game]) for game, rules in now.items()}
+    known |= {("coins", "socialjax"): ("c02", 2), ("gift_refinement", "socialjax+automatic"): ("a17", 5)}
     with (
-        mock.patch("sjdsl.report.contents.rules_now", lambda game, variant: None if variant else known.get(game)),
+        mock.patch("sjdsl.report.contents.rules_now", lambda *game: known.get(game)),
         mock.patch("sjdsl.report.contents.variant_now", lambda _, rules: VARIANTS.get(rules)),
         mock.patch("sjdsl.report.sections.over_games.is_installed", return_value=False),
     ):

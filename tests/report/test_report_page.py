@@ -407,3 +407,25 @@ def test_a_report_of_nothing_is_short() -> None:
     report = make_report(Evidence(), "sjdsl report")
     assert len(report.page) < 6000
     assert not report.pictures
+
+
+def test_the_variant_that_the_paper_played_is_another_in_one_game(tmp_path: Path) -> None:
+    """Its findings, tables and commands are of that variant; runs under the rules of the other games have nothing published beside them."""
+    rewards = {"individual": (100.0, 101.0, 102.0), "common": (500.0, 510.0, 505.0)}
+    for variant, rules in (("socialjax", "b52"), ("socialjax+automatic", "a17")):
+        for reward, returns in rewards.items():
+            asked = {"provenance": {"variant": variant}, "reward": reward}
+            write_run(tmp_path / f"{variant}_{reward}", "gift_refinement", returns, rules=rules, **asked)
+    write_diagram(tmp_path / "diagram", "gift_refinement", CONTRASTS, "dilemma", rules="a17", agents=5)
+    report = report_of(tmp_path, whole_suite=True)
+    verdicts = {(row["claim"], row["game"]): row["verdict"] for row in records(report, "findings")}
+    assert verdicts["common reward earns more than individual reward", "gift_refinement"] == "holds"
+    assert [verdict for (claim, game), verdict in verdicts.items() if "diagram" in claim and game == "gift_refinement"] == ["holds"]
+    published = {row["game"] for row in records(report, "exchange") if row["published"] == "505"}
+    assert published == {"gift_refinement, variant socialjax+automatic"}
+    assert "| dilemma, fear and greed | fear, called a stag hunt | 5 training seeds |" in report.page
+    page = make_report(Evidence(), "sjdsl report", whole_suite=True).page
+    for call in (row for row in page.splitlines() if row.startswith(("sjdsl sweep", "sjdsl schelling", "sjdsl crossplay"))):
+        variant = "socialjax+automatic" if "gift_refinement" in call else "socialjax"
+        assert f"--variant {variant} " in call
+        assert call.endswith(f"_{variant}")

@@ -3,12 +3,12 @@
 from typing import Any
 
 from sjdsl.experiments.published import published_shape
-from sjdsl.report.contents import Contents, called
+from sjdsl.report.contents import Contents, called, in_folder, sweeps_of
 from sjdsl.report.evidence import DiagramRow
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section, Table
 from sjdsl.report.published import variant
-from sjdsl.report.sections.own_and_common import REWARDS, rewards_sweep
+from sjdsl.report.sections.own_and_common import AXIS, REWARDS, pools
 
 HEADINGS = (*("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "published", "over"),)
 
@@ -21,7 +21,9 @@ def diagrams(contents: Contents) -> Section:
     found = contents.evidence.diagrams
     own = [row for row in found if not contents.form(row)]
     trained = {row.game for row in own if row.unit == TRAINED}
-    missing = [name for name in contents.plain_names if name not in trained]
+    theirs = {row.game for row in found if row.unit == TRAINED and contents.of_the_paper(row)}
+    wanted = [(name, contents.wanted_variant(name)) for name in contents.plain_names]
+    missing = [(name, form) for name, form in wanted if name not in (theirs if form else trained)]
     rows = [row for name in contents.names for row in _rows(contents, name)]
     records = tuple(_record(contents, row) for row in found)
     text = [
@@ -34,12 +36,12 @@ def diagrams(contents: Contents) -> Section:
     cautions = tuple(f"{_label(contents, row)}: {row.caution}" for row in found if row.caution)
     title = "Contrasts of the return of an agent"
     tables = (Table("schelling", title, HEADINGS, tuple(rows), records, 3),) if rows else ()
-    fill = [
-        f"sjdsl schelling {called([name])} --cooperators {REWARDS}/{name}_reward-common --defectors {REWARDS}/{name}_reward-individual "
-        f"-o runs/{name}_diagram"
-        for name in missing
-    ]
-    return Section("Schelling diagrams", (*text, *cautions), tables, fill=(rewards_sweep(missing), *fill) if fill else ())
+    fill = []
+    for name, form in missing:
+        cooperators, defectors = pools(name, form)
+        command = f"sjdsl schelling {called([name], form)} --cooperators {cooperators} --defectors {defectors}"
+        fill.append(f"{command} -o {in_folder(f'runs/{name}_diagram', form)}")
+    return Section("Schelling diagrams", (*text, *cautions), tables, fill=(*sweeps_of(missing, AXIS, REWARDS), *fill))
 
 
 def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:
@@ -52,7 +54,7 @@ def _rows(contents: Contents, game: str) -> list[tuple[str, ...]]:
         key=lambda row: (not contents.of_the_paper(row), contents.form(row), row.unit != TRAINED),
     )
     if said and not (found and contents.of_the_paper(found[0])):
-        return [(f"{game}, variant {variant()}", *("",) * 7, said, ""), *(_row(contents, row, "") for row in found)]
+        return [(f"{game}, variant {variant(game)}", *("",) * 7, said, ""), *(_row(contents, row, "") for row in found)]
     return [_row(contents, row, said if number == 0 else "") for number, row in enumerate(found)]
 
 

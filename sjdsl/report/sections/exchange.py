@@ -39,7 +39,9 @@ def exchange(contents: Contents) -> Section:
         )
     panels = [panel_of(game.label, _ours(cells), _printed(game)) for game, cells in found.items() if cells]
     draw = partial(draw_series, panels, "exchange ratio", "collective return")
-    fill = sweeps_of([game for game, cells in found.items() if not set(RATIOS) <= cells.keys()], "--protocol exchange", "runs/exchange")
+    fill = sweeps_of(
+        [game.asked for game, cells in found.items() if not set(RATIOS) <= cells.keys()], "--protocol exchange", "runs/exchange"
+    )
     pictures = (Picture("exchange", "returns by exchange ratio", draw),) if panels else ()
     return Section("Returns by exchange ratio", tuple(text), tuple(tables), pictures, fill)
 

@@ -1,9 +1,9 @@
 """Cross-play: what an agent of a policy earned in each mixture."""
 
-from sjdsl.report.contents import Contents, called
+from sjdsl.report.contents import Contents, called, in_folder, sweeps_of
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section, Table
-from sjdsl.report.sections.own_and_common import REWARDS, rewards_sweep
+from sjdsl.report.sections.own_and_common import AXIS, REWARDS, pools
 
 
 def meetings(contents: Contents) -> Section:
@@ -25,6 +25,7 @@ def meetings(contents: Contents) -> Section:
     records = tuple(vars(row) for row in contents.evidence.meetings)
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, tuple(rows), records, 3)
     game = next(iter(contents.plain_names), "coins")
-    pools = f"{REWARDS}/{game}_reward-common {REWARDS}/{game}_reward-individual"
-    fill = rewards_sweep([game]), f"sjdsl crossplay {called([game])} --policies {pools} --mix pairs -o runs/{game}_pairs"
+    form = contents.wanted_variant(game)
+    command = f"sjdsl crossplay {called([game], form)} --policies {' '.join(pools(game, form))} --mix pairs"
+    fill = *sweeps_of([(game, form)], AXIS, REWARDS), f"{command} -o {in_folder(f'runs/{game}_pairs', form)}"
     return Section("Cross-play", (), (table,) if rows else (), fill=() if of_the_game else fill)

@@ -46,7 +46,7 @@ def metrics(contents: Contents) -> Section:
             "The command below trains exchange at the ratio that the paper chose, and SVO at the weight of the configuration. "
             "The best of several ratios and weights are found by the commands of the sections above."
         )
-    return Section(TITLE, tuple(text), (table,), fill=sweeps_of(empty, "--protocol algorithms", "runs/algorithms"))
+    return Section(TITLE, tuple(text), (table,), fill=sweeps_of([game.asked for game in empty], "--protocol algorithms", "runs/algorithms"))
 
 
 def _ways(contents: Contents, game: Game) -> list[Way]:

@@ -46,8 +46,10 @@ def over_games(contents: Contents) -> Section:
     ]
     if len(scores) < 1:
         wanted = _without_random(contents)
-        rules = f"--variant {published.variant()}"
-        fill = [f"sjdsl crossplay {called([name])} {rules} --policies random --episodes 200 -o runs/{name}_random" for name in wanted]
+        fill = [
+            f"sjdsl crossplay {called([name], published.variant(name))} --policies random --episodes 200 -o runs/{name}_random"
+            for name in wanted
+        ]
         return Section(
             TITLE, (*text, "There are no two games yet with the same way of training, two seeds, and a random policy."), fill=tuple(fill)
         )

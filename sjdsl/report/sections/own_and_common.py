@@ -1,10 +1,10 @@
 """What common reward changes: individual against common reward in each game, by Welch's t-test."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from sjdsl.report.cells import settings_between
 from sjdsl.report.comparing import Pair, compared_table
-from sjdsl.report.contents import Contents, Game, called, sweeps_of
+from sjdsl.report.contents import Contents, Game, in_folder, sweeps_of
 from sjdsl.report.evidence import RandomRow
 from sjdsl.report.figure_text import bounded
 from sjdsl.report.page import Section
@@ -12,7 +12,7 @@ from sjdsl.report.published import difficulty
 from sjdsl.report.ways import common, individual
 
 AXIS = "--axis reward=individual,common"
-REWARDS = "runs/rewards/cells"  # where the sweep that is named for empty cells puts its runs
+REWARDS = "runs/rewards"  # where the sweep that is named for empty cells puts its runs
 
 
 def own_and_common(contents: Contents) -> Section:
@@ -35,14 +35,15 @@ def own_and_common(contents: Contents) -> Section:
     ]
     for column, cells in (("individual", [own for _, own, _ in lines]), ("common", [shared for _, _, shared in lines])):
         text += settings_between(column, {said[0]: cell for (said, _, _), cell in zip(lines, cells, strict=True)})
-    missing = [game for game, line in zip(contents.games, lines, strict=True) if None in line[1:]]
-    fill = sweeps_of(missing, AXIS, "runs/rewards") if lines else (rewards_sweep(["coins"]),)
+    missing = [game.asked for game, line in zip(contents.games, lines, strict=True) if None in line[1:]]
+    fill = sweeps_of(missing if lines else [("coins", "")], AXIS, REWARDS)
     return Section("Individual and common reward", tuple(text), (table,) if lines else (), fill=fill)
 
 
-def rewards_sweep(games: Iterable[str]) -> str:
-    """Returns the command that trains in games with individual and with common reward."""
-    return f"sjdsl sweep {called(games)} {AXIS} --preset two_cores --seeds 5 --run runs/rewards"
+def pools(name: str, form: str) -> tuple[str, str]:
+    """Returns the folders in which that sweep leaves what has learnt in a game from common reward, and from individual reward."""
+    cells = f"{in_folder(REWARDS, form)}/cells/{name}_reward"
+    return f"{cells}-common", f"{cells}-individual"
 
 
 def _random(contents: Contents, game: Game) -> RandomRow | None:

@@ -29,7 +29,7 @@ def sharing(contents: Contents) -> Section:
         text += settings_between(f"{label}, {way}", {"shared": shared, "separate": separate})
     title = "Collective return with shared and with separate parameters"
     table = compared_table("sharing", title, ("game", "way of training"), ("shared", "separate"), lines)
-    fill = sweeps_of((game for game in contents.games if game.label not in tried), "--protocol sharing", "runs/sharing")
+    fill = sweeps_of((game.asked for game in contents.games if game.label not in tried), "--protocol sharing", "runs/sharing")
     return Section("Shared and separate parameters", tuple(text), (table,) if lines else (), fill=fill)
 
 

@@ -40,7 +40,7 @@ def svo(contents: Contents) -> Section:
     draw = partial(draw_series, panels, "SVO angle (degrees)", "collective return")
     pictures = (Picture("svo", "returns by SVO angle", draw),) if panels else ()
     # of weight 0 a sweep trains one angle, for all are alike
-    wanted = [game for game, (weight, cells) in angles.items() if not (set(ANGLES) <= cells.keys() or (cells and not weight))]
+    wanted = [game.asked for game, (weight, cells) in angles.items() if not (set(ANGLES) <= cells.keys() or (cells and not weight))]
     fill = sweeps_of(wanted, "--protocol svo", "runs/svo")
     return Section("Social value orientation", text, tuple(tables), pictures, fill)
 
