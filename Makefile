@@ -187,7 +187,7 @@ docs: .venv/ready
 
 # Writes docs/results.md again: the page of the results in docs/results/data.
 results: .venv/ready
-	$(BIN)/sjdsl report docs/results/data -o docs/results.md --suite
+	$(BIN)/python -m bench.paper
 
 # Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md: about 30 minutes.
 diagrams: .venv/ready

@@ -35,7 +35,7 @@ COMMANDS = {
     "record": "Store whole episodes as arrays: observations, actions, rewards.",
     "render": "Draw a game as a GIF, MP4 or PNG.",
     "replay": "Show a recorded episode.",
-    "report": "Make tables and pictures of results, beside the published ones.",
+    "report": "Make tables and pictures of results.",
     "schelling": "Plot what cooperators and defectors earn, and test for a dilemma.",
     "studio": "Write and play a game in the browser.",
     "sweep": "Train in a grid of configurations and games.",
