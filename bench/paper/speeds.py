@@ -11,12 +11,12 @@ import pandas as pd
 from bench.paper import published
 from bench.paper.contents import called, in_order
 from bench.paper.small_multiples import Multiple, Series, draw_series
+from bench.speed.stored import read_found
+from bench.speed.training import Training
 from sjdsl.bench.loop import YARDSTICK
 from sjdsl.bench.machine import devices_said
-from sjdsl.bench.stored import read_found
 from sjdsl.bench.tables import thousands
 from sjdsl.bench.timing import Report
-from sjdsl.bench.training import Training
 from sjdsl.results.figures import EMPTY, Figure, Table, counted, interval, number
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.selecting import APART, NAMES, SHARED
@@ -147,8 +147,8 @@ def hours(frame: pd.DataFrame) -> Section:
     )
     there = {name: set(own[["algorithm", "sharing"]].itertuples(index=False, name=None)) for name, own in frame.groupby("game")}
     missing = [name for name in published.suite() if not there.get(name, set()) >= WAYS]
-    options = "--training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 --json runs/training.json"
-    fill = (f"sjdsl bench {called(missing)} {options}",) if missing else ()
+    options = "--algorithms ippo,mappo,vdn --sharings shared,per_agent --hours 1e9 --json runs/training.json"
+    fill = (f"python -m bench.speed training {called(missing)} {options}",) if missing else ()
     return Section("Hours of training", text, (Table("hours", "Hours of training", headings, rows, 4),), fill=fill)
 
 

@@ -1,7 +1,7 @@
 """The examples under the help of each command: lines to copy, each of which is a call that can be made."""
 
 EXAMPLES = {
-    "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --sweep payoff"),
+    "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --observation onehot --json speed.json"),
     "check": ("sjdsl check my_game.sj", "sjdsl check coins --variant socialjax --strict"),
     "compile": ("sjdsl compile my_game.sj", "sjdsl compile my_game.sj --standalone", "sjdsl compile --all --check"),
     "crossplay": (

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from bench.speed.training import Training
+from bench.speed.training_split import Split
 from sjdsl.bench.stored import write_found
 from sjdsl.bench.timing import Report, Speed
-from sjdsl.bench.training import Split, Training
 from sjdsl.results import ResultsWarning
 from sjdsl.results.loading import load_both
 from sjdsl.trainers import make_config

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
 
-from sjdsl.bench.training_split import Algorithm, Network, Sharing
+from bench.speed.training_split import Algorithm, Network, Sharing
 from sjdsl.trainers.config import Config, ConfigError, VDNConfig, make_config
 
 if TYPE_CHECKING:

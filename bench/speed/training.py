@@ -11,11 +11,11 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.bench.extrapolation import Hours, hours_to
+from bench.speed.extrapolation import Hours, hours_to
+from bench.speed.training_setups import Setup
+from bench.speed.training_split import Split
 from sjdsl.bench.machine import describe_machine
 from sjdsl.bench.timing import race
-from sjdsl.bench.training_setups import Setup
-from sjdsl.bench.training_split import Split
 
 SIDE = 2048  # of the square matrices whose product shows what the machine can do
 TIMED = 2048  # environment steps of one timing, at least: an update of one short rollout is over too soon to be timed alone
@@ -73,7 +73,7 @@ def measure_training(
 
 def measure_split(setup: Setup, repeats: int) -> Split:
     """Returns the parts of one update, as a run computes it; all are timed in turn, round by round."""
-    from sjdsl.bench.training_parts import flops_of, idle_rollout
+    from bench.speed.training_parts import flops_of, idle_rollout
     from sjdsl.trainers import make_train
     from sjdsl.trainers.compiled import compile_train
 

@@ -8,14 +8,15 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from sjdsl.bench.kernels import measure_kernels
+from bench.speed.kernels import measure_kernels
+from bench.speed.resuming import measure_resume
+from bench.speed.stored import Found, read_found
+from bench.speed.training import Training, measure_training
+from bench.speed.training_setups import training_setups
 from sjdsl.bench.loop import Task, steps_for
 from sjdsl.bench.machine import describe_machine
-from sjdsl.bench.resuming import measure_resume
-from sjdsl.bench.stored import Found, read_found, write_found
+from sjdsl.bench.stored import write_found
 from sjdsl.bench.timing import Report, measure
-from sjdsl.bench.training import Training, measure_training
-from sjdsl.bench.training_setups import training_setups
 from sjdsl.files import read_json, write_whole
 from sjdsl.runtime.env import Environment
 
@@ -181,4 +182,4 @@ def read_parts(folder: Path) -> tuple[str, tuple[Done, ...]]:
         stored = read_json(path)
         return stored["command"], tuple(Done(**row) for row in stored["parts"])
     except (OSError, KeyError, TypeError, json.JSONDecodeError) as error:
-        raise ValueError(f"{folder} holds no figures of `sjdsl bench --everything` ({type(error).__name__}: {error})") from None
+        raise ValueError(f"{folder} holds no figures of `python -m bench.speed everything` ({type(error).__name__}: {error})") from None

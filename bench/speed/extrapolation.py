@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from sjdsl.bench.training_split import Algorithm, Network, Sharing, Split
+from bench.speed.training_split import Algorithm, Network, Sharing, Split
 
 SECONDS_PER_HOUR = 3600
 
