@@ -55,6 +55,7 @@ POINT = ("run", "seed", "env_steps", "collective_return", "folder")
 TEXTS = {"record", *SETTING[:-1], "run", *WAY[:3], "network", "settings", "preset", "status", "hardware", "folder"}
 TEXTS |= {"mixture", "policy", "unit", "cooperators", "defectors", "outcome", "reason", "caution"}
 COUNTS = {"num_agents", "total_timesteps", "seed", "steps", "episodes", "units", "env_steps"}
+NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "stage", "collective_return", "low", "high"}
 # What makes two rows say the same thing.
 KEY = ("record", "game", "hash", "params", "num_agents", "run", "seed", "mixture", "policy", "cooperators", "defectors")
 CONTRASTS = ("A", "B", "fear", "greed")
@@ -132,8 +133,8 @@ def write_frame(frame: "pd.DataFrame") -> str:
 
 def _typed(frame: "pd.DataFrame") -> "pd.DataFrame":
     texts = {name: "string" for name in frame if name in TEXTS}
-    counts = {name: "Int64" for name in frame if name in COUNTS}
-    frame = frame.astype({**texts, **counts})
+    kinds = {name: "Int64" if name in COUNTS else "float" for name in frame if name in COUNTS | NUMBERS}
+    frame = frame.astype({**texts, **kinds})
     frame[[*texts]] = frame[[*texts]].fillna("").astype(object)
     return frame
 
@@ -274,15 +275,16 @@ def _run(path: Path, stage: int | None = None) -> Found:
         manifest = read_manifest(path)
         ids = ids_of(manifest, stage)
         found = [_seed(folder, seed, ids, manifest) for seed, folder in _folders(path, manifest["config"])]
+        rows = [row for row, _ in found]
+        _typed(pd.DataFrame(rows))  # refuses values that are none of their column
     except (RunError, ConfigError) as error:
         _warn(f"{error}: {path} is left out")
         return [], []
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         _warn(f"{path / MANIFEST} is damaged ({type(error).__name__}: {error}): {path} is left out")
         return [], []
-    rows, points = [row for row, _ in found], [point for _, more in found for point in more]
     _warn_of_seeds(path, manifest, rows)
-    return rows, points
+    return rows, [point for _, points in found for point in points]
 
 
 def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, Any]:

@@ -1,6 +1,8 @@
 """Which preset a run has the settings of."""
 
+import json
 from collections.abc import Mapping
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -22,13 +24,17 @@ def preset_of(game: str, settings: Mapping[str, Any]) -> str:
     """
     if settings["algorithm"] not in KEYS_OF or Path(str(settings["reward"])).suffix:  # one's own are files, which are not run here
         return ""
-    asked = {name: settings[name] for name in ASKED if name in settings}
-    found = []
+    presets = _presets(game, json.dumps({name: settings[name] for name in ASKED if name in settings}))
+    return "/".join(name for name, like in presets.items() if all(like.get(key) == value for key, value in settings.items()))
+
+
+@cache
+def _presets(game: str, asked: str) -> Mapping[str, Mapping[str, Any]]:
+    """Returns the configuration of each preset that can be asked for so, by its name."""
+    found = {}
     for name in sorted(entry.name.removesuffix(".toml") for entry in files("sjdsl.trainers").joinpath("presets").iterdir()):
         try:
-            like = load_preset(name, asked, game, asked=()).config.model_dump(mode="json")
+            found[name] = load_preset(name, json.loads(asked), game, asked=()).config.model_dump(mode="json")
         except ConfigError:
             continue
-        if all(like.get(key) == value for key, value in settings.items()):
-            found.append(name)
-    return "/".join(found)
+    return found

@@ -90,7 +90,7 @@ def test_whatever_stands_there_is_a_message(whole: dict[str, Any], tmp_path: Pat
             is_finished(tmp_path), diverged_in(tmp_path)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ResultsWarning)
-                load(tmp_path)
+                load(tmp_path)  # also what pandas makes of it
     for partner in ("a" * 5000, "a\0", f"a@{'9' * 5000}"):
         (tmp_path / MANIFEST).write_text(json.dumps(damaged(whole, ("config", "partners"), [[1, partner]])))
         with pytest.raises(RunError, match=r"has a configuration that is none|has done"):
