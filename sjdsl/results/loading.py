@@ -276,7 +276,8 @@ def _run(path: Path, stage: int | None = None) -> Found:
         ids = ids_of(manifest, stage)
         found = [_seed(folder, seed, ids, manifest) for seed, folder in _folders(path, manifest["config"])]
         rows = [row for row, _ in found]
-        _typed(pd.DataFrame(rows))  # refuses values that are none of their column
+        for row in rows:
+            _check(row)
     except (RunError, ConfigError) as error:
         _warn(f"{error}: {path} is left out")
         return [], []
@@ -321,6 +322,16 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, A
     columns = {*WAY} - ({"svo_angle"} if reward == "svo" and "svo_angle" not in ids else set())
     own = {key: value for key, value in sorted(way.items()) if key not in columns and value != usual.get(key)}
     return ids | {"settings": json.dumps(own, separators=(",", ":"))}
+
+
+def _check(row: Mapping[str, Any]) -> None:
+    """Raises ValueError, TypeError or OverflowError for a value that is none of its column."""
+    for name, value in row.items():
+        of_kind = isinstance(value, str) if name in TEXTS else isinstance(value, int) and abs(value) < 2**63 if name in COUNTS else True
+        if value is not None and not of_kind:
+            raise ValueError(f"its {name} is {value!r}")
+        if value is not None and name in NUMBERS:
+            float(value)
 
 
 def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:

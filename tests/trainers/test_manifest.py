@@ -12,7 +12,8 @@ import pytest
 from probes import matching
 
 from sjdsl.cli import run as command_line
-from sjdsl.results import ResultsWarning, load
+from sjdsl.results import ResultsWarning
+from sjdsl.results.loading import _run as read_run
 from sjdsl.sweeps.folder import diverged_in, is_finished
 from sjdsl.trainers import PolicyError, RunError, make_config
 from sjdsl.trainers.manifest import MANIFEST, read_manifest
@@ -90,7 +91,7 @@ def test_whatever_stands_there_is_a_message(whole: dict[str, Any], tmp_path: Pat
             is_finished(tmp_path), diverged_in(tmp_path)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ResultsWarning)
-                load(tmp_path)  # also what pandas makes of it
+                read_run(tmp_path)
     for partner in ("a" * 5000, "a\0", f"a@{'9' * 5000}"):
         (tmp_path / MANIFEST).write_text(json.dumps(damaged(whole, ("config", "partners"), [[1, partner]])))
         with pytest.raises(RunError, match=r"has a configuration that is none|has done"):
