@@ -34,7 +34,7 @@ import sjdsl
 from sjdsl.bench.loop import game_task
 from sjdsl.bench.markdown import markdown_table, write_section
 from sjdsl.bench.tables import Table
-from sjdsl.report import published
+from paper import published  # bench/paper, beside this script
 from sjdsl.runtime.forms import forced
 from sjdsl.substrates import substrates
 

@@ -73,7 +73,7 @@ def file_texts(sections: Iterable[Section]) -> dict[str, str]:
 
 def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
     """Returns each picture as PNG and SVG, by the names of the files."""
-    files = {}
+    files: dict[str, bytes] = {}
     for picture in (picture for section in sections for picture in section.pictures):
         drawing = picture.draw()
         files |= {f"{FIGURES}/{picture.name}.{ending}": picture_bytes(drawing, ending) for ending in ENDINGS}

@@ -71,8 +71,9 @@ def _differ_in_one_choice(usual: Any, other: Any) -> bool:
     """Returns whether `usual` has what is usual, or the default, where `other` has something else, and nothing else differs."""
 
     def choices(row: Any) -> dict[str, Any]:
-        own = {name: None if (value := row[name]) != value else value for name in WAY if name not in REWARD}
-        return own | {"reward": tuple(str(row[name]) for name in REWARD)} | json.loads(row.settings)
+        own: dict[str, Any] = {name: None if (value := row[name]) != value else value for name in WAY if name not in REWARD}
+        settings: dict[str, Any] = json.loads(row.settings)
+        return own | settings | {"reward": tuple(str(row[name]) for name in REWARD)}
 
     first, second = choices(usual), choices(other)
     apart = [name for name in first.keys() | second.keys() if first.get(name) != second.get(name)]
@@ -84,7 +85,7 @@ def _differ_in_one_choice(usual: Any, other: Any) -> bool:
 
 def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]) -> Table:
     """Returns a table of pairs of cells: both, how much more the second has with its 95 % interval, and p."""
-    rows = []
+    rows: list[tuple[str | Figure, ...]] = []
     for said, first, second in lines:
         known = first is not None and second is not None and first.estimate is not None and second.estimate is not None
         found = compare(first.values, second.values) if known and first is not None and second is not None else None
