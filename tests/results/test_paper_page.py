@@ -23,6 +23,7 @@ from report_folders import (
 
 from bench.paper import __main__ as paper
 from bench.paper.speeds import FILES, read_speeds
+from bench.speed.__main__ import main as measures
 from sjdsl.cli import commands
 
 ROOT = Path(__file__).parents[2]
@@ -266,16 +267,17 @@ def test_diagrams_of_the_papers_rules_alone_have_what_it_found_beside_them(tmp_p
 def test_commands_are_there_and_carry_the_variant_that_the_paper_played(empty: Page) -> None:
     assert empty.line(" | published", which=8)[2] == "144 ± 40"
     called = [shlex.split(row) for row in empty.text.splitlines() if row.startswith("sjdsl ")]
-    assert {call[1] for call in called} == {"sweep", "schelling", "bench"}
+    assert {call[1] for call in called} == {"sweep", "schelling"}
     above = click.Context(commands, info_name="sjdsl")
     for _, name, *arguments in called:
         command = commands.get_command(above, name)
         assert command is not None, name
         command.make_context(name, [*arguments], parent=above)
-        if name != "bench":
-            variant = "socialjax+automatic" if "gift_refinement" in arguments else "socialjax"
-            assert arguments[arguments.index("--variant") + 1] == variant
-            assert arguments[-1].endswith(f"_{variant}")
+        variant = "socialjax+automatic" if "gift_refinement" in arguments else "socialjax"
+        assert arguments[arguments.index("--variant") + 1] == variant
+        assert arguments[-1].endswith(f"_{variant}")
+    (measuring,) = [shlex.split(row)[3:] for row in empty.text.splitlines() if row.startswith("python -m bench.speed ")]
+    measures.commands[measuring[0]].make_context(measuring[0], measuring[1:])
 
 
 def test_the_variant_that_the_paper_played_is_another_in_one_game(tmp_path: Path) -> None:
