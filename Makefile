@@ -13,7 +13,7 @@ unexport PYTHONDONTWRITEBYTECODE
 RUN := runs/first
 # A file is one worker's: what its tests share is made once. Files come in the order of tests/conftest.py: the longest first.
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
-BENCH := $(BIN)/sjdsl bench
+BENCH := $(BIN)/python -m bench.speed
 ENVS ?= 1,128,1024,4096
 NINE := coins harvest_open harvest_closed harvest_partnership clean_up coop_mining gift_refinement mushrooms pd_arena
 OURS := ferry reputation stag_chase
@@ -131,27 +131,27 @@ fuzz: .venv/ready
 
 # Writes the tables and plots of docs/performance.md again; they are worth something on a machine with nothing else to do.
 bench: .venv/ready
-	$(BENCH) $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json --plots docs/plots $(PAGE)
-	$(BENCH) $(NINE) --training mlp --repeats 3 $(PAGE)
-	$(BENCH) coins clean_up harvest_open --training mlp,cnn --repeats 3 $(PAGE)
-	$(BENCH) coins clean_up --training mlp --algorithm ippo,mappo,vdn --sharing shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
-	$(BENCH) harvest_open --sweep regrow_3 --values 64 $(PAGE)
-	$(BENCH) pd_arena --sweep payoff --values 64 $(PAGE)
-	$(BENCH) $(NINE) --devices 2 --envs 128,1024,4096 $(PAGE)
+	$(BENCH) race $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json --plots docs/plots $(PAGE)
+	$(BENCH) training $(NINE) --repeats 3 $(PAGE)
+	$(BENCH) training coins clean_up harvest_open --networks mlp,cnn --repeats 3 $(PAGE)
+	$(BENCH) training coins clean_up --algorithms ippo,mappo,vdn --sharings shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
+	$(BENCH) sweep harvest_open regrow_3 --values 64 $(PAGE)
+	$(BENCH) sweep pd_arena payoff --values 64 $(PAGE)
+	$(BENCH) race $(NINE) --devices 2 --envs 128,1024,4096 $(PAGE)
 
 # The table of Melting Pot's substrates in docs/performance.md, written anew after each of them: a run that is stopped leaves its rows.
 bench-meltingpot: .venv/ready
-	$(BENCH) --substrates --repeats 3 --json runs/substrates.json $(PAGE)
+	$(BENCH) substrates --repeats 3 --json runs/substrates.json $(PAGE)
 
 # Everything that a GPU is needed for, in nine minutes: figures as JSON in runs/gpu, each as soon as it is measured.
 gpu:
 	@$(GPU_PYTHON) -c 'import jax, sys; sys.exit(0 if jax.default_backend() == "gpu" else "this JAX sees no GPU; name a Python whose JAX does: make gpu GPU_PYTHON=...")'
 	@$(GPU_PYTHON) -c 'import sjdsl.trainers' 2>/dev/null || $(GPU_PYTHON) -m pip install --quiet --no-deps --no-build-isolation -e .
-	$(GPU_PYTHON) -m sjdsl bench $(NINE) --everything runs/gpu --minutes $(GPU_MINUTES)
+	$(GPU_PYTHON) -m bench.speed everything runs/gpu $(NINE) --minutes $(GPU_MINUTES)
 
 # The tables of docs/performance.md from the figures that `make gpu` has left, on any machine.
 gpu-page: .venv/ready
-	$(BENCH) --from runs/gpu --plots docs/plots $(PAGE)
+	$(BENCH) tables runs/gpu --plots docs/plots $(PAGE)
 
 # What a step costs on a GPU that is not there, counted in what XLA compiles for a described one: needs 6 GB of packages and no GPU, and
 # compiles for two hours on one core, or as long as it takes for what has changed. SUITE=CHECKOUT: also the suite's own environments.
@@ -187,7 +187,7 @@ docs: .venv/ready
 
 # Writes docs/results.md again: the page of the results in docs/results/data.
 results: .venv/ready
-	$(BIN)/sjdsl report docs/results/data -o docs/results.md --suite
+	$(BIN)/python -m bench.paper
 
 # Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md: about 30 minutes.
 diagrams: .venv/ready

@@ -29,12 +29,12 @@ import jax.numpy as jnp
 import socialjax_original
 from gpu_cost import GPUS, Gpu, cost_of
 from jax.experimental import topologies
+from paper import published  # bench/paper, beside this script
 
 import sjdsl
 from sjdsl.bench.loop import game_task
 from sjdsl.bench.markdown import markdown_table, write_section
 from sjdsl.bench.tables import Table
-from sjdsl.report import published
 from sjdsl.runtime.forms import forced
 from sjdsl.substrates import substrates
 

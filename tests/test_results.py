@@ -1,47 +1,49 @@
-"""docs/results.md says what the CSV files in docs/results/data say, and they hold all diagrams of docs/schelling that something is published of."""
+"""docs/results.md says what the CSV files in docs/results/data say, and they hold the diagrams of docs/schelling that the paper has, too."""
 
-import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from sjdsl.cli import run
-from sjdsl.report import read_folders
-from sjdsl.report.evidence import DiagramRow
+from bench.paper import __main__ as paper
+from bench.paper import published
+from sjdsl.results import load
 
 ROOT = Path(__file__).parents[1]
-FILES = sorted((ROOT / "docs" / "schelling").glob("*/schelling.json"))
-DIAGRAMS = [file.parent for file in FILES if json.loads(file.read_text("utf-8"))["published"] is not None]
+DATA = ROOT / "docs/results/data"
+DIAGRAMS = [file.parent for file in sorted((ROOT / "docs" / "schelling").glob("*/schelling.json"))]
 
 
 def test_the_page_of_results_is_up_to_date(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(ROOT)
-    status = run(["report", "docs/results/data", "-o", "docs/results.md", "--suite", "--check"])
-    assert (status, capsys.readouterr().out) == (0, ""), "write it again with `make results`"
+    status = paper.main(["--check"])
+    assert (status, capsys.readouterr().err) == (0, ""), "write it again with `make results`"
 
 
 def test_all_committed_diagrams_are_in_the_results() -> None:
     """Whatever folder their policies were in when they were played."""
-
-    def named(row: DiagramRow) -> DiagramRow:
-        return replace(row, cooperators=Path(row.cooperators).name, defectors=Path(row.defectors).name)
-
-    there = {named(row) for row in read_folders([ROOT / "docs/results/data"]).diagrams}
-    missing = [folder.name for folder in DIAGRAMS for row in read_folders([folder]).diagrams if named(row) not in there]
-    assert not missing, "take them in as docs/reports.md says"
+    columns = ["game", "hash", "params", "cooperators", "defectors", "unit", "units", "A_mean", "fear_low", "greed_high"]
+    there, here = (
+        {
+            (Path(row.cooperators).name, Path(row.defectors).name, *row[columns].drop(["cooperators", "defectors"]))
+            for _, row in load(*folders).query("record == 'diagram'").iterrows()
+            if row.game in published.suite()
+        }
+        for folders in ([DATA], DIAGRAMS)
+    )
+    assert here - there == set(), "take them in as docs/reports.md says"
 
 
 def test_cross_play_is_of_the_policies_of_the_diagrams() -> None:
     """Both play a policy with itself by the same keys, so that A is the difference of two mixtures, to the digits that are kept."""
-    data = read_folders([ROOT / "docs/results/data"])
-    earned = {(row.hash, row.mixture): row.mean for row in data.meetings}
+    data = load(DATA)
+    met, diagrams = (data[data.record == record] for record in ("mixture", "diagram"))
+    earned = {(row.hash, row.mixture): row["mean"] for _, row in met.iterrows()}
     found = 0
-    for row in data.diagrams:
+    for _, row in diagrams.iterrows():
         both = [earned.get((row.hash, f"{row.num_agents} x {policy}")) for policy in (row.cooperators, row.defectors)]
         if None not in both:
-            assert pytest.approx(both[0] - both[1], abs=1e-3) == row.A
+            assert pytest.approx(both[0] - both[1], abs=1e-3) == row.A_mean
             found += 1
     assert found
-    trained = {row.policy for row in data.meetings if row.policy.startswith("runs/")}
-    assert trained <= {policy for row in data.diagrams for policy in (row.cooperators, row.defectors)}
+    trained = {policy for policy in met.policy if policy.startswith("runs/")}
+    assert trained <= {*diagrams.cooperators, *diagrams.defectors}

@@ -4,11 +4,12 @@ import json
 import tomllib
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from sjdsl.games_folder import games_folder
 from sjdsl.replay.recording import Recording, RecordingError, check_rules
-from sjdsl.report.reading import read_folders
+from sjdsl.results.loading import COLUMNS, load, write_frame
 from sjdsl.stored_hashes import FILE, current_hash
 from sjdsl.sweeps.cells import Cell
 from sjdsl.trainers.manifest import read_manifest
@@ -39,10 +40,10 @@ def test_sweeps() -> None:
     assert Cell.read("coins", described).hash == NEW
 
 
-def test_reports(tmp_path: Path) -> None:
+def test_results(tmp_path: Path) -> None:
     """Two tables, one of them of before: what they say of one game is told once."""
     for name, rules in (("before", OLD), ("today", NEW)):
-        figures = {"return, summed over agents": {"mean": 1.0, "low": 0.0, "high": 2.0}}
-        (tmp_path / f"{name}.json").write_text(json.dumps({"coins": {"hash": rules, "episodes": 9, "seed": 0, "values": figures}}))
-    (row,) = read_folders([tmp_path / "before.json", tmp_path / "today.json"]).random
-    assert row.hash == NEW
+        found = pd.DataFrame([{"record": "random", "game": "coins", "hash": rules, "collective_return": 1.0}], columns=COLUMNS)
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "results.csv").write_text(write_frame(found))
+    assert load(tmp_path / "before", tmp_path / "today").hash.to_list() == [NEW]

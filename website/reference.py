@@ -16,7 +16,7 @@ MODULES = {  # what has names that users import -> what the page is about
     "sjdsl.trainers": "Training",
     "sjdsl.experiments": "Experiments",
     "sjdsl.sweeps": "Sweeps",
-    "sjdsl.report": "Reports",
+    "sjdsl.results": "Results",
     "sjdsl.render": "Pictures",
     "sjdsl.replay": "Recorded episodes",
     "sjdsl.testing": "Scenes",

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ from sjdsl.bench.markdown import replace_section
 
 HERE = Path(__file__).parent
 PAGE = HERE.with_suffix(".md")
+PUBLISHED = tomllib.loads((HERE.parents[1] / "games/published.toml").read_text(encoding="utf-8"))["schelling"]["games"]
 
 
 def main(check: bool) -> int:
@@ -26,7 +28,7 @@ def written(page: str) -> str:
     for name, diagram in diagrams.items():
         page = replace_section(page, f"diagram {name}", lines_table(name, diagram))
     trained = [name for name in diagrams if name.endswith("_trained")]
-    ours = [name for name, diagram in diagrams.items() if diagram["published"] is None]
+    ours = [name for name, diagram in diagrams.items() if diagram["game"]["name"] not in PUBLISHED]
     scripted = [name for name in diagrams if name not in (*trained, *ours)]
     for section, names in (("scripted", scripted), ("ours", ours), ("trained", trained)):
         page = replace_section(page, section, verdicts_table([diagrams[name] for name in names]))
@@ -37,7 +39,7 @@ def verdicts_table(diagrams: list[dict[str, Any]]) -> str:
     """Returns a row for each diagram: the published shape, the verdict, the contrasts."""
     rows = [("game", "published", "here", "A", "B", "fear", "greed"), ("---", "---", "---", "--:", "--:", "--:", "--:")]
     for diagram in diagrams:
-        published, verdict = diagram["published"] or {}, diagram["verdict"]
+        published, verdict = PUBLISHED.get(diagram["game"]["name"], {}), diagram["verdict"]
         contrasts = (bounds(diagram["contrasts"][name]) for name in ("A", "B", "fear", "greed"))
         shape = f"dilemma, {verdict['shape']}" if verdict["outcome"] == "dilemma" else verdict["outcome"]
         rows.append(

@@ -16,20 +16,17 @@ def divide_cpu(devices: int) -> None:
         jax.config.update("jax_num_cpu_devices", devices)
 
 
-def check_devices(context: click.Context, devices: int, num_envs: Sequence[int], alone: bool) -> None:
+def check_devices(context: click.Context, devices: int, num_envs: Sequence[int]) -> None:
     """Refuses what cannot be split over so many devices.
 
     Args:
       num_envs: the numbers of environments that are measured.
-      alone: whether speeds are measured, and nothing else.
     Raises:
-      UsageError: something else is measured, or a number of environments is no multiple of the devices.
+      UsageError: a number of environments is no multiple of the devices.
       ClickException: JAX has fewer devices.
     """
     if devices == 1:
         return
-    if not alone:
-        raise click.UsageError("--devices is for speeds; it goes with no --sweep, --training or --everything", context)
     for number in num_envs:
         if number % devices:
             raise click.UsageError(f"--envs {number} cannot be split evenly over {devices} devices; change --envs or --devices", context)

@@ -1,7 +1,7 @@
 """The examples under the help of each command: lines to copy, each of which is a call that can be made."""
 
 EXAMPLES = {
-    "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --sweep payoff"),
+    "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --observation onehot --json speed.json"),
     "check": ("sjdsl check my_game.sj", "sjdsl check coins --variant socialjax --strict"),
     "compile": ("sjdsl compile my_game.sj --check", "sjdsl compile my_game.sj --standalone"),
     "crossplay": (
@@ -25,7 +25,7 @@ EXAMPLES = {
     "record": ("sjdsl record clean_up --episodes 100", "sjdsl record coins --policy runs/coins@best -o coins.npz"),
     "render": ("sjdsl render clean_up -o clean_up.gif", "sjdsl render my_game.sj --policy runs/mine@best --steps 200 -o mine.html"),
     "replay": ("sjdsl replay first.json", "sjdsl replay clean_up.npz --episode 7 -o seventh.gif"),
-    "report": ("sjdsl report runs -o report", "sjdsl report runs -o report --check"),
+    "report": ("sjdsl report runs -o report", "sjdsl report report/data runs/more -o report"),
     "schelling": (
         "sjdsl schelling coins --cooperators cooperator --defectors defector",
         "sjdsl schelling coins --cooperators runs/common --defectors runs/individual",

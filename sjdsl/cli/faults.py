@@ -49,7 +49,7 @@ FAULTS_OF_RUNS = {
     "sjdsl.trainers.policy_file": "PolicyError",
     "sjdsl.trainers.run_errors": "RunError",
     "sjdsl.experiments.refusals": "ExperimentError",
-    "sjdsl.report.refusals": "ReportError",
+    "sjdsl.results.refusals": "ResultsError",
 }
 
 

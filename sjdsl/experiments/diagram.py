@@ -17,10 +17,8 @@ from sjdsl.experiments.contrasts import (
     preferences,
 )
 from sjdsl.experiments.playing import Experiment, Part
-from sjdsl.experiments.published import published_beside
 from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_differ
 from sjdsl.trainers.estimates import Estimate
-from sjdsl.trainers.run_folder import describe_game
 
 FORMAT = 1  # of schelling.json
 ENOUGH = 300  # equal samples after which a hundredth of the others, at most, may differ
@@ -72,11 +70,6 @@ class Diagram:
     def population(self) -> str:
         """What the intervals are about."""
         return f"{self.units} training seeds" if self.returns.unit == "training seed" else f"{self.units} episodes, of these policies only"
-
-    @property
-    def published(self) -> dict[str, Any] | None:
-        """What the paper says of the game, as `published_shape` returns it; None where another form of it was played."""
-        return published_beside(describe_game(self.experiment.env))
 
     @property
     def caution(self) -> str | None:
@@ -132,7 +125,6 @@ def report_of(found: Diagram) -> dict[str, Any]:
         "joint_confidence": JOINT_CONFIDENCE,
         "contrasts": {contrast: {"what": IN_WORDS[contrast], **asdict(figure)} for contrast, figure in found.contrasts.items()},
         "verdict": {**asdict(verdict), "shape": verdict.shape, "caution": found.caution},
-        "published": found.published,
     }
 
 

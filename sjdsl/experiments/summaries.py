@@ -11,22 +11,18 @@ from sjdsl.trainers.estimates import Estimate
 
 
 def diagram_text(found: Diagram) -> str:
-    """Returns the diagram as text: both lines, the contrasts, the verdict, and what was published."""
+    """Returns the diagram as text: both lines, the contrasts and the verdict."""
     cooperators, defectors = found.experiment.pools
     lines = [("others who cooperate", "C: cooperating", "D: defecting", "D - C", "preferred")]
     for others, (c, d, (difference, preferred)) in enumerate(zip(found.cooperating, found.defecting, found.preferences, strict=True)):
         lines.append((str(others), _with_bounds(c), _with_bounds(d), _with_bounds(difference), preferred))
     contrasts = [(name, _with_bounds(figure), IN_WORDS[name]) for name, figure in found.contrasts.items()]
-    published = found.published
     parts = [
         f"\n{found.experiment.title}: cooperators {cooperators.name}, defectors {defectors.name}; {found.population}",
         f"mean return of an agent, with 95 % intervals\n{_in_columns(lines)}",
         f"contrasts, with intervals that hold at 95 % together\n{_in_columns(contrasts)}",
         "\n".join(filter(None, (f"verdict: {_verdict(found)}", found.caution))),
     ]
-    if published is not None:
-        note = f" ({published['note']})" if published["note"] else ""
-        parts.append(f"published: {published['shape']}, called a {published['type']}{note}; {published['source']}")
     return "\n\n".join(parts)
 
 

@@ -10,9 +10,11 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import pytest
+from click.testing import CliRunner
 from jax import Array
 from jax.experimental.compilation_cache import compilation_cache
 
+from bench.speed.__main__ import main
 from sjdsl.bench import Report, Task, game_task, measure, yardstick_task
 from sjdsl.bench.compilation import compile_step
 from sjdsl.bench.loop import make_loop
@@ -141,13 +143,14 @@ def test_the_command_prints_and_stores_a_table_and_keeps_no_program(keeping: Pat
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("folder")
-def test_the_command_measures_several_forms_and_writes_a_page() -> None:
+def test_the_command_measures_several_forms_and_writes_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
     Path("docs").mkdir()
     Path("docs/page.md").write_text("Speed.\n<!-- speed cpu -->\n<!-- end speed cpu -->\nThat was it.\n")
-    asked = "bench meadow.sj --observation tokens,onehot --agents own,9 --envs 2 --steps 2 --repeats 1"
-    assert run([*asked.split(), "--markdown", "docs/page.md", "--plots", "docs/plots"]) == 0
+    asked = "race meadow.sj --observation tokens,onehot --agents own,9 --envs 2 --steps 2 --repeats 1 --markdown docs/page.md --plots docs/plots"
+    monkeypatch.setattr("sys.argv", ["bench.speed", *asked.split()])
+    assert CliRunner().invoke(main, asked.split()).exit_code == 0
     page = Path("docs/page.md").read_text()
-    assert f"`sjdsl {asked} --markdown docs/page.md --plots docs/plots`" in page
+    assert f"`python -m bench.speed {asked}`" in page
     assert "| meadow | 2 | onehot |" in page
     assert "meadow.sj is left out with 9 agents: " in page
     assert "(plots/cpu_onehot_own_agents.png)" in page
@@ -155,8 +158,9 @@ def test_the_command_measures_several_forms_and_writes_a_page() -> None:
 
 
 @pytest.mark.usefixtures("folder")
-def test_a_page_without_marks_is_refused_before_anything_is_measured(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_page_without_marks_is_refused_before_anything_is_measured() -> None:
     Path("page.md").write_text("Nothing here.\n")
-    assert run(["bench", "meadow.sj", "--markdown", "page.md"]) == 1
-    assert "<!-- speed cpu -->" in capsys.readouterr().err
+    found = CliRunner().invoke(main, ["race", "meadow.sj", "--markdown", "page.md"])
+    assert found.exit_code == 1
+    assert "<!-- speed cpu -->" in found.output
     assert Path("page.md").read_text() == "Nothing here.\n"

@@ -7,16 +7,20 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
-from sjdsl.bench import Compilation, Report, Speed, Sweep, Training, game_task
-from sjdsl.bench.everything import Part, Plan, joined, measure_everything, parts_of, read_parts, spread
-from sjdsl.bench.extrapolation import hours_to
-from sjdsl.bench.kernels import Kernels, StepKernels
-from sjdsl.bench.resuming import Resume, differences
-from sjdsl.bench.stored import Found, read_found, write_found
-from sjdsl.bench.tables import tables_of
-from sjdsl.bench.training_split import Split
-from sjdsl.cli import run
+from bench.speed.__main__ import main
+from bench.speed.everything import Part, Plan, joined, measure_everything, parts_of, read_parts, spread
+from bench.speed.extrapolation import hours_to
+from bench.speed.kernels import Kernels, StepKernels
+from bench.speed.resuming import Resume, differences
+from bench.speed.stored import Found, read_found
+from bench.speed.sweep import Sweep
+from bench.speed.tables import tables_of
+from bench.speed.training import Training
+from bench.speed.training_split import Split
+from sjdsl.bench import Compilation, Report, Speed, game_task
+from sjdsl.bench.stored import write_found
 from sjdsl.runtime.env import Environment
 
 MACHINE = {"platform": "gpu", "device": "a device", "cpu_cores": 2, "python": "3", "jax": "0", "sjdsl": "0", "compilation_cache": False}
@@ -124,7 +128,7 @@ def test_the_plan_begins_with_what_tells_most(meadow_env: Environment) -> None:
     ]
 
 
-def test_a_page_is_made_of_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_page_is_made_of_the_folder(tmp_path: Path) -> None:
     """Only from files: nothing is measured. What is missing is named."""
     clock = Clock()
     parts = [
@@ -135,15 +139,14 @@ def test_a_page_is_made_of_the_folder(tmp_path: Path, capsys: pytest.CaptureFixt
     ]
     measure_everything(parts, tmp_path / "gpu", 1, "make gpu", clock, lambda _: None)
     page = tmp_path / "page.md"
-    assert run(["bench", "--from", str(tmp_path / "gpu"), "--markdown", str(page)]) == 0
+    asked = ["tables", str(tmp_path / "gpu"), "--markdown", str(page)]
+    assert CliRunner().invoke(main, asked).exit_code == 0
     text = page.read_text()
     for part in ("<!-- speed gpu -->\n`make gpu`, on a device", "not measured: many (failed", "<!-- kernels gpu -->", "50.0%", "no: loss"):
         assert part in text
     page.write_text("<!-- speed gpu -->\n<!-- end speed gpu -->\n")
-    assert run(["bench", "--from", str(tmp_path / "gpu"), "--markdown", str(page)]) == 1
-    assert "kernels gpu" in capsys.readouterr().err
-    assert run(["bench", "--from", str(tmp_path)]) == 1
-    assert "holds no figures" in capsys.readouterr().err
+    assert "kernels gpu" in CliRunner().invoke(main, asked).output
+    assert "holds no figures" in CliRunner().invoke(main, ["tables", str(tmp_path)]).output
 
 
 def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
@@ -162,20 +165,6 @@ def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
     assert differences(tmp_path / "whole", tmp_path / "resumed") == ("loss", "policies/2.safetensors")
     (tmp_path / "resumed" / "metrics.jsonl").write_text(lines[0] + "\n" + lines[1][:10])
     assert differences(tmp_path / "whole", tmp_path / "resumed")[0] == "2 and 1 rows of metrics"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["coins"], "--from goes without [GAME...]"),
-        (["--envs", "1"], "--from goes without --envs"),
-        (["--substrates"], "--from goes without --substrates"),
-        (["--training", "mlp"], "--from goes without --training"),
-    ],
-)
-def test_stored_figures_are_shown_as_they_are(arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["bench", "--from", str(tmp_path), *arguments]) == 2
-    assert said in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(("number", "chosen"), [(0, []), (1, [1]), (2, [1, 9]), (3, [1, 4, 9]), (9, [1, 2, 4, 8, 9])])

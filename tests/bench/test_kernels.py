@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 import pytest
 
+from bench.speed.kernels import Kernels, StepKernels, copied_bytes_per_s, count_kernels, measure_kernels
+from bench.speed.tables import kernel_table, notes_of
 from sjdsl.bench import game_task
-from sjdsl.bench.kernels import Kernels, StepKernels, copied_bytes_per_s, count_kernels, measure_kernels
-from sjdsl.bench.tables import kernel_table, notes_of
 from sjdsl.runtime.env import Environment
 
 # As XLA writes a program: two kernels in the entry, and a loop whose body has one and whose condition has one.

@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from sjdsl.bench import Compilation, Report, Speed, Sweep
+from bench.speed.plots import draw_scaling
+from bench.speed.sweep import Sweep
+from bench.speed.tables import notes_of, sweep_table, tables_of
+from sjdsl.bench import Compilation, Report, Speed
 from sjdsl.bench.markdown import markdown_section, markdown_table, new_page, replace_section, write_section
-from sjdsl.bench.plots import draw_scaling
-from sjdsl.bench.tables import cost_table, notes_of, relation_table, speed_table, sweep_table, tables_of
+from sjdsl.bench.tables import cost_table, relation_table, speed_table
 
 MACHINE = {"platform": "cpu"}
 
@@ -120,8 +122,8 @@ def test_the_page_of_speeds_has_marks_for_what_make_gpu_measures(section: str) -
     ("section", "made"),
     [
         ("speed", "--plots docs/plots"),
-        ("sweep harvest_open regrow_3", "harvest_open --sweep regrow_3"),
-        ("sweep pd_arena payoff", "pd_arena --sweep payoff"),
+        ("sweep harvest_open regrow_3", "sweep harvest_open regrow_3"),
+        ("sweep pd_arena payoff", "sweep pd_arena payoff"),
     ],
 )
 def test_the_page_of_speeds_has_marks_for_what_make_bench_measures(section: str, made: str, sort: str) -> None:

@@ -8,12 +8,13 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import pytest
+from click.testing import CliRunner
 
 import sjdsl
-from sjdsl.bench import game_task, measure_sweep
+from bench.speed.__main__ import main
+from bench.speed.sweep import make_sweep_loop, measure_sweep, swept_params
+from sjdsl.bench import game_task
 from sjdsl.bench.loop import make_loop
-from sjdsl.bench.sweep import make_sweep_loop, swept_params
-from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
 
 GAME = """sj 1
@@ -98,23 +99,16 @@ def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
     assert json.loads(json.dumps(asdict(sweep)))["together_memory_bytes"] > 0
 
 
-def test_the_command_writes_a_sweep(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_writes_a_sweep(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "page.md"
-    asked = ["--sweep", "apple", "--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--markdown", str(page)]
-    assert run(["bench", str(file), *asked]) == 0
-    assert "2 values of apple of orchard, 2 environments each" in capsys.readouterr().out
-    assert page.read_text().startswith("<!-- sweep orchard apple cpu -->\n`sjdsl bench ")
+    asked = ["sweep", str(file), "apple", *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--markdown"], str(page)]
+    monkeypatch.setattr("sys.argv", ["bench.speed", *asked])
+    found = CliRunner().invoke(main, asked)
+    assert "2 values of apple of orchard, 2 environments each" in found.output
+    assert page.read_text().startswith("<!-- sweep orchard apple cpu -->\n`python -m bench.speed sweep ")
 
 
-@pytest.mark.parametrize(
-    ("asked", "status", "said"),
-    [
-        (["--sweep", "aple"], 1, "did you mean `apple`"),
-        (["--sweep", "apple", "--envs", "1,2"], 2, "a sweep is of one game"),
-        (["coins", "--sweep", "apple"], 2, "a sweep is of one game"),
-    ],
-)
-def test_a_mistake_is_told(file: Path, capsys: pytest.CaptureFixture[str], asked: list[str], status: int, said: str) -> None:
-    assert run(["bench", str(file), *asked]) == status
-    shown = capsys.readouterr()
-    assert said in shown.out + shown.err
+def test_a_mistake_is_told(file: Path) -> None:
+    found = CliRunner().invoke(main, ["sweep", str(file), "aple"])
+    assert found.exit_code == 1
+    assert "did you mean `apple`" in found.output

@@ -6,14 +6,16 @@ from pathlib import Path
 
 import jax
 import pytest
+from click.testing import CliRunner
 
-from sjdsl.bench import Training, measure_training, training_setups
-from sjdsl.bench.extrapolation import hours_to
-from sjdsl.bench.stored import read_found
-from sjdsl.bench.tables import tables_of, training_table
-from sjdsl.bench.training_parts import flops_of, idle_rollout
-from sjdsl.bench.training_split import Split
-from sjdsl.cli import run
+from bench.speed.__main__ import main
+from bench.speed.extrapolation import hours_to
+from bench.speed.stored import read_found
+from bench.speed.tables import tables_of, training_table
+from bench.speed.training import Training, measure_training
+from bench.speed.training_parts import flops_of, idle_rollout
+from bench.speed.training_setups import training_setups
+from bench.speed.training_split import Split
 from sjdsl.runtime.env import Environment
 from sjdsl.trainers import make_train
 
@@ -131,16 +133,14 @@ def test_hours_are_those_of_the_updates() -> None:
 
 
 def test_figures_without_an_algorithm_are_of_ippo(tmp_path: Path) -> None:
-    """Files that were written before there was a choice; hours to any number of steps are made of them."""
+    """Files that were written before there was a choice."""
     row = asdict(split_of((1.0,)))
     del row["algorithm"], row["sharing"]
     machine = {"platform": "cpu", "device": "a device", "cpu_cores": 2, "python": "3", "jax": "0", "compilation_cache": False}
-    file, made = tmp_path / "old.json", tmp_path / "new.json"
+    file = tmp_path / "old.json"
     file.write_text(json.dumps({"sort": "training", "machine": machine, "flops_per_s": 1e9, "splits": [row]}))
     assert read_found(file) == Training(machine, 1e9, (split_of((1.0,)),))
-    assert run(["bench", "--from", str(file), "--hours", "1e9", "--json", str(made)]) == 0
-    stored = json.loads(made.read_text())
-    assert (stored["hours_to"], stored["hours"][0]["hours"]) == (10**9, pytest.approx(1e9 / 32 / 3600))
+    assert "one update of IPPO: 4 environments, 8 steps" in CliRunner().invoke(main, ["tables", str(file)]).output
 
 
 @pytest.mark.slow
@@ -152,11 +152,10 @@ def test_the_table_has_the_parts(training: Training) -> None:
 
 
 @pytest.mark.slow
-def test_on_the_command_line(meadow: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_on_the_command_line(meadow: Path, tmp_path: Path) -> None:
     figures = tmp_path / "figures.json"
-    asked = ["--training", "mlp", "--algorithm", "mappo", "--sharing", "per_agent,by_role", "--hours", "1e6"]
-    assert run(["bench", str(meadow), *asked, "--envs", "2", "--steps", "4", "--repeats", "1", "--json", str(figures)]) == 0
-    shown = capsys.readouterr().out
+    asked = ["--algorithms", "mappo", "--sharings", "per_agent,by_role", "--hours", "1e6", "--json", str(figures)]
+    shown = CliRunner().invoke(main, ["training", str(meadow), *asked, "--envs", "2", "--steps", "4", "--repeats", "1"]).output
     assert "one update of MAPPO: 2 environments, 4 steps" in shown
     assert "extrapolated" in shown
     assert "left out: meadow, mlp, mappo, by_role:" in shown
@@ -165,26 +164,7 @@ def test_on_the_command_line(meadow: Path, tmp_path: Path, capsys: pytest.Captur
     assert stored["hours"][0]["longest"] >= stored["hours"][0]["hours"] > 0
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        (["--training", "rnn"], "`rnn` is not `mlp`, `cnn` or `mlp,cnn`"),
-        (["--training", "mlp", "--observation", "onehot"], "training is measured with tokens"),
-        (["--training", "mlp", "--envs", "1,2"], "at one number of environments"),
-        (["--training", "mlp", "--sweep", "apple"], "one at a time"),
-        (["--training", "mlp", "--algorithm", "sac"], "`sac` is not `ippo`, `mappo`, `vdn` or `ippo,mappo`"),
-        (["--training", "mlp", "--algorithm", "vdn", "--sharing", "per_agent"], "vdn has one network for all agents: add shared"),
-        (["--algorithm", "mappo"], "--algorithm and --sharing are of --training"),
-        (["--sharing", "shared"], "--algorithm and --sharing are of --training"),
-        (["--hours", "1e9"], "--hours are extrapolated from updates of training"),
-        (["--training", "mlp", "--hours", "0.5"], "`0.5` is not a whole number of environment steps such as 1e9"),
-    ],
-)
-def test_what_does_not_fit_is_refused(meadow: Path, capsys: pytest.CaptureFixture[str], wrong: list[str], message: str) -> None:
-    assert run(["bench", str(meadow), *wrong]) == 2
-    assert message in capsys.readouterr().err
-
-
-def test_nothing_that_can_be_measured_is_said(meadow: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["bench", str(meadow), "--training", "mlp", "--sharing", "by_role"]) == 1
-    assert "meadow, mlp, ippo, by_role: `meadow` gives its agents no lasting roles" in capsys.readouterr().err
+def test_nothing_that_can_be_measured_is_said(meadow: Path) -> None:
+    found = CliRunner().invoke(main, ["training", str(meadow), "--sharings", "by_role"])
+    assert found.exit_code == 1
+    assert "meadow, mlp, ippo, by_role: `meadow` gives its agents no lasting roles" in found.output

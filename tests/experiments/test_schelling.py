@@ -3,7 +3,6 @@
 import json
 from dataclasses import astuple, replace
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -12,10 +11,8 @@ import pytest
 from jax import Array
 from small_games import OTHER, STAY, matrix_game, public_goods, threshold_goods
 
-import sjdsl
 from sjdsl.experiments import ExperimentError, schelling_diagram
 from sjdsl.experiments.contrasts import Returns
-from sjdsl.experiments.diagram import Diagram, report_of
 from sjdsl.experiments.lineups import orders_of, play_key
 from sjdsl.experiments.pictures import draw_diagram
 from sjdsl.experiments.playing import Experiment, play_experiment
@@ -150,22 +147,6 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     spread = replace(found, returns=Returns(*(values + noise for values in astuple(found.returns))))
     assert (spread.verdict.outcome, spread.caution) == ("no dilemma", None)
     assert "spread" not in draw_diagram(spread).axes[0].get_title()
-
-
-def test_the_published_shape_is_beside_the_bundled_game_alone() -> None:
-    """Not beside a variant, another number of agents, or other numbers; neither in the JSON nor on the terminal."""
-    played = schelling_diagram(public_goods(2), STAY, OTHER, episodes=2)
-
-    def of(game: str, **other: Any) -> Diagram:
-        return replace(played, experiment=replace(played.experiment, env=sjdsl.make(game, **other)))
-
-    published = of("coins").published
-    assert published is not None
-    assert published["shape"] == "fear"
-    assert "published: fear" in diagram_text(of("coins"))
-    for other in (of("coins", variant="socialjax"), of("coins", params={"harm": -3}), of("harvest_open", num_agents=2)):
-        assert report_of(other)["published"] is None
-        assert "published" not in diagram_text(other)
 
 
 class Stopped(Exception):

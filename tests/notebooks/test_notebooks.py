@@ -87,7 +87,7 @@ def test_what_the_tour_shows() -> None:
     assert "regrow" in printed(notebook, "from sjdsl.cli")
     assert printed(notebook, "from sjdsl.trainers import evaluate").count("reward, seed") == 4
     assert any(word in printed(notebook, "from sjdsl.experiments") for word in ("dilemma", "undecided"))
-    assert "| orchard |" in printed(notebook, "from sjdsl.report")
+    assert "| orchard |" in printed(notebook, "from sjdsl.results")
     assert len(shown(notebook, "image/png")) == 3
 
 

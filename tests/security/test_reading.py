@@ -18,8 +18,8 @@ from sjdsl.editor.session import Session
 from sjdsl.render import make_page
 from sjdsl.render.playing import first_moment
 from sjdsl.replay import EpisodePlayer
-from sjdsl.report.markdown import inert, page_text
-from sjdsl.report.written import LISTED, _listed, place_of
+from sjdsl.results.page import inert, page_text
+from sjdsl.results.report import LISTED, _listed
 from sjdsl.studio.folder import Folder
 from sjdsl.studio.runs import stored_policies
 from sjdsl.trainers import PolicyError
@@ -135,7 +135,7 @@ def test_digits_that_are_no_numbers_in_names_of_files(tmp_path: Path) -> None:
 def test_a_report_shows_names_as_texts() -> None:
     for title in TITLES:
         assert not re.search(r"<[a-zA-Z/!?]", inert(title))
-        assert not re.search(r"<[a-zA-Z/!?]", page_text("Results", ["Made."], [], [title]))
+        assert not re.search(r"<[a-zA-Z/!?]", page_text("Results", "Made.", [], [], [title]))
     assert inert("p < 0.05, a <= b") == "p < 0.05, a <= b"
 
 
@@ -146,4 +146,4 @@ def test_a_report_removes_nothing_outside_its_folder(tmp_path: Path) -> None:
     victim.touch()
     (folder / "in").symlink_to(tmp_path)
     (folder / LISTED).write_text(json.dumps({"files": ["tables/a.csv", "../victim", str(victim), "in/victim"]}))
-    assert _listed(place_of(folder)) == {"tables/a.csv"}
+    assert _listed(folder) == {"tables/a.csv"}

@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.report.reading_sweeps import read_sweep as read_evidence
-from sjdsl.report.refusals import ReportError
+from sjdsl.results import ResultsError, load
 from sjdsl.sweeps import Asked, run_cell
 from sjdsl.sweeps.axes import read_axis
 from sjdsl.sweeps.folder import cells_of, describe_sweep, merged, read_sweep
@@ -39,8 +38,8 @@ def test_a_cell_is_named_by_no_path(name: str, asked: dict[str, Any], tmp_path: 
         with pytest.raises(ExperimentError, match=r"the format of its sweep\.json is not 1, for in `cells\."):
             read(tmp_path)
     if "/" in name:
-        with pytest.raises(ReportError, match="named by a path"):
-            read_evidence(tmp_path)
+        with pytest.raises(ResultsError, match="named by a path"):
+            load(tmp_path)
 
 
 def test_code_that_only_the_folder_names_does_not_run(asked: dict[str, Any], tmp_path: Path) -> None:

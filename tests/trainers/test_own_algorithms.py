@@ -11,13 +11,14 @@ import flax.linen as nn
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pandas as pd
 import pytest
 from probes import FAST_TO_COMPILE, QUICK, matching
 from run_outcomes import assert_same_end, read_lines, read_manifest
 
 from sjdsl.cli import run as command_line
-from sjdsl.report.reading_runs import run_of
-from sjdsl.report.ways import in_words
+from sjdsl.results.loading import COLUMNS, ids_of
+from sjdsl.results.selecting import in_words
 from sjdsl.trainers import (
     Batch,
     Config,
@@ -266,7 +267,7 @@ def test_a_manifest_with_a_setting_that_nothing_takes_is_refused(counted: Path) 
 def test_reports_import_no_algorithm(counted: Path) -> None:
     manifest = read_manifest(counted)
     manifest["config"]["algorithm"] = "/nowhere/mine.py:learner"
-    found = run_of(manifest)
+    found = pd.Series(ids_of(manifest), index=COLUMNS)
     assert found.run.startswith("matching-mine-individual-")
     assert in_words(found) == "learner, individual"
     assert json.loads(found.settings)["own"] == {"factor": 2}

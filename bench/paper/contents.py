@@ -1,0 +1,179 @@
+"""What the page of results is about: the games of the paper and others, as they were played, with the rows of each."""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from bench.paper import published
+from sjdsl.games_folder import game_names
+from sjdsl.results.bundled import rules_now
+from sjdsl.results.figures import Cell, short
+from sjdsl.results.selecting import NAMES, SHARED, Setting, cell_of, games, in_words, select
+
+# Ways of training, by the columns that make them.
+Way = Mapping[str, Any]
+IPPO: Way = {"algorithm": "ippo", "sharing": SHARED}
+INDIVIDUAL: Way = {**IPPO, "reward": "individual"}
+COMMON: Way = {**IPPO, "reward": "common"}
+MAPPO: Way = {"algorithm": "mappo", "sharing": SHARED, "reward": "common"}
+VDN: Way = {"algorithm": "vdn"}
+SVO: Way = {**IPPO, "reward": "svo"}
+RATIOS = (0.0, 0.25, 0.5, 0.75, 1.0)
+PROSOCIAL = 90.0  # degrees, at which weights of SVO are compared
+
+
+@dataclass(frozen=True)
+class Game:
+    """A game of the page, and the rows of its seeds; none of a game of the paper in which nothing was trained under its rules."""
+
+    name: str
+    label: str
+    variant: str  # in which it was, or is to be, trained
+    setting: Setting | None
+    rows: pd.DataFrame
+
+    @property
+    def published(self) -> str:
+        """The name under which the paper has figures of it: of its own rules, numbers and map only."""
+        plain = self.setting is None or not (self.setting.params or self.setting.map)
+        return self.name if plain and self.name in published.suite() and self.variant == published.variant(self.name) else ""
+
+    def cell(self, way: Way, figure: str = "collective_return") -> Cell | None:
+        """Returns what a way of training earned, or another figure of it; None where there is nothing."""
+        return cell_of(select(self.rows, **way), figure)
+
+    @property
+    def by_weight(self) -> dict[float, Cell]:
+        """The cells of SVO at 90 degrees by weight: those of a sweep's first stage, or of runs outside sweeps."""
+        rows = select(self.rows, **SVO, svo_angle=PROSOCIAL)
+        return _cells(rows[rows.stage != 2], "svo_weight")
+
+    @property
+    def by_angle(self) -> tuple[float, dict[float, Cell]]:
+        """The weight of SVO of which there are most angles, and its cells: those of a sweep's second stage, or of runs outside sweeps."""
+        rows = select(self.rows, **SVO)
+        rows = rows[(rows.stage != 1) & rows.svo_angle.notna()]
+        if rows.empty:
+            return 0.0, {}
+        angles = rows.groupby("svo_weight").svo_angle.nunique()
+        weight = max(angles.index, key=lambda weight: (angles[weight], weight))
+        return float(weight), _cells(rows[rows.svo_weight == weight], "svo_angle")
+
+    @property
+    def by_ratio(self) -> dict[float, Cell]:
+        """The cells of exchanged rewards by ratio."""
+        others = self.rows[self.rows.reward == "exchange"].exchange_ratio.dropna()
+        cells = {ratio: self.cell(exchanged(ratio)) for ratio in sorted({*RATIOS, *map(float, others)})}
+        return {ratio: cell for ratio, cell in cells.items() if cell is not None}
+
+
+def _cells(rows: pd.DataFrame, column: str) -> dict[float, Cell]:
+    cells = {float(value): cell_of(own) for value, own in rows.groupby(column)}
+    return {value: cell for value, cell in cells.items() if cell is not None}
+
+
+def exchanged(ratio: float) -> Way:
+    """Returns IPPO with exchanged rewards; 0 is individual and 1 common reward, as the protocol `exchange` has them."""
+    return {0.0: INDIVIDUAL, 1.0: COMMON}.get(ratio, {**IPPO, "reward": "exchange", "exchange_ratio": ratio})
+
+
+def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
+    """Returns the results with what is of the paper's rules named so: experiments by their hash, and runs with numbers of the released code.
+
+    Numbers that the released configurations set for one way of training in a game are part of its rules, not numbers of one's own.
+    """
+    frame = frame.copy()
+    for place, row in frame.iterrows():
+        theirs = published.variant(row.game)
+        if row.record == "seed" and row.variant == theirs and _numbers(row.params) == published.params(row.game, row.algorithm, row.reward):
+            frame.loc[place, "params"] = ""
+        elif row.record in ("diagram", "mixture") and row.hash == (rules_now(row.game, theirs) or ("",))[0]:
+            frame.loc[place, "variant"] = theirs
+    return frame
+
+
+def _numbers(params: str) -> dict[str, float] | None:
+    """Returns the numbers of `a=1 b=2e-3` by name; None where a value is no number."""
+    try:
+        return {name: float(value) for name, value in (entry.split("=", 1) for entry in params.split())}
+    except ValueError:
+        return None
+
+
+def games_of(frame: pd.DataFrame) -> list[Game]:
+    """Returns the games that were trained in and those of the paper, in its order, then others by name."""
+    found = [Game(setting.game, setting.label, setting.variant, setting, rows) for setting, rows in games(frame)]
+    there = {game.published for game in found}
+    none = frame.iloc[:0]
+    wanted = {name: published.variant(name) for name in published.suite() if name not in there}
+    found += [Game(name, f"{name}, variant {variant}", variant, None, none) for name, variant in wanted.items()]
+    return sorted(found, key=lambda game: (in_order(game.name), game.label))
+
+
+def in_order(name: str) -> tuple[int, str]:
+    """Returns the place of a game: those of the paper in its order, then others by name."""
+    suite = published.suite()
+    return suite.index(name) if name in suite else len(suite), name
+
+
+def rivals(found: Iterable[Game]) -> list[str]:
+    """Returns where runs of one way of training differ in their settings or their length, so that one of them stands in the tables."""
+    notes = []
+    for game in found:
+        for way, rows in game.rows.assign(way=[f"{in_words(row)}" for row in game.rows.itertuples()]).groupby("way"):
+            shown = cell_of(rows)
+            others = [cell_of(own) for run, own in rows.groupby("run") if shown is not None and run != shown.run]
+            said = [f"{other.origin} ({other.settings})" for other in others if other is not None]
+            if said and shown is not None:
+                notes.append(f"of {game.label}, {way}, tables show {shown.origin} ({shown.settings}), and not {'; '.join(said)}")
+    return notes
+
+
+def called(names: Iterable[str], variant: str = "") -> str:
+    """Returns games as a command names them, each once: bundled and installed ones by name, others by their file; and their variant."""
+    known = set(game_names())
+    named = [name if name in known else f"{name}.sj" for name in dict.fromkeys(names)]
+    return " ".join([*named, *(("--variant", variant) if variant else ())])
+
+
+def sweeps_of(wanted: Iterable[tuple[str, str]], options: str, run: str) -> tuple[str, ...]:
+    """Returns the commands that train in games, each with its variant: one for all of the same. run: the folder, without the variant."""
+    by_variant: dict[str, list[str]] = {}
+    for name, variant in wanted:
+        by_variant.setdefault(variant, []).append(name)
+    return tuple(
+        f"sjdsl sweep {called(names, variant)} {options} --preset two_cores --seeds 5 --run {in_folder(run, variant)}"
+        for variant, names in by_variant.items()
+    )
+
+
+def in_folder(run: str, variant: str) -> str:
+    """Returns the folder of results of a variant."""
+    return f"{run}_{variant}" if variant else run
+
+
+def method(found: Iterable[Game]) -> list[str]:
+    """Returns how long was trained here and in the paper, and what common reward is made of."""
+    seeds = pd.concat([game.rows for game in found])
+    suite = seeds[seeds.game.isin(published.suite())]
+    paragraphs = []
+    if not suite.empty:
+        ours = " to ".join(dict.fromkeys((short(suite.steps.min()), short(suite.steps.max()))))
+        paragraphs.append(
+            f"A seed here has learnt from {ours} environment steps, one of the paper from {published.length()}. "
+            "So a difference from a published figure can be one of the length of training as well as of anything else."
+        )
+    common = seeds[seeds.reward == "common"]
+    kinds = ["sum" if row.algorithm == "vdn" else json.loads(row.settings).get("common_reward", "sum") for row in common.itertuples()]
+    names = common.assign(kind=kinds).drop_duplicates(["kind", "algorithm"]).groupby("kind").algorithm.apply(sorted)
+    both = set(names.get("mean", [])) & set(names.get("sum", []))
+    said = [
+        f"their {kind} in {', '.join(('some runs of ' if name in both else '') + NAMES.get(name, name) for name in own)}"
+        for kind, own in names.items()
+    ]
+    if said:
+        paragraphs.append(f"Common reward is made of all agents' rewards: {'; '.join(said)}; in the paper their sum.")
+    return paragraphs

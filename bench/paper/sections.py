@@ -1,0 +1,452 @@
+"""The sections of docs/results.md that the paper has something to say of: its tables beside ours, each a function of the results."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import pandas as pd
+
+from bench.paper import published
+from bench.paper.contents import (
+    COMMON,
+    INDIVIDUAL,
+    MAPPO,
+    PROSOCIAL,
+    RATIOS,
+    SVO,
+    VDN,
+    Game,
+    Way,
+    called,
+    exchanged,
+    in_folder,
+    in_order,
+    sweeps_of,
+)
+from bench.paper.ninety_five_percent_rule import RESAMPLES, choice_frequencies, chosen_ratio
+from bench.paper.published import PaperMetric, Printed
+from bench.paper.small_multiples import Series, draw_series, panel_of
+from sjdsl.results import sections
+from sjdsl.results.figures import EMPTY, Cell, Figure, Table, interval, number, of_cell, unlike_settings
+from sjdsl.results.page import Picture, Section
+from sjdsl.results.sections import BEHIND, compared_table, diagram_row, of_record, scored, section_over_games
+from sjdsl.results.selecting import APART, SHARED, cell_of, in_words, select, setting_of
+from sjdsl.results.statistics import compare
+
+TRAINED = "training seed"  # the unit of diagrams of pools
+AXIS = "--axis reward=individual,common"
+REWARDS = "runs/rewards"  # where the sweep that is named for empty cells puts its runs
+HOLDS, FAILS, UNDECIDED, UNKNOWN = "holds", "does not hold", "undecided", "not run"
+SURE = 0.05  # p below which a difference counts
+ALIKE = 0.1  # of the return: ways whose difference is smaller, at 95 %, count as alike
+WEIGHTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # of SVO
+ANGLES = (0.0, 22.5, 45.0, 67.5, 90.0)  # degrees
+
+
+# Findings: which claims of the paper hold for runs under its rules. The claims are orders in its tables and its diagrams.
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A way of training that is compared with another: its name, what it earned here and in the paper."""
+
+    name: str
+    ours: Callable[[Game], Cell | None]
+    theirs: Callable[[str], Printed | None]
+
+
+def _exchange(ratio: float, name: str) -> Compared:
+    return Compared(name, lambda game: game.cell(exchanged(ratio)), lambda game: published.exchange(game).get(ratio))
+
+
+def _angle(angle: float) -> Compared:
+    return Compared(f"SVO {angle:g}°", lambda game: game.by_angle[1].get(angle), lambda game: published.svo(game).get(angle))
+
+
+OWN, ALL, HALF = _exchange(0.0, "individual reward"), _exchange(1.0, "common reward"), _exchange(0.5, "exchange 0.5")
+PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (_angle(90.0), OWN), (_angle(67.5), OWN), (_angle(90.0), ALL))
+
+
+def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
+    """Returns the section with which the page begins: a line a claim."""
+    suite = {game.published: game for game in games if game.published}
+    found = [_order(suite, more, less) for more, less in PAIRS]
+    found.append(("The trained diagram is a dilemma, with the fear or the greed that it names", "in 9 games", _dilemmas(suite, frame)))
+    alike = {name: _alike(game) for name, game in suite.items()}
+    found.append(("IPPO with shared and with separate parameters converge alike", "said, without figures", alike))
+    rows = []
+    for claim, theirs, verdicts in found:
+        by_verdict = {verdict: [game for game, one in verdicts.items() if one == verdict] for verdict in (HOLDS, FAILS, UNDECIDED, UNKNOWN)}
+        said = [f"{name}: {'all' if len(own) == len(verdicts) else ', '.join(own)}" for name, own in by_verdict.items() if own]
+        rows.append((claim, theirs, Figure("; ".join(said), verdicts), f"{len(by_verdict[HOLDS])} of {len(verdicts)}"))
+    text = (
+        "Each claim was tried with runs under the rules that the paper played. A claim about returns is decided in a game if p is below "
+        f"{SURE} (Welch, over seeds): it holds if the difference has the paper's sign. Else it is undecided. The paper claims an order "
+        "where its means differ by more than what it prints after ±, or by 5 % where it prints none.",
+        "A claim about a diagram holds if the verdict over training seeds is a dilemma with the paper's fear or greed. "
+        f"Ways converge alike if the 95 % interval of the difference lies within {ALIKE:.0%} of the return.",
+    )
+    return Section("Findings", text, (Table("findings", "Claims of the paper", ("claim", "the paper", "ours", "holds in"), rows, 3),))
+
+
+def _order(suite: Mapping[str, Game], more: Compared, less: Compared) -> tuple[str, str, dict[str, str]]:
+    """Returns what was found of the order of two ways of training, in the games in which the paper has one."""
+    signs: dict[str, int] = {}
+    for name in suite:
+        first, second = more.theirs(name), less.theirs(name)
+        if first is not None and second is not None:
+            margin = (first.deviation or 0) + (second.deviation or 0) or 0.05 * max(first.mean, second.mean)
+            difference = first.mean - second.mean
+            signs |= {name: 1 if difference > 0 else -1} if abs(difference) > margin else {}
+    verdicts = {name: _sign(more.ours(suite[name]), less.ours(suite[name]), sign) for name, sign in signs.items()}
+    other = [name for name, sign in signs.items() if sign < 0]
+    theirs = f"in {len(signs) - len(other)} games" + (f", and less in {', '.join(other)}" if other else "")
+    return f"{more.name} earns more than {less.name}", theirs, verdicts
+
+
+def _sign(more: Cell | None, less: Cell | None, wanted: int) -> str:
+    if more is None or less is None or more.estimate is None or less.estimate is None:
+        return UNKNOWN
+    found = compare(less.values, more.values)
+    if found.p is None or found.p >= SURE:
+        return UNDECIDED
+    return HOLDS if found.difference * wanted > 0 else FAILS
+
+
+def _dilemmas(suite: Iterable[str], frame: pd.DataFrame) -> dict[str, str]:
+    found = {row.game: row for row in of_record(frame, "diagram") if row.unit == TRAINED and _of_the_paper(row)}
+    verdicts = {}
+    for name in suite:
+        row = found.get(name)
+        if row is None:
+            verdicts[name] = UNKNOWN
+        elif row.outcome == "dilemma":
+            verdicts[name] = HOLDS if row[published.shape(name)["shape"]] else UNDECIDED
+        else:
+            verdicts[name] = UNDECIDED if row.outcome == UNDECIDED else FAILS
+    return verdicts
+
+
+def _of_the_paper(row: pd.Series) -> bool:
+    return bool(row.game in published.suite() and row.variant == published.variant(row.game) and not row.params)
+
+
+def _alike(game: Game) -> str:
+    pairs = [(game.cell(way), game.cell({**way, "sharing": APART})) for way in (INDIVIDUAL, COMMON)]
+    first, second = next((pair for pair in pairs if None not in pair), (None, None))
+    if first is None or second is None or first.estimate is None or second.estimate is None:
+        return UNKNOWN
+    found, margin = compare(first.values, second.values), ALIKE * max(abs(first.estimate.mean), abs(second.estimate.mean))
+    if found.low is None or found.high is None or found.p is None:
+        return UNDECIDED
+    if -margin <= found.low and found.high <= margin:
+        return HOLDS
+    return FAILS if found.p < SURE else UNDECIDED
+
+
+# What is trained with two rewards, or with shared and separate parameters.
+
+
+def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
+    """Returns the section of IPPO with individual and with common reward."""
+    random = {(row.game, row.hash): row for row in of_record(frame, "random")}
+    lines, below = [], []
+    for game in games:
+        row = random.get((game.name, game.setting.hash)) if game.setting is not None and not game.setting.params else None
+        cells = {"individual": game.cell(INDIVIDUAL), "common": game.cell(COMMON)}
+        means = {name: cell.estimate.mean for name, cell in cells.items() if cell is not None and cell.estimate is not None}
+        low = [name for name, mean in means.items() if row is not None and mean < row.collective_return]
+        below += [f"{game.label} ({', '.join(low)})"] if low else []
+        shown = "" if row is None else interval(row.collective_return, row.low, row.high).text
+        lines.append(((game.label, published.difficulty(game.published), shown), *cells.values()))
+    words = ("game", "the paper calls it", "random policy, over episodes")
+    table = compared_table("own_and_common", "Collective return of IPPO", words, ("individual", "common"), lines)
+    text = [
+        "Where common reward earns the group more, agents that learnt from their own reward ended worse for the group, after so many steps. "
+        "Whether the game is a dilemma is asked below, by Schelling diagrams. p is of each game alone, and not corrected for their number."
+    ]
+    if below:
+        text.append(
+            f"Below the return of a random policy are: {'; '.join(below)}. "
+            "Where things grow again, agents that have only learnt to harvest fast can leave less than those that know nothing."
+        )
+    for place, column in enumerate(("individual", "common"), 1):
+        text += [f"* {column}: {said}" for said in unlike_settings({line[0][0]: line[place] for line in lines})]
+    missing = [(game.name, game.variant) for game, line in zip(games, lines, strict=True) if None in line[1:]]
+    return Section("Individual and common reward", tuple(text), (table,), fill=sweeps_of(missing, AXIS, REWARDS))
+
+
+def sharing(games: Sequence[Game]) -> Section:
+    """Returns the section of every way of training that was tried with shared and with separate parameters."""
+    lines, tried = [], set()
+    for game in games:
+        rows = game.rows.assign(way=[in_words(row, sharing=False) for row in game.rows.itertuples()])
+        for way, own in rows.groupby("way"):
+            cells = [cell_of(select(own, sharing=kind)) for kind in (SHARED, APART)]
+            if None not in cells:
+                tried.add(game.label)
+                lines.append(((game.label, way), *cells))
+    text = [
+        "Agents share one network, or each has its own, with its own initial weights. "
+        "The paper says that both take about the same time and converge alike, and has no figures.",
+    ]
+    for (label, way), shared, apart in lines:
+        text += [f"* {label}, {way}: {said}" for said in unlike_settings({"shared": shared, "separate": apart})]
+    title = "Collective return with shared and with separate parameters"
+    table = compared_table("sharing", title, ("game", "way of training"), ("shared", "separate"), lines)
+    missing = [(game.name, game.variant) for game in games if game.label not in tried]
+    fill = sweeps_of(missing, "--protocol sharing", "runs/sharing")
+    return Section("Shared and separate parameters", tuple(text), (table,) if lines else (), fill=fill)
+
+
+# Tables in which our cells stand beside the published ones: three lines a game. No test is made: how many seeds are behind a published
+# cell is not known.
+
+
+def beside(
+    label: str, cells: Sequence[Cell | None], printed: Sequence[Printed | None], more: Sequence[str] = (), theirs: Sequence[str] = ()
+) -> list[tuple[str | Figure, ...]]:
+    """Returns the lines of a game: our cells, the published ones, and the difference with whether theirs lies in our interval.
+
+    Args:
+      more: what else is said of ours; theirs: of the published ones, as many.
+    """
+    alike, apart = _behind(cells)
+    shown = []
+    for cell in cells:
+        figure, said = of_cell(cell), ", ".join(filter(None, (cell.origins[place] for place in apart))) if cell is not None else ""
+        shown.append(Figure(f"{figure.text} ({said})" if said else figure.text, figure.numbers))
+    lines: list[tuple[str | Figure, ...]] = [(label, "ours", *shown, *more, alike)]
+    none = ("",) * len(more)
+    if any(printed):
+        lines.append(("", "published", *(EMPTY if one is None else one.figure for one in printed), *(theirs or none), ""))
+    differences = [_difference(cell, one) for cell, one in zip(cells, printed, strict=True)]
+    if any(figure.text for figure in differences):
+        lines.append(("", "ours - published", *differences, *none, ""))
+    return lines
+
+
+def _behind(cells: Sequence[Cell | None]) -> tuple[str, list[int]]:
+    """Returns what stands alike behind all cells of a line: seeds, steps, preset, hardware; and which of these differ."""
+    kinds = list(zip(*(cell.origins for cell in cells if cell is not None), strict=True))
+    apart = [place for place, found in enumerate(kinds) if len(set(found)) > 1]
+    return ", ".join(found[0] for place, found in enumerate(kinds) if place not in apart and found[0]), apart
+
+
+def _difference(cell: Cell | None, printed: Printed | None) -> Figure:
+    if cell is None or cell.estimate is None or printed is None:
+        return EMPTY
+    found = cell.estimate
+    difference, known = found.mean - printed.mean, len(cell.values) > 1
+    inside = found.low <= printed.mean <= found.high
+    where = {True: ", inside", False: ", outside"}[inside] if known else ""
+    return Figure(f"{'+' if difference > 0 else ''}{number(difference)}{where}", {"difference": difference, "published_inside": inside})
+
+
+def exchange(games: Sequence[Game]) -> Section:
+    """Returns the section of IPPO by exchange ratio, the ratio that the 95 % rule chooses, and how sure the choice is."""
+    found = {game.label: (game, game.by_ratio) for game in games}
+    ratios = sorted({*RATIOS, *(ratio for _, cells in found.values() for ratio in cells)})
+    names = {ratio: {0.0: "0: individual", 1.0: "1: common"}.get(ratio, f"{ratio:g}") for ratio in ratios}
+    lines, choices, panels, missing = [], [], [], []
+    for label, (game, cells) in found.items():
+        printed, bold = published.exchange(game.published), published.exchange_chosen(game.published)
+        means = {ratio: cell.estimate.mean for ratio, cell in cells.items() if cell.estimate is not None}
+        theirs = ("" if bold is None else f"{bold:g}",)
+        lines += beside(label, [*map(cells.get, ratios)], [*map(printed.get, ratios)], (_choice(means),), theirs)
+        several = {ratio: cell.values for ratio, cell in cells.items() if cell.estimate is not None and len(cell.values) > 1}
+        if len(several) > 1:
+            shares = choice_frequencies(several)
+            shown = [Figure(f"{shares[choice]:.1%}", {"": shares[choice]}) if choice in shares else EMPTY for choice in (*ratios, None)]
+            choices.append((label, *shown))
+        if means:
+            panels.append(panel_of(label, _series(cells), [(ratio, one.mean) for ratio, one in printed.items()]))
+        missing += [] if {*RATIOS} <= cells.keys() else [(game.name, game.variant)]
+    headings = ("game", "", *names.values(), "95 % rule", BEHIND)
+    tables = [Table("exchange", "Collective return by exchange ratio", headings, lines, 2)]
+    text = [
+        "Ratio 0 is individual reward, 1 is common reward. The 95 % rule chooses the smallest ratio whose mean is at least 0.95 of the best. "
+        "It chooses none if the best is not above 0. Where all ratios earn alike it chooses the smallest.",
+        f"Published: {published.source('exchange')}.",
+    ]
+    for ratio in ratios:
+        text += [f"* {names[ratio]}: {said}" for said in unlike_settings({label: cells.get(ratio) for label, (_, cells) in found.items()})]
+    if choices:
+        title = f"How often the rule chooses each ratio in {RESAMPLES:,} resamplings of seeds"
+        tables.append(Table("exchange_choices", title, ("game", *names.values(), "none"), choices))
+        text.append(
+            "The seeds that were trained are drawn again to see how often each ratio is chosen. Of few seeds that says little about others."
+        )
+    pictures = (Picture("exchange", "returns by exchange ratio", partial(draw_series, panels, "exchange ratio", "collective return")),)
+    fill = sweeps_of(missing, "--protocol exchange", "runs/exchange")
+    return Section("Returns by exchange ratio", tuple(text), tuple(tables), pictures if panels else (), fill)
+
+
+def _choice(means: Mapping[float, float]) -> str:
+    """Returns the ratio that the rule chooses, and of how many; nothing of one alone."""
+    if len(means) < 2:
+        return ""
+    ratio = chosen_ratio(means)
+    return ("none" if ratio is None else f"{ratio:g}") + ("" if len(means) >= len(RATIOS) else f" of {len(means)} ratios")
+
+
+def _series(cells: Mapping[float, Cell]) -> Series:
+    return Series.of((x, cell.estimate) for x, cell in cells.items() if cell.estimate is not None)
+
+
+def svo(games: Sequence[Game]) -> Section:
+    """Returns the section of IPPO with social value orientation: returns by weight at 90 degrees, and by angle at the weight chosen."""
+    tried = {game.label: game.by_weight for game in games}
+    found = {game.label: (game, *game.by_angle) for game in games}
+    alone = [label for label, (_, weight, cells) in found.items() if cells and not weight]
+    text = [
+        "The weight is chosen at 90 degrees, as the best of those in the first table. The angles are trained at that weight, with other seeds: "
+        "the best of several noisy means is too high on average.",
+        "At 90 degrees an agent that alone is rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 on that is "
+        "more than a reward of 1, so that earning does not pay, unless as much is deducted while nobody is rewarded. The released code and "
+        "`svo_at_rest=selfish` do that; `svo_at_rest=content` does not.",
+    ]
+    if alone:
+        text.append(
+            f"In {', '.join(alone)} the chosen weight is 0, which is individual reward. All angles are alike then, and one is trained."
+        )
+    text += [f"Published: {published.source('svo')}.", *_remarks(games, "svo")]
+    tables = []
+    weights = sorted({*WEIGHTS, *(weight for cells in tried.values() for weight in cells)})
+    lines = [line for label, cells in tried.items() if cells for line in beside(label, [*map(cells.get, weights)], [None] * len(weights))]
+    if lines:
+        headings = ("game", "", *(f"{weight:g}" for weight in weights), BEHIND)
+        tables.append(Table("svo_weights", "Collective return by SVO weight, at 90 degrees", headings, lines, 2))
+    angles = sorted({*ANGLES, *(angle for _, _, cells in found.values() for angle in cells)})
+    lines, panels, missing = [], [], []
+    for label, (game, weight, cells) in found.items():
+        printed = published.svo(game.published)
+        ours = f"{weight:g}, {tried_weights(game)}" if cells else ""
+        lines += beside(label, [*map(cells.get, angles)], [*map(printed.get, angles)], (ours,))
+        if cells:
+            points = [(angle, one.mean) for angle, one in printed.items()]
+            panels.append(panel_of(f"{label}, weight {weight:g}", _series(cells), points))
+        if not ({*ANGLES} <= cells.keys() or (cells and not weight)):  # of weight 0 a sweep trains one angle, for all are alike
+            missing.append((game.name, game.variant))
+    headings = ("game", "", *(f"{angle:g}°" for angle in angles), "weight", BEHIND)
+    tables.append(Table("svo_angles", "Collective return by SVO angle", headings, lines, 2))
+    pictures = (Picture("svo", "returns by SVO angle", partial(draw_series, panels, "SVO angle (degrees)", "collective return")),)
+    fill = sweeps_of(missing, "--protocol svo", "runs/svo")
+    return Section("Social value orientation", tuple(text), tuple(tables), pictures if panels else (), fill)
+
+
+def tried_weights(game: Game) -> str:
+    """Returns of how many weights at 90 degrees one was chosen, in words."""
+    tried = len(game.by_weight)
+    return f"of {tried} tried" if tried > 1 else "no other tried"
+
+
+def _remarks(games: Sequence[Game], table: str) -> list[str]:
+    """Returns what is to be known of the paper's figures of the games shown, in one of its tables: a list, as one paragraph."""
+    shown = {game.published for game in games}
+    lines = [f"* {game}: {note}." for game, note in published.remarks(table).items() if game in shown]
+    return ["\n".join(["Of the published figures:", "", *lines])] if lines else []
+
+
+def metrics(games: Sequence[Game]) -> Section:
+    """Returns the section of how much agents cooperate, on the paper's scale, by the paper's six ways of training."""
+    lines: list[tuple[str | Figure, ...]] = []
+    empty = []
+    for game in games:
+        metric = published.metric(game.published)
+        if metric is None:
+            continue
+        ratios = {ratio: cell for ratio, cell in game.by_ratio.items() if ratio > 0 and cell.estimate is not None}
+        weight, by_angle = game.by_angle
+        columns: list[Way | None] = [INDIVIDUAL, COMMON, MAPPO, VDN, None, None]
+        chosen = []
+        if set(ratios) - {1.0}:
+            best = max(ratios, key=lambda ratio: ratios[ratio].estimate.mean)
+            columns[4] = exchanged(best)
+            chosen.append(f"ratio {best:g}, the best of {len(ratios)}")
+        if PROSOCIAL in by_angle:
+            columns[5] = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": by_angle[PROSOCIAL].run}
+            chosen.append(f"weight {weight:g}, {tried_weights(game)}")
+        cells = [None if way is None else _scaled(game, metric, way) for way in columns]
+        empty += [(game.name, game.variant)] if None in cells else []
+        printed = [metric.printed[column] for column in published.metric_columns()]
+        lines += beside(game.label, cells, printed, (metric.what, "; ".join(chosen)))
+    text = [
+        "One figure a game says how much its agents cooperate, as the paper has it. "
+        "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight shown. "
+        "Beside each stands of how many: the paper tried four ratios and six weights.",
+        f"Published: {published.source('metrics')}.",
+        *_remarks(games, "metrics"),
+    ]
+    if empty:
+        text.append(
+            "The command below trains exchange at the ratio that the paper chose, and SVO at the weight of the configuration. "
+            "The best of several ratios and weights are found by the commands of the sections above."
+        )
+    headings = ("game", "", *published.metric_columns(), "figure", "chosen", BEHIND)
+    table = Table("metrics", "Cooperation metric", headings, lines, 2)
+    return Section("Cooperation metrics", tuple(text), (table,), fill=sweeps_of(empty, "--protocol algorithms", "runs/algorithms"))
+
+
+def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
+    """Returns the figure of the metric on the paper's scale."""
+    cell = game.cell(way, metric.measure)
+    if cell is None or game.setting is None:
+        return None
+    scale = metric.scale / (game.setting.num_agents if metric.per_agent else 1)
+    return replace(cell, values=tuple(scale * value for value in cell.values))
+
+
+def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
+    """Returns the section of scores between a random policy and the best of the paper; the weight of SVO is each game's own choice."""
+    scores, wanted = {}, []
+    for game in games:
+        best = published.best_return(game.published)
+        if best is None or game.setting is None:
+            continue
+        rows = game.rows[game.rows.stage != 1]
+        rows = rows.assign(svo_weight=rows.svo_weight.mask((rows.stage == 2) & (rows.svo_weight == game.by_angle[0])))
+        named = {words: cell_of(own) for words, own in rows.assign(way=[in_words(row) for row in rows.itertuples()]).groupby("way")}
+        scores[game.label] = scored(frame, game.setting, best, {way: cell for way, cell in named.items() if cell is not None})
+        random = frame[(frame.record == "random") & (frame.game == game.name) & (frame.hash == game.setting.hash)]
+        wanted += [game] if random.empty else []
+    fill = [
+        f"sjdsl crossplay {called([game.name], game.variant)} --policies random --episodes 200 -o runs/{game.name}_random"
+        for game in wanted
+    ]
+    what = "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper."
+    if any("chosen weight" in way for found in scores.values() for way in found):
+        what += " The chosen weight of SVO is that of each game's own sweep."
+    return section_over_games(scores, what, fill)
+
+
+# Experiments with policies.
+
+
+def diagrams(frame: pd.DataFrame) -> Section:
+    """Returns the section of Schelling verdicts, beside what the paper found: in each game first under the paper's rules."""
+    section = sections.diagrams(frame)
+    found = sorted(
+        of_record(frame, "diagram"),
+        key=lambda row: (in_order(row.game), not _of_the_paper(row), setting_of(row).label, row.unit != TRAINED, row.cooperators),
+    )
+    rows: list[tuple[str | Figure, ...]] = []
+    missing = []
+    for name in dict.fromkeys((*published.suite(), *(row.game for row in found))):
+        own, shape, variant = [row for row in found if row.game == name], published.shape(name), published.variant(name)
+        note = f" ({shape['note']})" if shape and shape["note"] else ""
+        said = f"{shape['shape']}, called a {shape['type']}{note}" if shape else ""
+        lines = [(*diagram_row(row), said if row is own[0] and _of_the_paper(row) else "") for row in own]
+        if shape and not (own and _of_the_paper(own[0])):
+            lines.insert(0, (f"{name}, variant {variant}", *("",) * 8, said))
+        rows += [(*line[:8], line[9], line[8]) for line in lines]
+        if shape and not any(row.unit == TRAINED and _of_the_paper(row) for row in own):
+            missing.append((name, variant))
+    headings = ("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "published", "over")
+    table = Table("schelling", "Contrasts of the return of an agent", headings, rows, 3)
+    fill = [*sweeps_of(missing, AXIS, REWARDS)]
+    for name, variant in missing:
+        common, individual = (f"{in_folder(REWARDS, variant)}/cells/{name}_reward-{reward}" for reward in ("common", "individual"))
+        command = f"sjdsl schelling {called([name], variant)} --cooperators {common} --defectors {individual}"
+        fill.append(f"{command} -o {in_folder(f'runs/{name}_diagram', variant)}")
+    return replace(section, tables=(table,), fill=tuple(fill))

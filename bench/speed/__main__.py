@@ -1,0 +1,208 @@
+"""Measures what docs/performance.md shows and writes its tables; `python -m bench.speed COMMAND --help` says more of each.
+
+python -m bench.speed race coins pd_arena --envs 1,1024 --agents own,20 --observation tokens,onehot --plots docs/plots
+python -m bench.speed training coins --networks mlp,cnn --algorithms ippo,vdn --sharings shared,per_agent --hours 1e9
+python -m bench.speed sweep pd_arena payoff --values 64     # many values in one program, and in a program each
+python -m bench.speed substrates daycare coins              # of Melting Pot; all, unless some are named
+python -m bench.speed everything runs/gpu coins --minutes 9 # what a GPU is needed for: speeds, kernels, resuming, training
+python -m bench.speed tables runs/gpu                       # from the figures of a --json file or of `everything`
+"""
+
+import shlex
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import jax
+
+from bench.speed.everything import Plan, measure_everything, parts_of
+from bench.speed.outputs import Outputs, Stored, read_all, section_of, speed_section, training_section
+from bench.speed.stored import Found
+from bench.speed.substrates import Substrates, measure_substrates, short_steps, substrate_tasks
+from bench.speed.sweep import measure_sweep, swept_params
+from bench.speed.training import measure_training
+from bench.speed.training_setups import training_setups
+from sjdsl.bench import measure
+from sjdsl.bench.loop import steps_for
+from sjdsl.cli.bench_devices import check_devices, divide_cpu
+from sjdsl.cli.bench_games import choose_tasks
+from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Words
+from sjdsl.cli.bench_output import compile_everything_anew
+from sjdsl.cli.stages import stages
+from sjdsl.games_folder import main_games
+from sjdsl.substrates import written_substrates
+
+SCALED = (1024, 4096, 16_384, 65_536)  # environments, on a device that wants many
+WORKERS = 8  # programs compiled at the same time
+LEAST = click.IntRange(min=1)
+Command = Callable[..., Any]
+
+
+def options(command: Command) -> Command:
+    """Adds --repeats, and --json, --markdown and --plots, which arrive together as `outputs`."""
+
+    def gathered(json_file: str | None, page: str | None, plots: str | None, **others: Any) -> Any:
+        return command(outputs=Outputs(json_file, page, plots), **others)
+
+    gathered.__name__, gathered.__doc__ = command.__name__, command.__doc__
+    gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
+    for option in (
+        click.option("--repeats", type=LEAST, default=5, show_default=True, help="Rounds of timings."),
+        click.option("--plots", metavar="FOLDER", help="Draw speeds over numbers of environments, as PNGs."),
+        click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or one that has marks for them."),
+        click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well."),
+    ):
+        gathered = option(gathered)
+    return gathered
+
+
+def measured(outputs: Outputs, section: str, measurement: Callable[[Callable[[str], object]], Found], notes: Sequence[str] = ()) -> None:
+    """Measures, keeps the figures and shows them; a page is looked at before anything is measured, not an hour later."""
+    section = f"{section} {jax.default_backend()}"
+    outputs.check(section)
+    with stages("compiling") as tell:
+        found = measurement(tell)
+    outputs.keep(found)
+    outputs.show(Stored(section, found, said(), tuple(notes)))
+
+
+def said() -> str:
+    """Returns the command as it was called."""
+    return shlex.join(["python", "-m", "bench.speed", *sys.argv[1:]])
+
+
+@click.group()
+def main() -> None:
+    """Measures what docs/performance.md shows, and writes its tables."""
+    compile_everything_anew()
+
+
+@main.command()
+@click.argument("games", nargs=-1)
+@click.option("--envs", type=Counts(), default="1,128,1024,4096", show_default=True)
+@click.option("--observation", "seen", type=Words(OBSERVATIONS), default="tokens", show_default=True)
+@click.option("--agents", type=Agents(), default="own", show_default=True)
+@click.option("--devices", type=LEAST, default=1, show_default=True)
+@click.option("--steps", type=LEAST, help="Steps of one timing.")
+@options
+def race(games: Sequence[str], envs: Any, seen: Any, agents: Any, devices: int, steps: int | None, repeats: int, outputs: Outputs) -> None:
+    """Measures environment steps a second under random actions, as `sjdsl bench` does."""
+    divide_cpu(devices)
+    check_devices(click.get_current_context(), devices, envs)
+    tasks, refused = choose_tasks(games or main_games(), None, seen, agents)
+
+    def timed(tell: Callable[[str], object]) -> Found:
+        return measure(tasks, envs, repeats, lambda number: steps or steps_for(number), tell, devices=devices)
+
+    measured(outputs, speed_section(devices), timed, refused)
+
+
+@main.command()
+@click.argument("games", nargs=-1)
+@click.option("--networks", type=Words(("mlp", "cnn")), default="mlp", show_default=True)
+@click.option("--algorithms", type=Words(("ippo", "mappo", "vdn")), default="ippo", show_default=True)
+@click.option("--sharings", type=Words(("shared", "per_agent", "by_role")), default="shared", show_default=True)
+@click.option("--envs", type=LEAST, help="Environments: 16, of vdn 32.")
+@click.option("--steps", type=LEAST, help="Steps of a rollout: 128, of vdn 1.")
+@click.option("--hours", type=float, help="Also the hours to so many environment steps, extrapolated: 1e9.")
+@options
+def training(
+    games: Sequence[str],
+    networks: Any,
+    algorithms: Any,
+    sharings: Any,
+    envs: int | None,
+    steps: int | None,
+    hours: float | None,
+    repeats: int,
+    outputs: Outputs,
+) -> None:
+    """Measures updates of training, and what part of them environments, networks and learning take."""
+    tasks, _ = choose_tasks(games or main_games(), None, ("tokens",), (None,))
+    named = [(task.name, task.env) for task in tasks if task.env is not None]
+    setups, refused = training_setups(named, networks, algorithms, sharings, envs, steps)
+    if not setups:
+        raise click.ClickException("; ".join(refused))
+    section = training_section([(setup.network, *setup.learning) for setup in setups])
+    until = None if hours is None else int(hours)
+    measured(outputs, section, lambda tell: measure_training(setups, repeats, tell, until, refused, outputs.keep))
+
+
+@main.command()
+@click.argument("game")
+@click.argument("param")
+@click.option("--values", type=click.IntRange(min=2), default=64, show_default=True)
+@click.option("--envs", type=LEAST, default=16, show_default=True, help="Environments of each value.")
+@click.option("--steps", type=LEAST, help="Steps of one timing.")
+@options
+def sweep(game: str, param: str, values: int, envs: int, steps: int | None, repeats: int, outputs: Outputs) -> None:
+    """Measures a sweep over PARAM of GAME, in one program and in a program for each value."""
+    ((task, *_), _) = choose_tasks([game], None, ("tokens",), (None,))
+    assert task.env is not None
+    try:
+        swept = swept_params(task.env, param, values)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    measured(outputs, f"sweep {task.name} {param}", lambda tell: measure_sweep(task, param, swept, envs, repeats, steps, tell=tell))
+
+
+@main.command()
+@click.argument("names", nargs=-1)
+@click.option("--envs", type=Counts(), default="1,128,1024", show_default=True)
+@options
+def substrates(names: Sequence[str], envs: Any, repeats: int, outputs: Outputs) -> None:
+    """Measures Melting Pot's substrates one after the other; page and file are written after each of them."""
+    known = {entry.name: entry for entry in written_substrates()}
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise click.ClickException(f"Melting Pot has no substrate {', '.join(unknown)}; it has {', '.join(known)}")
+    entries = [known[name] for name in names or known]
+
+    def store(found: Substrates) -> None:
+        outputs.keep(found)
+        left = len(entries) - len(found.compilations)
+        notes = (f"the run was stopped before the last {left} of {len(entries)} substrates",) if left else ()
+        outputs.write(Stored(section_of(found), found, said(), notes))
+
+    tasks = substrate_tasks(entries)
+    measured(outputs, "substrates", lambda tell: measure_substrates(tasks, envs, repeats, store, short_steps, tell))
+
+
+@main.command()
+@click.argument("folder")
+@click.argument("games", nargs=-1)
+@click.option("--minutes", type=float, default=9.0, show_default=True)
+@click.option("--envs", type=Counts(), default=",".join(map(str, SCALED)), show_default=True)
+@click.option("--repeats", type=LEAST, default=5, show_default=True)
+def everything(folder: str, games: Sequence[str], minutes: float, envs: Any, repeats: int) -> None:
+    """Measures what a GPU is needed for within --minutes, most important first, as JSON files in FOLDER."""
+    names = games or main_games()
+    tasks, _ = choose_tasks(names, None, OBSERVATIONS, (None,))
+    small = jax.default_backend() == "cpu"
+    sizes = {"training_envs": 16 if small else 256, "convolutional": 3, "workers": 1 if small else WORKERS}
+    parts = tuple(parts_of(Plan(tasks, envs, repeats, names[0], **sizes), lambda _: None))
+    done = measure_everything(parts, Path(folder), minutes, said(), tell=click.echo)
+    missing = [part for part in done if part.status != "measured"]
+    for part in missing:
+        click.echo(f"not measured: {part.name} ({part.status})", err=True)
+    if len(missing) == len(done):
+        raise click.ClickException(f"nothing could be measured; {folder}/parts.json says why")
+    click.echo(f"{len(done) - len(missing)} of {len(done)} parts measured; tables: python -m bench.speed tables {folder}")
+
+
+@main.command()
+@click.argument("path")
+@click.option("--markdown", "page", metavar="FILE")
+@click.option("--plots", metavar="FOLDER")
+def tables(path: str, page: str | None, plots: str | None) -> None:
+    """Makes the tables of figures that were measured before: a --json file, or the folder of `everything`."""
+    outputs, kept = Outputs(None, page, plots), tuple(read_all(Path(path), said()))
+    outputs.check(*(figures.section for figures in kept))
+    for figures in kept:
+        outputs.show(figures)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,473 @@
+"""Loads results as a table: a row a seed and its evaluation, of ids and numbers, without labels.
+
+    folders --load--> DataFrame --sections--> tables and pictures
+
+Columns, in this order:
+
+* `record`: what a row is of: `seed` (the last policy of a training seed, evaluated), `random` (a random policy), `mixture` (what an agent
+  of a policy earned in a mixture of cross-play) or `diagram` (a Schelling diagram).
+* `game`, `hash` (of its rules), `variant`, `params` (numbers that were asked for, `a=1 b=2`), `map`, `num_agents`.
+* `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained alike and may be averaged.
+  `algorithm`, `reward`, `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of a sweep of
+  SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps asked for), `settings` (JSON: what else isn't the default).
+* `preset`: the preset of this version that has the same settings, `""` where none has.
+* `seed`, `status` (`done`, `failed`: the loss was not finite, `unfinished`), `steps` (environment steps learnt from), `hardware`, `folder`.
+* `episodes`, `collective_return` (mean over the episodes, summed over agents), `low` and `high` (of rows without a seed: its 95 % interval).
+* Each further figure of an evaluation has a column of its name: `event eaten`, `mean apples_left`. Mixtures have `mixture`, `policy`,
+  `mean`, `unit` and `units`; diagrams have `cooperators`, `defectors`, `outcome`, `fear`, `greed`, and A, B, fear and greed with bounds.
+"""
+
+import csv
+import json
+import math
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sjdsl.files import read_json
+from sjdsl.extras import needs
+from sjdsl.results.bundled import is_usual, other_numbers, variant_now
+from sjdsl.results.presets import preset_of
+from sjdsl.results.refusals import ResultsError, ResultsWarning
+from sjdsl.stored_hashes import current_hash
+from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
+from sjdsl.trainers.curves import figures
+from sjdsl.trainers.manifest import MANIFEST, read_manifest
+from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
+from sjdsl.trainers.policy_file import POLICIES
+from sjdsl.trainers.run_errors import RunError
+
+with needs("results"):
+    import pandas as pd
+
+Rows = list[dict[str, Any]]
+Found = tuple[Rows, Rows]  # evaluations, and points of learning curves
+
+SETTING = ("game", "hash", "variant", "params", "map", "num_agents")
+WAY = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle", "stage", "network", "total_timesteps")
+OF_SEED = ("preset", "seed", "status", "steps", "hardware", "folder", "episodes", "collective_return", "low", "high")
+COLUMNS = ("record", *SETTING, "run", *WAY, "settings", *OF_SEED)
+POINT = ("run", "seed", "env_steps", "collective_return", "folder")
+TEXTS = {"record", *SETTING[:-1], "run", *WAY[:3], "network", "settings", "preset", "status", "hardware", "folder"}
+TEXTS |= {"mixture", "policy", "unit", "cooperators", "defectors", "outcome", "reason", "caution"}
+COUNTS = {"num_agents", "total_timesteps", "seed", "steps", "episodes", "units", "env_steps"}
+NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "stage", "collective_return", "low", "high"}
+# What makes two rows say the same thing.
+KEY = ("record", "game", "hash", "params", "num_agents", "run", "seed", "mixture", "policy", "cooperators", "defectors")
+CONTRASTS = ("A", "B", "fear", "greed")
+OF_EXPERIMENT = (
+    *("mixture", "policy", "mean", "unit", "units", "cooperators", "defectors", "outcome", "fear", "greed", "reason", "caution"),
+    *(f"{name}_{end}" for name in CONTRASTS for end in ("mean", "low", "high")),
+)
+
+RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
+SWEEP, CELLS, STATUS = "sweep.json", "cells", "status.csv"
+ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
+FORMAT = 1  # of the files of experiments
+EPISODES = 30  # of the evaluation of a seed, at least: the default of `sjdsl train` and `sjdsl evaluate`
+POINTS = 40  # of the learning curve of a seed, at most
+RETURN = "collective return"  # its name in an evaluation
+DIGITS = 6  # significant ones that are kept of a figure, here and in a CSV
+# Settings that do not make a run another: which seeds, and what is written when.
+NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
+# Settings that runs of earlier versions lack, with what these did.
+AS_EVER = {"own": {}, "loss": "ppo"}
+KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
+
+
+def load(*folders: str | Path) -> "pd.DataFrame":
+    """Returns what folders have found: a row a seed and its evaluation, with the columns that this module names.
+
+    Args:
+      folders: of runs, sweeps, diagrams, cross-play, the `data` of a report, or folders of these. Of what is found twice, that of the
+        folder named later counts; a seed that is done is never replaced by one that isn't.
+    Raises:
+      ResultsError: a folder isn't there or holds nothing that can be read; a file is damaged.
+    Warns:
+      ResultsWarning: what is left out, and what to do about it.
+    """
+    return load_both(folders)[0]
+
+
+def load_curves(*folders: str | Path) -> "pd.DataFrame":
+    """Returns the learning curves of the seeds that are done: `run`, `seed`, `env_steps`, `collective_return`, `folder`.
+
+    At most 40 points a seed, each the mean over neighbouring updates of the episodes that ended about then. Raises and warns as `load`.
+    """
+    return load_both(folders)[1]
+
+
+def load_both(folders: Iterable[str | Path], more: Iterable[dict[str, Any]] = ()) -> tuple["pd.DataFrame", "pd.DataFrame"]:
+    """Returns what `load` and `load_curves` return, from one reading. more: further rows, by column, as if they were read last."""
+    rows: Rows = []
+    points: Rows = []
+    for folder in folders:
+        found, curve = _read(Path(folder))
+        rows += found
+        points += curve
+    rows += more
+    return _evaluations(rows), _curves(rows, points)
+
+
+def read_frame(path: Path, columns: Iterable[str]) -> "pd.DataFrame":
+    """Returns a CSV that `write_frame` wrote. Raises ResultsError where it lacks a column, or a value is none of its column."""
+    try:
+        kinds = {**dict.fromkeys(TEXTS, "string"), **dict.fromkeys(COUNTS, "Int64")}
+        frame = _typed(pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""]))
+    except (ValueError, TypeError) as error:
+        raise ResultsError(f"{path} cannot be read ({type(error).__name__}: {error})") from None
+    missing = [name for name in columns if name not in frame]
+    if missing:
+        raise ResultsError(f"{path} lacks the columns {', '.join(missing)}")
+    return frame
+
+
+def write_frame(frame: "pd.DataFrame") -> str:
+    """Returns a table as CSV, figures in six digits. The folders of runs stay out of it: they are of one machine."""
+    return str(frame.drop(columns="folder", errors="ignore").to_csv(index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"))
+
+
+def _typed(frame: "pd.DataFrame") -> "pd.DataFrame":
+    texts = {name: "string" for name in frame if name in TEXTS}
+    kinds = {name: "Int64" if name in COUNTS else "float" for name in frame if name in COUNTS | NUMBERS}
+    frame = frame.astype({**texts, **kinds})
+    frame[[*texts]] = frame[[*texts]].fillna("").astype(object)
+    return frame
+
+
+def _evaluations(rows: Rows) -> "pd.DataFrame":
+    more = sorted({name for row in rows for name in row} - {*COLUMNS, *OF_EXPERIMENT})
+    experiments = OF_EXPERIMENT if any(row["record"] in ("mixture", "diagram") for row in rows) else ()
+    frame = _typed(pd.DataFrame(rows, columns=[*COLUMNS, *experiments, *more]))
+    numbers = [*frame.select_dtypes("float")]
+    frame[numbers] = frame[numbers].map(lambda value: float(f"{value:.{DIGITS}g}"))
+    key = [name for name in KEY if name in frame]
+    frame = frame.iloc[np.argsort(frame.status == "done", kind="stable")]  # of two rows the last one stays
+    told = frame[frame.duplicated(key, keep=False) & frame.status.isin(("done", ""))].drop(columns="folder")
+    for names, same in told.groupby(key, dropna=False):
+        if len(same.drop_duplicates()) > 1:
+            what = " ".join(str(name) for name in names if not pd.isna(name) and name != "")
+            _warn(f"{what} was found twice, with different figures: those of the folder named later are shown")
+    frame = frame.drop_duplicates(key, keep="last")
+    return _named_variants(frame).sort_values(key, kind="stable", ignore_index=True)
+
+
+def _named_variants(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Returns the table with the variant of each experiment: that of runs with the same rules, else that of the bundled game."""
+    trained = frame[frame.record == "seed"].drop_duplicates(["game", "hash"]).set_index(["game", "hash"])[["variant", "map"]]
+    for place, row in frame[frame.record.isin(("mixture", "diagram"))].iterrows():
+        if (row.game, row.hash) in trained.index:
+            frame.loc[place, ["variant", "map"]] = trained.loc[(row.game, row.hash)].to_list()
+        else:
+            frame.loc[place, "variant"] = variant_now(row.game, row.hash) or ""
+    return frame
+
+
+def _curves(rows: Rows, points: Rows) -> "pd.DataFrame":
+    done = [{name: row[name] for name in ("run", "seed", "folder")} for row in rows if row.get("status") == "done"]
+    kept = pd.DataFrame(done, columns=["run", "seed", "folder"]).drop_duplicates(["run", "seed"], keep="last")
+    found = pd.DataFrame(points, columns=POINT).merge(kept)
+    return found.drop_duplicates(["run", "seed", "env_steps"], keep="last").sort_values(["run", "seed", "env_steps"], ignore_index=True)
+
+
+def _warn(text: str) -> None:
+    warnings.warn(text, ResultsWarning, stacklevel=2)
+
+
+def _read(path: Path) -> Found:
+    if not path.exists():
+        raise ResultsError(f"there is no folder or file `{path}`")
+    reader = _reader(path)
+    if reader is not None:
+        return reader(path)
+    rows: Rows = []
+    points: Rows = []
+    inside = [part for part in sorted(path.iterdir()) if _reader(part) is not None] if path.is_dir() else []
+    for part in inside:
+        found, more = _read(part)
+        rows += found
+        points += more
+    if not inside:
+        raise ResultsError(f"`{path}` holds no results; name {KINDS}")
+    return rows, points
+
+
+def _reader(path: Path) -> Callable[[Path], Found] | None:
+    """Returns what reads a folder, by the files in it; None where nothing does."""
+    if not path.is_dir():
+        return None
+    if (path / SWEEP).is_file():
+        return _sweep
+    if (path / MANIFEST).is_file():
+        return _cell
+    asked = _read_if_there(path / ASKED).get("experiment")
+    if (path / DIAGRAM).is_file() or asked == "schelling":
+        return lambda path: (_experiment(path, DIAGRAM, _diagram), [])
+    if (path / CROSS_PLAY).is_file() or asked == "crossplay":
+        return lambda path: (_experiment(path, CROSS_PLAY, _cross_play), [])
+    return _stored if (path / RESULTS).is_file() else None
+
+
+def _read_if_there(path: Path) -> Mapping[str, Any]:
+    try:
+        found = read_json(path)
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _stored(path: Path) -> Found:
+    """Reads the `data` of a report."""
+    frame = read_frame(path / RESULTS, set(COLUMNS) - {"folder"})
+    unknown = sorted(set(frame.status) - {"done", "failed", "unfinished", ""})
+    if unknown:
+        raise ResultsError(f"{path / RESULTS}: `status` is done, failed or unfinished, not `{unknown[0]}`")
+    tables = [frame.assign(hash=frame.hash.map(current_hash)), read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None]
+    rows, points = ([] if table is None else table.assign(folder=str(path)).to_dict("records") for table in tables)
+    return [{name: value for name, value in row.items() if not pd.isna(value)} for row in rows], points
+
+
+# Sweeps, whose cells are ordinary runs.
+
+
+def _sweep(path: Path) -> Found:
+    stages = _stages(path)
+    there = [name for name in stages if (path / CELLS / name / MANIFEST).is_file()]
+    absent = len(stages) - len(there)
+    if absent:
+        _warn(f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} still to be trained")
+    if (path / STATUS).is_file():
+        with open(path / STATUS, encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                if row.get("state") == "failed":
+                    _warn(f"the cell `{row['cell']}` of the sweep `{path}` has failed")
+    found = [_run(path / CELLS / name, stages[name]) for name in there]
+    return [row for rows, _ in found for row in rows], [point for _, points in found for point in points]
+
+
+def _cell(path: Path) -> Found:
+    """Reads a run, which may be a cell that is named without its sweep, as in `SWEEP/cells/*`."""
+    folder = path.resolve()
+    is_cell = folder.parent.name == CELLS and (folder.parents[1] / SWEEP).is_file()
+    return _run(path, _stages(folder.parents[1]).get(folder.name) if is_cell else None)
+
+
+def _stages(path: Path) -> dict[str, int | None]:
+    """Returns the cells of a sweep by name; of a sweep of svo with their stage, for the two stages never share seeds."""
+    try:
+        stored = read_json(path / SWEEP)
+        if any(Path(name).name != name for name in stored["cells"]):
+            raise ValueError("a cell is named by a path")
+        return {name: int(cell["stage"]) if stored.get("protocol") == "svo" else None for name, cell in stored["cells"].items()}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ResultsError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None
+
+
+# Runs.
+
+
+def _run(path: Path, stage: int | None = None) -> Found:
+    try:
+        manifest = read_manifest(path)
+        ids = ids_of(manifest, stage)
+        found = [_seed(folder, seed, ids, manifest) for seed, folder in _folders(path, manifest["config"])]
+        rows = [row for row, _ in found]
+        for row in rows:
+            _check(row)
+    except (RunError, ConfigError) as error:
+        _warn(f"{error}: {path} is left out")
+        return [], []
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        _warn(f"{path / MANIFEST} is damaged ({type(error).__name__}: {error}): {path} is left out")
+        return [], []
+    _warn_of_seeds(path, manifest, rows)
+    return rows, [point for _, points in found for point in points]
+
+
+def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, Any]:
+    """Returns what a run is of, by column, from its manifest; `stage`: of a sweep of svo."""
+    game, config = manifest["game"], manifest["config"]
+    made = manifest.get("provenance") or {}
+    way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith("checkpoint_")}
+    way = {key: value for key, value in way.items() if key not in AS_EVER or value != AS_EVER[key]}
+    everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": way, "stage": stage}
+    digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
+    reward, angles = str(config["reward"]), config.get("svo_angle", [])
+    ids = {
+        "game": game["name"],
+        "hash": game["hash"],
+        "variant": made.get("variant") or "",
+        "params": " ".join(_numbers(game, made)),
+        "map": Path(made["map"]).name if isinstance(made.get("map"), str) else "own" if made.get("map") else "",
+        "num_agents": game["num_agents"],
+        "run": f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
+        "algorithm": config["algorithm"],
+        "reward": reward,
+        "sharing": config.get("sharing", "shared"),
+        "stage": stage,
+        "network": str(config["network"]),
+        "total_timesteps": int(config["total_timesteps"]),
+        "preset": preset_of(game["name"], way),
+    }
+    if reward == "exchange":
+        ids["exchange_ratio"] = config["exchange_ratio"]
+    if reward == "svo":
+        ids["svo_weight"] = config["svo_weight"]
+        ids |= {"svo_angle": angles[0]} if len(set(angles)) == 1 else {}
+    usual = stored_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
+    columns = {*WAY} - ({"svo_angle"} if reward == "svo" and "svo_angle" not in ids else set())
+    own = {key: value for key, value in sorted(way.items()) if key not in columns and value != usual.get(key)}
+    return ids | {"settings": json.dumps(own, separators=(",", ":"))}
+
+
+def _check(row: Mapping[str, Any]) -> None:
+    """Raises ValueError, TypeError or OverflowError for a value that is none of its column."""
+    for name, value in row.items():
+        of_kind = isinstance(value, str) if name in TEXTS else isinstance(value, int) and abs(value) < 2**63 if name in COUNTS else True
+        if value is not None and not of_kind:
+            raise ValueError(f"its {name} is {value!r}")
+        if value is not None and name in NUMBERS:
+            float(value)
+
+
+def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
+    """Returns what was asked for besides the game and a variant: numbers of the game, and of agents, that it would not have otherwise.
+
+    A run that was started from Python may not say what was asked for: then the numbers that a bundled game has otherwise.
+    """
+    if "game" not in made:
+        return other_numbers(game)
+    asked = {**(made.get("params") or {}), **({} if made.get("num_agents") is None else {"num_agents": made["num_agents"]})}
+    variant = made.get("variant") or ""
+    return [f"{name}={value}" for name, value in sorted(asked.items()) if not is_usual(game["name"], variant, name, value)]
+
+
+def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
+    """Returns the seeds of a run, and the folder of each."""
+    first, number = int(config["seed"]), int(config["seeds"])
+    if not 1 <= number <= MOST_SEEDS:
+        raise ValueError(f"it has {number} seeds")
+    return [(first, path)] if number == 1 else [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
+
+
+def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str, Any]) -> tuple[dict[str, Any], Rows]:
+    """Returns the row of a seed, and its learning curve where it is done."""
+    if seed in {entry["seed"] for entry in manifest.get("diverged", ())}:
+        status = "failed"
+    else:
+        status = "done" if manifest.get("status") == "finished" else "unfinished"
+    device = manifest.get("device") or {}
+    number, kind = device.get("count", 1), device.get("kind", "unknown")
+    steps, returns = _curve(folder)
+    row = {"record": "seed", **ids, "seed": seed, "status": status, "hardware": f"{number} x {kind}" if number > 1 else str(kind)}
+    row["folder"] = str(folder)
+    if status != "done":
+        return row | {"steps": int(max(steps, default=0)), "episodes": 0}, []
+    means, episodes = _evaluation(folder / "evaluation.json")
+    row |= {"steps": int(manifest["updates"] * manifest["derived"]["steps_per_update"]), "episodes": episodes}
+    row |= {"collective_return" if name == RETURN else name: value for name, value in means.items()}
+    named = zip(steps, returns, strict=True)
+    points = [{"run": ids["run"], "seed": seed, "env_steps": int(x), "collective_return": y, "folder": str(folder)} for x, y in named]
+    return row, points
+
+
+def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Returns environment steps and collective returns, `[P]` each: at most `POINTS`, each the mean of neighbouring updates.
+
+    The steps are those at the ends of as many equal parts of the run: seeds of a run have them alike.
+    """
+    steps, returns = figures(read_rows(folder / METRICS_JSONL), "collective_return")
+    if not np.isfinite(returns).any():
+        return np.zeros(0), np.zeros(0)
+    together = math.ceil(len(steps) / POINTS) * steps[0]  # environment steps of a point
+    ends = np.minimum(np.ceil(steps / together) * together, steps[-1])
+    known = np.isfinite(returns)
+    places = np.unique(ends[known])
+    return places, np.array([returns[known & (ends == place)].mean() for place in places])
+
+
+def _evaluation(path: Path) -> tuple[dict[str, float], int]:
+    """Returns the means of an evaluation of the last policy, without those of single agents, and its episodes.
+
+    Nothing where there is none, or where its actions were chosen otherwise than the run's own evaluation chooses them.
+    """
+    try:
+        stored = read_json(path)
+        if stored.get("greedy") is not None:
+            return {}, 0
+        means = {name: figure["mean"] for name, figure in stored["summary"].items() if " of agent " not in name}
+        return {name: float(mean) for name, mean in means.items() if mean is not None}, int(stored["episodes"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}, 0
+
+
+def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
+    if any(row["status"] == "unfinished" for row in rows):
+        status = manifest.get("status")
+        how = "isn't finished" if status == "running" else f"ended early ({status})"
+        _warn(f"`{path}` {how}: it is left out. Resume it with `sjdsl train --resume {path}`")
+    done = [row for row in rows if row["status"] == "done"]
+    for row in rows:
+        if row["status"] == "failed":
+            _warn(f"seed {row['seed']} of `{path}` diverged (non-finite loss): nothing is averaged with it")
+    wanting = [row for row in done if "collective_return" not in row]
+    damaged = [row for row in wanting if not (Path(row["folder"]) / POLICIES).is_dir()]
+    for row in damaged:
+        _warn(f"`{row['folder']}` is incomplete, for it has no `{POLICIES}`: it is left out")
+    if len(wanting) > len(damaged):
+        _warn(f"`{path}` isn't evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {path}` does it as the tables want it")
+    few = [row["episodes"] for row in done if "collective_return" in row and row["episodes"] < EPISODES]
+    if few:
+        _warn(f"`{path}` was evaluated in {min(few)} episodes a seed, others in {EPISODES}: `sjdsl evaluate {path}` does it so")
+
+
+# Experiments with policies.
+
+
+def _experiment(path: Path, name: str, rows_of: Callable[[Mapping[str, Any]], Rows]) -> Rows:
+    file = path / name
+    if not file.is_file():
+        _warn(f"`{path}` is an experiment that isn't finished: it is left out. Its command, run again, resumes it")
+        return []
+    try:
+        stored = read_json(file)
+        if stored["format"] != FORMAT:
+            raise ResultsError(f"{file} has the format {stored['format']}, expected {FORMAT}; play it again")
+        rows = rows_of(stored)
+        game = stored["game"]
+        of = {"game": game["name"], "hash": current_hash(game["hash"]), "num_agents": game["num_agents"]}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ResultsError(f"{file} cannot be read ({type(error).__name__}: {error})") from None
+    for note in stored.get("notes", ()):
+        _warn(note)
+    return [{**of, "params": " ".join(other_numbers(game)), "folder": str(path), **row} for row in rows]
+
+
+def _diagram(stored: Mapping[str, Any]) -> Rows:
+    verdict = stored["verdict"]
+    row = {"record": "diagram", **{name: stored[name] for name in ("cooperators", "defectors", "unit", "units", "episodes")}}
+    row |= {**{name: verdict[name] for name in ("outcome", "fear", "greed", "reason")}, "caution": verdict.get("caution") or ""}
+    for contrast in CONTRASTS:
+        row |= {f"{contrast}_{end}": stored["contrasts"][contrast][end] for end in ("mean", "low", "high")}
+    return [row]
+
+
+def _cross_play(stored: Mapping[str, Any]) -> Rows:
+    """Returns a row a policy and mixture; of random policies alone also what they earn together."""
+    rows = []
+    number = stored["game"]["num_agents"]
+    plain = not other_numbers(stored["game"])
+    for mixture in stored["mixtures"]:
+        unit, episodes = mixture.get("unit", stored["unit"]), mixture["episodes"]
+        over = {"unit": unit, "units": len(stored["keys"]) if unit == "training seed" else episodes, "episodes": episodes}
+        for policy, figure in mixture["policies"].items():
+            ends = {name: figure[name] for name in ("mean", "low", "high")}
+            rows.append({"record": "mixture", "mixture": mixture["mixture"], "policy": policy, **ends, **over})
+        if plain and set(mixture["slots"]) == {"random"}:
+            together = {name: None if end is None else number * end for name, end in ends.items()}
+            rows.append({"record": "random", "collective_return": together.pop("mean"), **together, "episodes": episodes})
+    return rows

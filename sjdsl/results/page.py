@@ -1,0 +1,103 @@
+"""A page of results as Markdown: sections with tables, pictures and commands; and the files beside it."""
+
+import csv
+import io
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sjdsl.experiments.pictures import picture_bytes
+from sjdsl.results.figures import Figure, Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
+
+FIGURES, TABLES = "figures", "tables"
+ENDINGS = ("png", "svg")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture that is drawn when it is written."""
+
+    name: str
+    title: str
+    draw: Callable[[], "Drawing"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page. text: paragraphs; fill: commands that find what is empty."""
+
+    title: str
+    text: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+    fill: tuple[str, ...] = ()
+
+
+def page_text(title: str, made: str, sections: Iterable[Section], method: Sequence[str], notes: Sequence[str], folder: str = "") -> str:
+    """Returns the page: its heading and what made it, its sections, how they are to be read, and notes.
+
+    Args:
+      folder: where pictures and tables are as seen from the page: empty, or with a `/` at its end.
+    """
+    parts = [f"# {title}", made, *(_section_text(section, folder) for section in sections), "## Method", *method]
+    if notes:
+        parts += ["## Notes", "\n".join(f"* {inert(_sentence(note))}" for note in notes)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _section_text(section: Section, folder: str) -> str:
+    parts = [f"## {section.title}", *map(inert, section.text)]
+    for table in section.tables:
+        parts += [f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):", _table_text(table)]
+    parts += [f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
+    if section.fill:
+        missing = "What is empty is found by:" if section.tables or section.pictures else "Nothing is known of it yet. It is found by:"
+        parts += [missing, "```\n" + "\n".join(section.fill) + "\n```"]
+    return "\n\n".join(parts)
+
+
+def _table_text(table: Table) -> str:
+    rule = ("---",) * table.labels + ("--:",) * (len(table.headings) - table.labels)
+    rows = (tuple(_escaped(cell.text if isinstance(cell, Figure) else cell) for cell in row) for row in table.rows)
+    return "\n".join(f"| {' | '.join(row)} |" for row in (table.headings, rule, *rows))
+
+
+def file_texts(sections: Iterable[Section]) -> dict[str, str]:
+    """Returns the CSV of each table by the name of its file."""
+    return {f"{TABLES}/{table.name}.csv": _csv(table.records) for section in sections for table in section.tables}
+
+
+def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
+    """Returns each picture as PNG and SVG, by the names of the files."""
+    files: dict[str, bytes] = {}
+    for picture in (picture for section in sections for picture in section.pictures):
+        drawing = picture.draw()
+        files |= {f"{FIGURES}/{picture.name}.{ending}": picture_bytes(drawing, ending) for ending in ENDINGS}
+    return files
+
+
+def _csv(records: Sequence[dict[str, Any]]) -> str:
+    text = io.StringIO()
+    names = list(dict.fromkeys(name for record in records for name in record))
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([f"{v:.6g}" if isinstance(v, float) else v for v in map(record.get, names)] for record in records)
+    return text.getvalue()
+
+
+def _escaped(cell: str) -> str:
+    return " ".join(inert(cell).splitlines()).replace("|", "\\|")
+
+
+def inert(text: str) -> str:
+    """Returns text in which nothing begins an element of HTML: names of folders, and what stands in their files, come from anybody."""
+    return re.sub(r"<(?=[a-zA-Z/!?])", "&lt;", text)
+
+
+def _sentence(note: str) -> str:
+    """Returns a note as a sentence; one that begins with a name keeps it."""
+    return f"{note[0].upper()}{note[1:]}." if note[:1].isalpha() and " " in note else f"{note}."

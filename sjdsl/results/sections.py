@@ -1,0 +1,266 @@
+"""The sections of a report: each is a function of the table of results, and makes its own tables and pictures."""
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sjdsl.results.drawing import colours
+from sjdsl.results.figures import Cell, Figure, Table, counted, interval, of_cell, of_comparison, short
+from sjdsl.results.loading import CONTRASTS, WAY
+from sjdsl.results.page import Picture, Section
+from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_of
+from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
+from sjdsl.trainers.estimates import estimate
+from sjdsl.trainers.panels import Line, draw_panels, split_lines
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure as Drawing
+
+BEHIND = "seeds, steps, preset, hardware"
+OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing of other training seeds
+USUAL = {"algorithm": "ippo", "reward": "individual", "sharing": "shared"}  # what ways of training are compared with
+REWARD = ("reward", "exchange_ratio", "svo_weight", "svo_angle")  # one choice
+Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
+Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]  # game -> way of training -> its cell, and the scores of its seeds
+
+
+def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
+    """Yields the ways of training of one game, in words, and their seeds; where two have the same words, with the settings that differ."""
+    runs = [(in_words(seeds.iloc[0]), seeds) for _, seeds in rows.groupby("run")]
+    for words, seeds in sorted(runs, key=lambda pair: (pair[0].casefold(), pair[1].iloc[0].run)):
+        own = seeds.iloc[0]
+        others = [other.iloc[0] for name, other in runs if name == words and other.iloc[0].run != own.run]
+        settings = [json.loads(row.settings) | {"total_timesteps": int(row.total_timesteps)} for row in (own, *others)]
+        apart = sorted({key for one in settings for key in one if any(other.get(key) != settings[0].get(key) for other in settings)})
+        said = ", ".join(f"{key} {settings[0].get(key, 'default')}" for key in apart) or (own.run[-8:] if others else "")
+        yield words + (f" ({said})" if said else ""), seeds
+
+
+def returns(frame: "pd.DataFrame") -> Section:
+    """Returns the section of what each way of training earned in each game."""
+    rows = []
+    for setting, own in games(frame):
+        for words, seeds in ways(own):
+            cell = cell_of(seeds)
+            rows += [(setting.label, words, of_cell(cell), cell.origin)] if cell is not None else []
+    table = Table("returns", "Collective return", ("game", "way of training", "collective return", BEHIND), rows, 2)
+    return Section("Returns", (), (table,) if rows else (), fill=() if rows else ("sjdsl train coins --seeds 3 --run runs/coins",))
+
+
+def comparisons(frame: "pd.DataFrame") -> Section:
+    """Returns the section that compares ways of training which differ in one choice: algorithm, reward, parameters or a setting."""
+    lines: list[Pair] = []
+    for setting, own in games(frame):
+        named = [(words, seeds.iloc[0], cell_of(seeds)) for words, seeds in ways(own)]
+        for words, row, cell in named:
+            for other_words, other, other_cell in named:
+                if _differ_in_one_choice(other, row):
+                    lines.append(((setting.label, other_words, words), other_cell, cell))
+    text = "Two ways of training that differ in one choice: the algorithm, the reward, whether agents share parameters, or one setting."
+    p = "p is of each pair alone (Welch), and not corrected for their number."
+    table = compared_table("comparisons", "Collective return", ("game", "first", "second"), ("first", "second"), lines)
+    return Section("Comparisons", (text, p), (table,)) if lines else Section("Comparisons", (text, "There is no such pair yet."))
+
+
+def _differ_in_one_choice(usual: Any, other: Any) -> bool:
+    """Returns whether `usual` has what is usual, or the default, where `other` has something else, and nothing else differs."""
+
+    def choices(row: Any) -> dict[str, Any]:
+        own: dict[str, Any] = {name: None if (value := row[name]) != value else value for name in WAY if name not in REWARD}
+        settings: dict[str, Any] = json.loads(row.settings)
+        return own | settings | {"reward": tuple(str(row[name]) for name in REWARD)}
+
+    first, second = choices(usual), choices(other)
+    apart = [name for name in first.keys() | second.keys() if first.get(name) != second.get(name)]
+    if len(apart) != 1:
+        return False
+    name = apart[0]
+    return usual[name] == USUAL[name] if name in USUAL else name not in first
+
+
+def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]) -> Table:
+    """Returns a table of pairs of cells: both, how much more the second has with its 95 % interval, and p."""
+    rows: list[tuple[str | Figure, ...]] = []
+    for said, first, second in lines:
+        known = first is not None and second is not None and first.estimate is not None and second.estimate is not None
+        found = compare(first.values, second.values) if known and first is not None and second is not None else None
+        behind = "; ".join(dict.fromkeys(cell.origin for cell in (first, second) if cell is not None))
+        rows.append((*said, of_cell(first), of_cell(second), *of_comparison(found), behind))
+    return Table(name, title, (*words, *columns, f"{columns[1]} - {columns[0]}", "p (Welch)", BEHIND), rows, len(words))
+
+
+def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
+    """Returns a picture for each game: the mean over seeds, with the band of its 95 % interval by Student's t."""
+    pictures = []
+    for setting, own in games(frame):
+        whole = own[~own.run.isin(own[own.status == "failed"].run)]
+        lines = [line for words, seeds in ways(whole) if (line := _line(words, curves[curves.run == seeds.iloc[0].run])) is not None]
+        if lines:
+            name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
+            pictures.append(Picture(name, setting.label, partial(_draw_curves, lines, setting.label)))
+    text = ["Mean over seeds, with the band of its 95 % interval (Student's t). One seed has no band."]
+    if (frame.algorithm == "vdn").any():
+        text.append(
+            "The curves of VDN are of episodes in which it explores. The last policies, in the tables, are evaluated without exploring."
+        )
+    if (frame.status == "failed").any():
+        text.append("Ways of training of which a seed has failed have no curve.")
+    return Section("Learning curves", tuple(text), pictures=tuple(pictures))
+
+
+def _line(words: str, points: "pd.DataFrame") -> Line | None:
+    """Returns the curve of a run, at the steps that all of its seeds have; None where there are none."""
+    by_step = points.pivot(index="env_steps", columns="seed", values="collective_return").dropna()
+    if by_step.empty:
+        return None
+    label = f"{words}, {counted(by_step.shape[1], 'seed')}"
+    steps, values = by_step.index.to_numpy(float), by_step.to_numpy(float)
+    if values.shape[1] < 2:
+        return Line(label, steps, values[:, 0])
+    found = [estimate(row) for row in values]
+    mean, low, high = (np.array([getattr(figure, end) for figure in found]) for end in ("mean", "low", "high"))
+    return Line(label, steps, mean, low, high)
+
+
+def _draw_curves(lines: Sequence[Line], title: str) -> "Drawing":
+    with colours():
+        return draw_panels(split_lines(lines, "collective return of an episode"), title)
+
+
+def over_games(frame: "pd.DataFrame") -> Section:
+    """Returns the section of statistics over games, with scores between a random policy and the best way of training of each game."""
+    scores = {}
+    for setting, own in games(frame):
+        cells = {words: cell for words, seeds in ways(own) if (cell := cell_of(seeds)) is not None}
+        best = max((cell.estimate.mean for cell in cells.values() if cell.estimate is not None), default=0.0)
+        scores[setting.label] = scored(frame, setting, best, cells)
+    return section_over_games(
+        scores, "A score is (return - random) / (best - random): 0 is a random policy, 1 the best way of training here."
+    )
+
+
+def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[str, Cell]) -> dict[str, tuple[Cell, np.ndarray]]:
+    """Returns the scores of cells of two seeds at least, between a random policy and `best`; none where no random policy was played."""
+    random = frame[(frame.record == "random") & (frame.game == setting.game) & (frame.hash == setting.hash)].collective_return
+    if random.empty or setting.params or best <= random.iloc[-1]:
+        return {}
+    zero = random.iloc[-1]
+    several = {way: cell for way, cell in cells.items() if cell.estimate is not None and len(cell.values) > 1}
+    return {way: (cell, (np.array(cell.values) - zero) / (best - zero)) for way, cell in several.items()}
+
+
+def section_over_games(scores: Scores, what: str, fill: Sequence[str] = ()) -> Section:
+    """Returns the section of the ways of training that were tried in the same two games or more, with two seeds at least.
+
+    The games are those in which most can be compared; ways that lack one of them are left out, and seeds beyond the fewest.
+    """
+    text = [
+        f"{what} Intervals are of 95 %, by resampling the seeds of each game (stratified bootstrap). None of this says anything of a single game."
+    ]
+    chosen = chosen_games(scores)
+    if not chosen:
+        none = "There are no two games yet with the same way of training, two seeds, and a random policy."
+        return Section("Over games", (*text, none), fill=tuple(fill))
+    tables, behind, remarks = {}, {}, []
+    for way in sorted({way for found in scores.values() for way in found}):
+        lacking = [game for game in chosen if way not in scores[game]]
+        if lacking:
+            remarks.append(f"* {way} is left out: it lacks {', '.join(lacking)}.")
+            continue
+        cells, values = zip(*(scores[game][way] for game in chosen), strict=True)
+        fewest = min(map(len, values))
+        if max(map(len, values)) > fewest:
+            remarks.append(f"* Of {way} the first {fewest} seeds of each game are taken, for in some games there are no more.")
+        tables[way] = np.stack([each[:fewest] for each in values], axis=1)
+        steps = sorted({cell.steps for cell in cells})
+        lengths = " to ".join(dict.fromkeys((short(steps[0]), short(steps[-1]))))
+        origins = list(dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells))
+        behind[way] = f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, {' and '.join(origins)}"
+    text += [f"Of the games {', '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
+    means = [(way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()]
+    made = [Table("over_games", "Interquartile mean of the scores", ("way of training", "interquartile mean", BEHIND), means)]
+    if len(tables) > 1:
+        title = "Probability that a seed of the first way earns more than one of the second, on average over games"
+        rows = [(first, second, interval(*found)) for (first, second), found in improvements(tables).items()]
+        made.append(Table("improvement", title, ("way of training", "over", "probability"), rows, 2))
+    picture = Picture("performance_profiles", "performance profiles", partial(draw_profiles, tables))
+    return Section("Over games", tuple(text), tuple(made), (picture,))
+
+
+def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
+    """Returns the games, two at least, in which the most pairs of a game and a way of training are left; none where there are no two.
+
+    If possible, two ways have all of them. Of sets with as many pairs it is the one with more games, then the first in their order.
+    Larger sets than those that some ways have in common would not have more ways, so these are all that are looked at.
+    """
+    order = list(scores)
+    played = {way: frozenset(game for game in order if way in scores[game]) for found in scores.values() for way in found}
+    common: set[frozenset[Any]] = set()
+    for own in played.values():
+        common |= {own} | {own & other for other in common}
+    sets = [[game for game in order if game in chosen] for chosen in common if len(chosen) > 1]
+
+    def worth(chosen: Sequence[Any]) -> tuple[Any, ...]:
+        number = sum(set(chosen) <= own for own in played.values())
+        return number > 1, number * len(chosen), len(chosen), [-order.index(game) for game in chosen]
+
+    return max(sets, key=worth, default=[])
+
+
+def diagrams(frame: "pd.DataFrame") -> Section:
+    """Returns the section of the contrasts of each Schelling diagram, and its verdict."""
+    rows = [diagram_row(row) for row in of_record(frame, "diagram")]
+    text = [
+        "A: all cooperating against all defecting. B: cooperating together against cooperating alone. Fear: defecting against cooperating "
+        "where the others defect. Greed: the same where the others cooperate.",
+        "The intervals of the four hold together at 95 %. A dilemma has A and B above 0, and fear or greed.",
+        *(f"{setting_of(row).label}: {row.caution}" for row in of_record(frame, "diagram") if row.caution),
+    ]
+    headings = ("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "over")
+    table = Table("schelling", "Contrasts of the return of an agent", headings, rows, 3)
+    return Section("Schelling diagrams", tuple(text), (table,) if rows else ())
+
+
+def of_record(frame: "pd.DataFrame", record: str) -> Iterator[Any]:
+    """Yields the rows of a kind."""
+    return (row for _, row in frame[frame.record == record].iterrows())
+
+
+def diagram_row(row: Any) -> tuple[str | Figure, ...]:
+    """Returns the cells of a diagram."""
+    contrasts = (interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS)
+    shape = " and ".join(name for name in ("fear", "greed") if row[name])
+    verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
+    return setting_of(row).label, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, _over(row)
+
+
+def _over(row: Any) -> str:
+    return f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else OF_POLICIES)
+
+
+def cross_play(frame: "pd.DataFrame") -> Section:
+    """Returns the section of what an agent of a policy earned in each mixture."""
+    found = list(of_record(frame, "mixture"))
+    rows = [(setting_of(row).label, row.mixture, f"`{row.policy}`", interval(row["mean"], row.low, row.high), _over(row)) for row in found]
+    headings = ("game", "mixture", "policy", "return of an agent", "interval over")
+    table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, rows, 3)
+    return Section("Cross-play", (), (table,) if rows else ())
+
+
+def report_sections(frame: "pd.DataFrame", curves: "pd.DataFrame") -> list[Section]:
+    """Returns the sections of a report that have something to show."""
+    made: list[Callable[[], Section]] = [
+        partial(returns, frame),
+        partial(comparisons, frame),
+        partial(learning_curves, frame, curves),
+        partial(over_games, frame),
+        partial(diagrams, frame),
+        partial(cross_play, frame),
+    ]
+    sections = [make() for make in made]
+    return [section for section in sections if section.tables or section.pictures or section.fill]

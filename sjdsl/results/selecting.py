@@ -1,0 +1,99 @@
+"""Selects rows of results: the games, the ways of training in one, and the seeds that make a cell of a table."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sjdsl.results.bundled import rules_now
+from sjdsl.results.figures import Cell
+from sjdsl.results.loading import SETTING
+from sjdsl.trainers.extensions import short_name
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SHARED, APART = "shared", "per_agent"
+NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "irat": "IRAT", "vdn": "VDN"}
+
+
+class Setting(NamedTuple):
+    """A game as it was played: its rules, numbers, map and agents."""
+
+    game: str
+    hash: str
+    variant: str
+    params: str
+    map: str
+    num_agents: int
+
+    @property
+    def label(self) -> str:
+        """The game, and what differs from the bundled one as it is now."""
+        now = rules_now(self.game, self.variant)
+        other = f"rules {self.hash[:6]}" if now is not None and now[0] != self.hash and not (self.params or self.map) else ""
+        agents = f"{self.num_agents} agents" if other and now is not None and now[1] != self.num_agents else ""
+        named = (f"variant {self.variant}" if self.variant else "", self.params, f"map {self.map}" if self.map else "")
+        return ", ".join(filter(None, (self.game, *named, other, agents)))
+
+
+def setting_of(row: Any) -> Setting:
+    """Returns the game of a row."""
+    return Setting(*(row[name] for name in SETTING))  # not as attributes: a row of pandas has a method `map`
+
+
+def seeds_of(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Returns the seeds that have ended: done, or failed."""
+    return frame[(frame.record == "seed") & (frame.status != "unfinished")]
+
+
+def games(frame: "pd.DataFrame") -> Iterator[tuple[Setting, "pd.DataFrame"]]:
+    """Yields each game that was trained in, as it was played, and the rows of its seeds."""
+    for names, rows in seeds_of(frame).groupby([*SETTING], sort=True):
+        yield Setting(*names), rows
+
+
+def select(frame: "pd.DataFrame", **wanted: Any) -> "pd.DataFrame":
+    """Returns the rows that have these values in these columns."""
+    for name, value in wanted.items():
+        frame = frame[frame[name] == value]
+    return frame
+
+
+def cell_of(frame: "pd.DataFrame", figure: str = "collective_return") -> Cell | None:
+    """Returns the cell of a table that seeds of one game make; None where there are none with the figure.
+
+    Where the rows are of several runs (other settings, another length) it is of the one with the most steps, then the most seeds, for
+    seeds of different settings are never averaged.
+    """
+    cells = [cell for _, rows in frame.groupby("run") if (cell := _of_run(rows, figure)) is not None]
+    return min(cells, key=lambda cell: (-cell.steps, -cell.seeds, cell.run), default=None)
+
+
+def _of_run(rows: "pd.DataFrame", figure: str) -> Cell | None:
+    done = rows[rows.status == "done"]
+    values = tuple(float(value) for value in done[figure].dropna()) if figure in done else ()
+    failed = int((rows.status == "failed").sum())
+    if not values and not failed:
+        return None
+    first, hardware = rows.iloc[0], " and ".join(dict.fromkeys(rows.hardware))
+    return Cell(first.run, values, failed, int(rows.steps.max()), first.preset, hardware, first.settings)
+
+
+def in_words(row: Any, sharing: bool = True) -> str:
+    """Returns a way of training in words: `IPPO, exchange 0.5`, `IPPO, SVO 45°, weight 0.4`, `MAPPO, common, separate parameters`.
+
+    Args:
+      row: of a seed.
+      sharing: whether to say that parameters are not shared.
+    """
+    name = NAMES.get(row.algorithm, short_name(row.algorithm))
+    if row.algorithm == "vdn":
+        return name  # it always learns from the sum of all rewards
+    reward = short_name(row.reward)
+    if row.reward == "exchange":
+        reward = f"exchange {row.exchange_ratio:g}"
+    elif row.reward == "svo":
+        angle = "several angles" if row.svo_angle != row.svo_angle else f"{row.svo_angle:g}°"
+        weight = "chosen weight" if row.svo_weight != row.svo_weight else f"weight {row.svo_weight:g}"
+        reward = f"SVO {angle}, {weight}" + (", choosing the weight" if row.stage == 1 else "")
+    apart = {SHARED: "", APART: ", separate parameters"}.get(row.sharing, f", parameters {row.sharing.replace('_', ' ')}")
+    return f"{name}, {reward}{apart if sharing else ''}"

@@ -1,0 +1,272 @@
+"""What a report reads of each kind of folder, and what it says of folders that are half written, failed, of other rules, or of no kind."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from report_folders import Found, read, write_cross_play, write_diagram, write_json, write_run, write_sweep
+from report_folders import described as describe
+
+import sjdsl
+from sjdsl.results import ResultsError, load, load_curves
+from sjdsl.results.bundled import variant_now
+from sjdsl.results.loading import COLUMNS, POINTS, load_both, write_frame
+from sjdsl.results.sections import diagrams
+
+NONE = pytest.approx(float("nan"), nan_ok=True)
+DIAGRAM = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 9.0), "fear": (-4.0, -5.0, -3.0), "greed": (2.0, 1.0, 3.0)}
+
+
+def earned(found: Found) -> dict[int, float | None]:
+    """Returns the returns of the seeds; None where there is none."""
+    return {row.seed: None if pd.isna(row.collective_return) else row.collective_return for row in found.rows("seed")}
+
+
+def test_a_run(tmp_path: Path) -> None:
+    folder = write_run(
+        tmp_path / "run", "coins", (3.0, 5.0), first=4, measures={"event own_coins": (7.0, 8.0)}, reward="exchange", exchange_ratio=0.25
+    )
+    found = read(folder)
+    run, _ = found.rows("seed")
+    assert (run.game, run.algorithm, run.reward, run.exchange_ratio, run.sharing) == (
+        "coins",
+        "ippo",
+        "exchange",
+        0.25,
+        "shared",
+    )
+    assert earned(found) == {4: 3.0, 5: 5.0}
+    assert [(row.steps, row.episodes, row.hardware, row.status) for row in found.rows("seed")] == [(400, 30, "cpu", "done")] * 2
+    assert found.frame["event own_coins"].to_list() == [7.0, 8.0]
+    assert "return of agent 0" not in found.frame
+    assert [(row.env_steps, row.collective_return) for row in found.curves.itertuples() if row.seed == 4] == [
+        (200, 1.5),
+        (300, 2.25),
+        (400, 3.0),
+    ]
+    assert found.notes == ()
+
+
+def test_actions_that_were_chosen_otherwise_are_no_result(tmp_path: Path) -> None:
+    """`sjdsl evaluate --greedy` of a policy that draws its actions writes in the same place."""
+    folder = write_run(tmp_path / "run", "coins", (3.0, 5.0))
+    file = folder / "seed_1/evaluation.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"greedy": True}))
+    found = read(folder)
+    assert earned(found) == {0: 3.0, 1: None}
+    assert found.notes == (
+        f"`{folder}` isn't evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {folder}` does it as the tables want it",
+    )
+
+
+def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (3.0, 5.0, 4.0))
+    shutil.rmtree(folder / "seed_1")
+    (folder / "seed_1").mkdir()
+    file = folder / "seed_2/evaluation.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"episodes": 2}))
+    found = read(folder)
+    assert earned(found) == {0: 3.0, 1: None, 2: 4.0}
+    assert found.notes == (
+        f"`{folder}/seed_1` is incomplete, for it has no `policies`: it is left out",
+        f"`{folder}` was evaluated in 2 episodes a seed, others in 30: `sjdsl evaluate {folder}` does it so",
+    )
+
+
+def test_settings_that_have_no_column_are_kept(tmp_path: Path) -> None:
+    (run,) = read(write_run(tmp_path / "run", "coins", (3.0,), learning_rate=0.5, entropy_coefficient=0.25)).rows("seed")
+    kept = json.loads(run.settings)
+    assert (kept["learning_rate"], kept["entropy_coefficient"], kept["num_envs"]) == (0.5, 0.25, 10)
+    assert not {"seed", "reward", "total_timesteps", "gamma"} & kept.keys()
+
+
+def test_a_single_seed_lies_in_the_folder_itself(tmp_path: Path) -> None:
+    assert earned(read(write_run(tmp_path / "run", "coins", (3.0,), first=7))) == {7: 3.0}
+
+
+def test_seeds_of_one_way_of_training_are_taken_together_from_several_folders(tmp_path: Path) -> None:
+    folders = [write_run(tmp_path / "a", "coins", (3.0, 5.0)), write_run(tmp_path / "b", "coins", (4.0,), first=2)]
+    together = read(*folders)
+    assert together.frame.run.nunique() == 1
+    assert earned(together) == {0: 3.0, 1: 5.0, 2: 4.0}
+    others = [write_run(tmp_path / "c", "coins", (4.0,), learning_rate=0.5), write_run(tmp_path / "d", "coins", (4.0,), rules="other")]
+    assert read(*folders, *others).frame.run.nunique() == 3
+
+
+def test_what_is_found_twice_is_taken_from_the_later_one(tmp_path: Path) -> None:
+    first, second = write_run(tmp_path / "a", "coins", (3.0,)), write_run(tmp_path / "b", "coins", (9.0,))
+    found = read(first, second)
+    assert earned(found) == {0: 9.0}
+    assert found.curves.collective_return.to_list() == [4.5, 6.75, 9.0]
+    assert "found twice, with different figures" in found.notes[0]
+    assert read(first, first).notes == ()
+    stopped = write_run(tmp_path / "c", "coins", (9.0,), status="interrupted")
+    assert earned(read(first, stopped)) == {0: 3.0}
+
+
+def test_a_half_written_run_is_left_out_and_says_how_it_goes_on(tmp_path: Path) -> None:
+    going, ended = (write_run(tmp_path / status, "coins", (3.0,), status=status) for status in ("running", "interrupted"))
+    for folder, how in ((going, "isn't finished"), (ended, "ended early (interrupted)")):
+        found = read(folder)
+        assert [row.status for row in found.rows("seed")] == ["unfinished"]
+        assert found.curves.empty
+        assert how in found.notes[0]
+        assert f"sjdsl train --resume {folder}" in found.notes[0]
+    (going / "manifest.json").write_text("{half")
+    assert "no manifest.json in it that can be read: " in read(going).notes[0]
+
+
+def test_a_run_that_is_not_evaluated(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (None, None))
+    found = read(folder)
+    assert earned(found) == {0: None, 1: None}
+    assert f"sjdsl evaluate {folder}" in found.notes[0]
+    assert len(found.curves) == 6
+    write_json(folder / "seed_0/evaluation.json", {"summary": "half"})
+    assert earned(read(folder)) == {0: None, 1: None}
+
+
+def test_a_seed_that_has_failed(tmp_path: Path) -> None:
+    found = read(write_run(tmp_path / "run", "coins", (1.0, 2.0), diverged=[1]))
+    assert [(row.seed, row.status) for row in found.rows("seed")] == [(0, "done"), (1, "failed")]
+    assert set(found.curves.seed) == {0}
+    assert "seed 1" in found.notes[0]
+    alone = read(write_run(tmp_path / "alone", "coins", (1.0,), status="failed: the loss became nan", diverged=[0]))
+    assert [row.status for row in alone.rows("seed")] == ["failed"]
+
+
+def test_metrics_that_were_cut_off_and_long_ones(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (4.0,))
+    metrics = folder / "metrics.jsonl"
+    metrics.write_text(metrics.read_text() + '{"update": 5, "env_st')
+    assert len(load_curves(folder)) == 3
+    many = [f'{{"env_steps": {100 * n}, "collective_return": {n}}}\n' for n in range(1, 1001)]
+    metrics.write_text("".join(many))
+    points = load_curves(folder)
+    assert len(points) == POINTS
+    assert tuple(points.loc[0, ["env_steps", "collective_return"]]) == (2500, 13.0)  # updates 1 to 25
+    assert points.env_steps.max() == 100_000
+
+
+def test_numbers_of_a_run_that_was_started_from_python(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", "coins", (3.0,))
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["provenance"] = {}
+    manifest["game"]["params"] = {"length": 1000, "spawn": 0.0005000000237487257, "coin": 1.0, "harm": -2.0}  # as float32 has them
+    write_json(folder / "manifest.json", manifest)
+    assert read(folder).frame.params[0] == ""
+    manifest["game"]["params"] |= {"harm": -3.0, "length": 100}
+    write_json(folder / "manifest.json", manifest)
+    assert read(folder).frame.params[0] == "harm=-3.0 length=100"
+    crowd = write_run(tmp_path / "crowd", "harvest_open", (3.0,), provenance={"num_agents": 3, "params": {"regrow_1": 0}})
+    assert read(crowd).frame.params[0] == "num_agents=3 regrow_1=0"
+
+
+def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> None:
+    sweep = tmp_path / "svo"
+    write_run(sweep / "cells/weight", "coins", (100.0, 101.0), reward="svo")
+    write_run(sweep / "cells/angle", "coins", (90.0, 91.0), first=2, reward="svo")
+    write_sweep(sweep, "svo", {"weight": 1, "angle": 2}, absent=["late"], failed=["bad"])
+    found = read(sweep)
+    assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in found.rows("seed")[::2]) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
+    assert found.notes == (f"2 cells of the sweep `{sweep}` are still to be trained", f"the cell `bad` of the sweep `{sweep}` has failed")
+    # the cells named without their sweep are in their stages, too
+    cells = sorted((sweep / "cells").iterdir())
+    for paths in (cells, [sweep / "cells"]):
+        assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in read(*paths).rows("seed")[::2]) == [
+            (1, 0.5, 90.0),
+            (2, 0.5, 90.0),
+        ]
+    write_sweep(sweep, "exchange", {"weight": 1, "angle": 1})
+    assert load(sweep).run.nunique() == 1
+
+
+def test_experiments(tmp_path: Path) -> None:
+    write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma", notes=["seed 1 is left out"])
+    write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None), "stay": (0.0, 0.0, 0.0)})
+    found = read(tmp_path)  # a folder of folders
+    (row,) = found.rows("diagram")
+    assert (row.outcome, row.fear, row.greed, row.A_low, row.greed_high) == ("dilemma", False, True, 50.0, 3.0)
+    assert found.notes == ("seed 1 is left out",)
+    assert [(row.policy, row["mean"], row.low) for row in found.rows("mixture")] == [("random", -0.5, NONE), ("stay", 0.0, 0.0)]
+    assert [(row.collective_return, row.low) for row in found.rows("random")] == [(-1.0, NONE)]  # of both agents together
+
+
+def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("report_folders.described", lambda *game: {**describe(*game), "params": {"harm": -3.0}})
+    write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma")
+    write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None)})
+    found = read(tmp_path)
+    assert found.frame.record.to_list() == ["diagram", "mixture"]  # what a random policy earns says nothing of the game as it is
+    assert set(found.frame.params) == {"harm=-3.0"}
+    assert diagrams(found.frame).tables[0].rows[0][:2] == ("coins, harm=-3.0", "`runs/coins_common`")
+
+
+def test_which_variant_of_a_bundled_game_rules_are_of() -> None:
+    own, socialjax = (sjdsl.make("coins", variant=variant).hash for variant in (None, "socialjax"))
+    assert [variant_now("coins", rules) for rules in (own, socialjax, "0")] == ["", "socialjax", None]
+    assert variant_now("orchard", own) is None
+
+
+def test_an_experiment_that_is_not_finished(tmp_path: Path) -> None:
+    for name in ("schelling", "crossplay"):
+        write_json(tmp_path / name / "experiment.json", {"experiment": name})
+        assert "isn't finished" in read(tmp_path / name).notes[0]
+
+
+def test_what_is_written_is_read_again(tmp_path: Path) -> None:
+    write_run(tmp_path / "runs/a", "coins", (1.23456789, -2.0), measures={"event own_coins": (1 / 3, 2e9)}, reward="svo")
+    write_run(tmp_path / "runs/b", "coins", (None,), reward="svo", svo_angle=(45, 90), provenance={"params": {"harm": -3}, "map": ["AB"]})
+    write_diagram(tmp_path / "runs/d", "coins", DIAGRAM, "dilemma")
+    write_cross_play(tmp_path / "runs/m", "coins", {"random": (-0.5, None, None)})
+    found, curves = load_both([tmp_path / "runs"])
+    data = tmp_path / "data"
+    data.mkdir()
+    (data / "results.csv").write_text(write_frame(found))
+    (data / "curves.csv").write_text(write_frame(curves))
+    for folders in ([data], [data, tmp_path / "runs"]):
+        for again, before in zip(load_both(folders), (found, curves), strict=True):
+            pd.testing.assert_frame_equal(again.drop(columns="folder"), before.drop(columns="folder"))
+    (data / "results.csv").write_text((data / "results.csv").read_text().replace("done", "well"))
+    with pytest.raises(ResultsError, match=r"results.csv: `status` is done, failed or unfinished, not `well`"):
+        load(data)
+    (data / "results.csv").write_text((data / "results.csv").read_text().replace(",400,cpu", ",many,cpu"))
+    with pytest.raises(ResultsError, match=r"results.csv cannot be read \(ValueError"):
+        load(data)
+    (data / "results.csv").write_text("seed,run\n")
+    with pytest.raises(ResultsError, match=r"results\.csv lacks the columns "):
+        load(data)
+
+
+def test_texts_that_look_like_numbers_stay_texts(tmp_path: Path) -> None:
+    """Also a hash of digits alone, and a game called NA."""
+    found = pd.DataFrame([{"record": "random", "game": "NA", "hash": "1234567890123456", "collective_return": 1.0}], columns=COLUMNS)
+    (tmp_path / "results.csv").write_text(write_frame(found))
+    assert load(tmp_path)[["game", "hash"]].to_numpy().tolist() == [["NA", "1234567890123456"]]
+
+
+def test_what_the_intervals_of_a_cross_play_are_over(tmp_path: Path) -> None:
+    write_cross_play(tmp_path / "m", "coins", {"random": (-0.5, -1.0, 0.0)})
+    file = tmp_path / "m/crossplay.json"
+    assert [(row.num_agents, row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")] == [(2, "episode", 30)]
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"unit": "training seed", "keys": [[0, 0], [0, 1], [0, 2]]}))
+    assert [(row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")] == [("training seed", 3)]
+
+
+def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
+    with pytest.raises(ResultsError, match="there is no folder or file"):
+        read(tmp_path / "nowhere")
+    with pytest.raises(ResultsError, match="holds no results; name the folder of a run, a sweep"):
+        read(tmp_path)
+    write_json(tmp_path / "other.json", [1])
+    with pytest.raises(ResultsError, match="holds no results"):
+        read(tmp_path / "other.json")
+    for content, said in (({"format": 9}, "has the format 9, expected 1"), ({"format": 1}, "cannot be read")):
+        write_json(tmp_path / "diagram/schelling.json", content)
+        with pytest.raises(ResultsError, match=said):
+            read(tmp_path / "diagram")
+    write_json(tmp_path / "sweep/sweep.json", {"protocol": "svo", "cells": {"a": 1}})
+    with pytest.raises(ResultsError, match="cannot be read"):
+        read(tmp_path / "sweep")
