@@ -155,7 +155,7 @@ def unseen_fields(game: ir.Game) -> list[str]:
 def _read(s: ir.Observable) -> set[str]:
     """Returns the fields of a kind that decide how its cells look."""
     nodes = (n for label in s.labels if label.condition is not None for n in ir.walk(label.condition))
-    return {n.name for n in nodes if isinstance(n, ir.FieldRead) and n.held_by == "cell"}
+    return {n.name for n in nodes if isinstance(n, ir.FieldRead) and n.held_by.what == "cell"}
 
 
 def _fields(game: ir.Game) -> Iterator[tuple[tuple[str, str, str], str]]:

@@ -215,18 +215,18 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
     match observable.what:
         case "cell":
             owner, declared = (
-                ir.Member(name=observable.kind, who="cell", kinds=(observable.kind,)),
+                ir.Member(name=observable.kind, sort=ir.Sort("cell", (observable.kind,))),
                 board.cell_fields[observable.kind, observable.field],
             )
         case "mover":
             sort = observable.kind
-            owner, declared = ir.Member(name=sort, who="mover", kinds=(sort,)), board.mover_fields[sort, observable.field]
+            owner, declared = ir.Member(name=sort, sort=ir.Sort("mover", (sort,))), board.mover_fields[sort, observable.field]
         case "own" | "other" | "everyone":
             name = "agent" if observable.what == "own" else observable.what
             if shows_attribute(observable):
                 type_ = ir.CONDITION if observable.field in ("moved", "away") else observable.type
-                return ir.Attribute(type=type_, owner=ir.Member(name=name, who="agent"), name=observable.field)  # type: ignore[arg-type]
-            owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[observable.field]
+                return ir.Attribute(type=type_, owner=ir.Member(name=name, sort=ir.Sort("agent")), name=observable.field)  # type: ignore[arg-type]
+            owner, declared = ir.Member(name=name, sort=ir.Sort("agent")), board.agent_fields[observable.field]
         case "world" if observable.value is not None:
             return observable.value
         case "world":

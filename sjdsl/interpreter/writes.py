@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body
@@ -99,7 +100,7 @@ class Writes:
     shifts: list[Shifting] = field(default_factory=list)
     removes: set[Body] = field(default_factory=set)
     movers: dict[Body, int] | None = None
-    sort: str = ""
+    sort: ir.Sort = AGENTS
     courses: dict[Body, int | None] = field(default_factory=dict)
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
@@ -142,7 +143,7 @@ def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
         return None
     owner = evaluate(target.owner, here)
     assert owner is not None, f"`{target.name}` of nobody is written"
-    if target.held_by == "agent":
+    if target.held_by.what == "agent":
         return "agent", owner
     if isinstance(owner, Mover):
         return owner.sort, owner.number

@@ -249,7 +249,7 @@ def _carried(field: ir.VarField, shapes: int, prefix: str) -> FieldLook:
         start = field.type.words.index(str(field.start))
         return FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=usual_words(field, False, shapes), start=start)
     words = field.type.by[0] if field.type.by else (field.name,)
-    row = ir.VarField(name=field.name, held_by="agent", type=ir.Type(kind="word", words=("nothing", *words)))
+    row = ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=ir.Type(kind="word", words=("nothing", *words)))
     pictures = usual_words(row, False, shapes)[1:]
     return FieldLook(field.name, attribute, "shape", "number", field.type.by[0] if field.type.by else (), pictures=pictures)
 
@@ -257,7 +257,7 @@ def _carried(field: ir.VarField, shapes: int, prefix: str) -> FieldLook:
 def _is_written(name: str, kind: str, game: ir.Game) -> bool:
     """Returns whether some rule sets the field; one that no rule sets is part of the landscape."""
     written = (written_field(node.target) for node in ir.walk(game) if isinstance(node, ir.Set | ir.Add))
-    return any(field.name == name and kind in field.kinds for field in written)
+    return any(field.name == name and kind in field.held_by.names for field in written)
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:
@@ -270,4 +270,4 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
 
 def _changes(name: str, game: ir.Game) -> bool:
     written = (written_field(node.target) for turn in game.schedule for node in ir.walk(turn) if isinstance(node, ir.Set | ir.Add))
-    return any((field.held_by, field.name) == ("agent", name) for field in written)
+    return any((field.held_by.what, field.name) == ("agent", name) for field in written)

@@ -79,13 +79,13 @@ def _replaced(value: Any, keys: tuple[int, ...], entry: Any) -> Any:
 
 def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
     """Returns what the values of a field belong to: numbers of agents or movers, (row, column) of cells; None for the world."""
-    match path.declared.held_by:
+    match path.declared.held_by.what:
         case "agent":
             return list(range(board.agents))
         case "mover":
-            return list(range(next(sort.number for sort in board.game.movers if sort.name == path.declared.kind)))
+            return list(range(next(sort.number for sort in board.game.movers if sort.name == path.declared.held_by.name)))
         case "cell":
-            return [tuple(cell) for cell in board.cells[path.declared.kind]]
+            return [tuple(cell) for cell in board.cells[path.declared.held_by.name]]
         case _:
             return None
 
@@ -93,7 +93,7 @@ def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
 def read_field(path: FieldPath, world: World) -> Any:
     """Returns the values of a field as written: a list over agents or cells, or the world's one value."""
     values = held_values(path.declared, world)
-    if path.declared.held_by == "world":
+    if path.declared.held_by.what == "world":
         return written(_entry(values, path.keys), path.entry_type)
     return [written(_entry(value, path.keys), path.entry_type) for value in values]
 

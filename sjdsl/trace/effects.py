@@ -9,7 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, where_is
+from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, sort_of_body, where_is
 from sjdsl.interpreter.evaluate import cells_in, evaluate
 from sjdsl.interpreter.evaluation_parts import agents_in
 from sjdsl.interpreter.instance import Instance
@@ -143,7 +143,7 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
         yield Done(board.pools[away.pool], {}, (), {})
     for done in account.done:
         match done.statement:
-            case ir.Move() if _sort_of(done.statement) == (body.sort if isinstance(body, Mover) else ""):
+            case ir.Move() if done.statement.domain.var.sort == sort_of_body(body):
                 yield done
             case ir.Send() if body in [sending.agent for sending in done.written.get("sends", ())]:
                 yield done
@@ -153,11 +153,6 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
                 yield done
             case _:
                 pass
-
-
-def _sort_of(move: ir.Move) -> str:
-    """Returns the sort of movers that a `move` is of, or nothing for the agents."""
-    return move.domain.var.kinds[0] if move.domain.var.who == "mover" else ""
 
 
 def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:

@@ -46,7 +46,7 @@ def uses(game: ir.Game) -> Iterator[str]:
             case ir.Nowhere():
                 yield "nowhere"
             case ir.Along():
-                yield "ahead" if isinstance(node.heading, ir.FieldRead) and node.heading.held_by == "mover" else "along"
+                yield "ahead" if isinstance(node.heading, ir.FieldRead) and node.heading.held_by.what == "mover" else "along"
             case ir.Wander():
                 yield "at random" if node.goal is None else "away from" if node.away else "toward"
                 yield from ("avoiding" for _ in [0] if node.avoided is not None)

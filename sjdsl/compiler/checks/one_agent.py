@@ -31,7 +31,7 @@ def not_forbidden(condition: ir.Expr, forbids: Iterable[ir.Forbid]) -> Iterator[
 
 def is_of_one_agent(quantifier: Quantifier, known: Sequence[Fact]) -> bool:
     """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
-    if not isinstance(quantifier.statement, ir.Each) or quantifier.statement.domain.var.who == "cell":
+    if not isinstance(quantifier.statement, ir.Each) or quantifier.statement.domain.var.sort.what == "cell":
         return False
     index = ir.Attribute(type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index")
     low, high = narrowed(index, known)

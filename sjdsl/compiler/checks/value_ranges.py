@@ -142,7 +142,7 @@ def _by_type(e: ir.Expr, here: Here) -> Interval:
 
 def _field(e: ir.FieldRead, here: Here) -> Interval:
     visit_children(e, here)
-    return e.type.low, here.played.timers.get((e.held_by, e.name), inf)
+    return e.type.low, here.played.timers.get((e.held_by.what, e.name), inf)
 
 
 def _entry(e: ir.At, here: Here) -> Interval:

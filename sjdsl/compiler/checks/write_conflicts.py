@@ -18,11 +18,11 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.implications import Fact, contradict, facts
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import declared_field, mover_sort, phases_of, written_field
+from sjdsl.compiler.ir.queries import body_sort, declared_field, phases_of, written_field
 
 
 def _place(who: ir.Expr) -> Target:
-    return Target("place", mover_sort(who))
+    return Target("place", body_sort(who).name)
 
 
 class Around(Record):
@@ -94,15 +94,15 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                 value = ("send", s.pool, None if s.after is None else form(s.after), s.facing, s.stay)
                 depends = _names(s.domain, around) | (frozenset() if s.after is None else _names(s.after, around))
                 yield _write("place", _place(s.who), (), s.who, value, depends, s, around)
-                if mover_sort(s.who) and s.facing != "same":  # the heading of a mover is a field
-                    yield _write("set", Target("mover", "heading"), (mover_sort(s.who),), s.who, value, depends, s, around)
+                if body_sort(s.who).what == "mover" and s.facing != "same":  # the heading of a mover is a field
+                    yield _write("set", Target("mover", "heading"), body_sort(s.who).names, s.who, value, depends, s, around)
             case ir.Shift():
                 parts = (s.to, s.steps, s.heading, s.other)
                 by: Form = ("shift", s.quarters, s.facing, *(None if part is None else form(part) for part in parts))
                 depends = frozenset(name for part in parts if part is not None for name in _names(part, around))
                 yield _write("place", _place(s.who), (), s.who, by, depends, s, around)
-                if mover_sort(s.who) and s.facing != "same":
-                    yield _write("set", Target("mover", "heading"), (mover_sort(s.who),), s.who, by, depends, s, around)
+                if body_sort(s.who).what == "mover" and s.facing != "same":
+                    yield _write("set", Target("mover", "heading"), body_sort(s.who).names, s.who, by, depends, s, around)
             case ir.Remove():
                 yield _write("place", _place(s.who), (), s.who, ("remove",), frozenset(), s, around)
             case _:
@@ -176,9 +176,9 @@ def _field_write(sort: Literal["set", "add"], s: ir.Set | ir.Add, target: ir.Exp
         depends |= frozenset() if isinstance(target.key, ir.Member) else _names(target.key, around)
         target = target.row
     assert isinstance(target, ir.FieldRead)
-    written = Target(target.held_by, target.name, tuple(entries))
+    written = Target(target.held_by.what, target.name, tuple(entries))
     uncapped = sort == "add" and target.type.kind == "int"
-    made = _write(sort, written, target.kinds, target.owner, form(value), depends, s, around)
+    made = _write(sort, written, target.held_by.names, target.owner, form(value), depends, s, around)
     quantifiers = tuple(replace(q, single=q.single or is_of_one_agent(q, around.facts)) for q in made.quantifiers)
     return replace(made, bounded=uncapped, keys=tuple(keys), quantifiers=quantifiers)
 
@@ -324,12 +324,12 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     assert span is not None and other is not None
     labels = () if a is b else (Label(other, "the other write is here"),)
     if a.sort == b.sort == "place":
-        who = f"a mover `{a.target.name}`" if a.target.name else "an agent"
+        who = "an agent" if a.target.name == "agent" else f"a mover `{a.target.name}`"
         problems.add(errors.TwoDestinations(span, labels=labels, phase=phase.label, who=who))
     elif {a.sort, b.sort} == {"set", "add"}:
         problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
     else:
-        owner = (a.target.name or "agent") if a.target.of == "place" else a.target.of
+        owner = a.target.name if a.target.of == "place" else a.target.of
         found = errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label, lot=_lots_apart(a, b))
         problems.add(found)
 

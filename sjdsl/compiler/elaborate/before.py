@@ -16,7 +16,9 @@ def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
         wrong = errors.WrongType(e.span, wanted="a value of one state", given="`before`, which is about a step", help=WHERE)
         raise scope.problems.fail(wrong)
     (value,) = e.arguments
-    bodies = {v.name for v in scope.variables.values() if isinstance(v, ir.Member) and v.who != "cell"} if scope.static.can_be_away else ()
+    bodies = (
+        {v.name for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort.what != "cell"} if scope.static.can_be_away else ()
+    )
     inner = replace(scope, about_steps=False, facts=(), elsewhere=frozenset(bodies)).expression(value)
     if inner.type.kind in ("member", "mix"):
         raise wrong_type(scope, value, "a value", inner.type)

@@ -140,10 +140,10 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
         return ir.Same(left=left, right=right, origin=e.span)
     if all(as_agent(x) for x in (left, right)):
         return ir.Same(left=left, right=right, origin=e.span)
-    if isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.who == right.who == "mover" and left.kinds == right.kinds:
+    if isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.sort.what == "mover" and left.sort == right.sort:
         return ir.Same(left=left, right=right, origin=e.span)
-    if isinstance(left, ir.Member) and left.who == "mover":
-        raise wrong_type(scope, e.right, f"a mover `{left.kinds[0]}`", right.type)
+    if isinstance(left, ir.Member) and left.sort.what == "mover":
+        raise wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
     help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
     wanted = "a word, an agent or a cell"
     single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None
@@ -161,7 +161,7 @@ def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope)
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.agent)
-    if not (isinstance(agent, ir.Member) and agent.who == "agent"):
+    if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
         raise not_named(agent, e.agent, scope)
     name = e.action.name.text
     bound = scope.variables.get(name)
@@ -178,14 +178,14 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
     if isinstance(e.who, ast.Nobody):
         cell = scope.variables.get(e.kind.text)
         scope.refer(e.kind)
-        if not (isinstance(cell, ir.Member) and cell.who == "cell"):
+        if not (isinstance(cell, ir.Member) and cell.sort.what == "cell"):
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
             raise scope.problems.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
-    if not (isinstance(agent, ir.Member) and agent.who != "cell"):
+    if not (isinstance(agent, ir.Member) and agent.sort.what != "cell"):
         raise not_named(agent, e.who, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)

@@ -31,8 +31,9 @@ def _number(count: ir.Count, static: Static) -> int | None:
     d = count.domain
     if d.on is not None or d.restriction is not None:
         return None
-    if d.var.who == "agent":
-        return static.num_agents if d.where is None else None
+    if d.var.sort.what != "cell":
+        everybody = static.num_agents if d.var.sort.what == "agent" else static.movers[d.var.sort.name].number
+        return everybody if d.where is None else None
     if d.where is not None and not _of_the_cell(d.where, d.var):
         return None
     if not static.rows:

@@ -149,7 +149,7 @@ def _expect(check: ast.Expect, game: Composition, scope: Scope) -> ir.Check:
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
     name = policy.name.text
     if policy.domain is not None:
-        seeker = scope.bind("agent", ir.Member(name="agent", who="agent"))
+        seeker = scope.bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
         built, _ = domain(policy.domain, seeker)
         return ir.Policy(name="seek", domain=built, origin=policy.span)
     if name in game.policies and not policy.actions:

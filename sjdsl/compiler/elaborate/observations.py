@@ -143,7 +143,7 @@ def _computed(path: ast.Path, static: Static, problems: Problems) -> Seen:
         raise wrong_type(scope, path, "a single value", value.type)
     low, high = narrowed(value, scope.facts)
     type_ = words(("no", "yes")) if value.type.kind == "condition" else value.type.model_copy(update={"low": low, "high": high})
-    return Seen(("world", "", name), ir.VarField(name=name, held_by="world", type=type_), value=value)
+    return Seen(("world", "", name), ir.VarField(name=name, held_by=ir.Sort("world"), type=type_), value=value)
 
 
 def _of_owner(head: str, name: ast.Name, path: ast.Path, static: Static, problems: Problems) -> list[Seen]:
@@ -188,7 +188,7 @@ def _attribute(head: str, name: ast.Name, static: Static, problems: Problems) ->
     if name.text == "away" and head != "everyone":
         raise attribute_unseen(head, name, problems)
     type_ = attribute_types(static)[name.text]
-    return ir.VarField(name=name.text, held_by="agent", type=words(("no", "yes")) if type_.kind == "condition" else type_)
+    return ir.VarField(name=name.text, held_by=ir.Sort("agent"), type=words(("no", "yes")) if type_.kind == "condition" else type_)
 
 
 def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], static: Static, problems: Problems) -> None:
@@ -242,15 +242,10 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, static: Static, prob
 def _whose(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     """Returns how an agent that a field holds is seen: as nobody, the observer itself, or another agent."""
     what, kind, name = key
-    owner: ir.Member | None = None
-    if what == "cell":
-        owner = ir.Member(name=kind, who="cell", kinds=(kind,))
-    elif what == "mover":
-        owner = ir.Member(name=kind, who="mover", kinds=(kind,))
-    elif what != "world":
-        owner = ir.Member(name=next(n for n, w in OWNERS.items() if w == what), who="agent")
-    held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, kinds=(kind,) if kind else (), name=name)
-    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", who="agent")), None)
+    called = kind or next((n for n, w in OWNERS.items() if w == what), "")
+    owner = None if what == "world" else ir.Member(name=called, sort=field.held_by)
+    held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, name=name)
+    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", sort=ir.Sort("agent"))), None)
     return tuple(ir.Label(name=label, condition=test) for label, test in zip(WHOSE, tests, strict=True))
 
 

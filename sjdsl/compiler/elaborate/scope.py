@@ -219,5 +219,5 @@ def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str
     bound = scope.variables.get(e.name.text) if isinstance(e, ast.Path) and given.kind == "member" else None
     told = told or describe(given)
     if isinstance(bound, ir.Member):
-        told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{' '.join(bound.kinds)}`"}[bound.who]
+        told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{bound.sort.name}`"}[bound.sort.what]
     return scope.problems.fail(errors.WrongType(e.span, wanted=wanted, given=told, help=help))

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
+from sjdsl.compiler.ir.sorts import Sort
 from sjdsl.compiler.ir.statements import Stmt
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
@@ -30,11 +31,10 @@ class Param(Node):
 
 
 class VarField(Node):
-    """A variable of each cell of `kind`, each agent, each mover of the sort `kind`, or the world. `start`: number, word, or None for nobody."""
+    """A variable of each cell of a kind, each agent, each mover of a sort, or the world. `start`: number, word, or None for nobody."""
 
     name: str
-    held_by: Literal["agent", "cell", "mover", "world"]
-    kind: str = ""
+    held_by: Annotated[Sort, INSTANCE]
     type: Type
     capped: bool = False
     timer: bool = False
@@ -119,6 +119,10 @@ class Movers(Node):
     number: int
     glyph: str
     fields: tuple[VarField, ...] = ()
+
+    @property
+    def sort(self) -> Sort:
+        return Sort("mover", (self.name,))
 
 
 class Phase(TurnNode):

@@ -7,13 +7,15 @@ from sjdsl.compiler.ir.queries import glyphs_of, movers_named
 
 def most_members(domain: Domain, game: Game) -> int:
     """Returns the most members that a domain can have, its condition aside."""
-    match domain.var.who:
+    match domain.var.sort.what:
         case "agent":
             everybody = game.agents.number
         case "mover":
-            everybody = movers_named(game, domain.var.kinds[0]).number
+            everybody = movers_named(game, domain.var.sort.name).number
         case "cell":
             everybody = num_cells(game, domain.var.kinds)
+        case "world":
+            raise AssertionError(domain)
     if domain.on is not None:
         everybody = min(everybody, num_cells(game, domain.on.kinds))
     match domain.restriction:

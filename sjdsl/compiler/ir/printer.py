@@ -135,7 +135,7 @@ def _arm(arm: ir.Arm) -> str:
 
 def domain(d: ir.Domain) -> str:
     """Returns a domain in the syntax of the language; a group shows as its kinds."""
-    parts = ["agent" if d.var.who == "agent" else " | ".join(d.var.kinds), f"as {d.var.name}"]
+    parts = [d.var.sort.name, f"as {d.var.name}"]
     if d.on is not None:
         parts.append(f"on {' | '.join(d.on.kinds)} as {d.on.name}")
     match d.restriction:
@@ -176,6 +176,9 @@ def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[s
                     yield from _lines(getattr(value, name), name, depth + 1, positions)
         case ir.Type():
             yield f"{pad}{label}: {_type(value)}"
+        case ir.Sort():
+            yield f"{pad}{label}: {value.what!r}"
+            yield from (f"{pad}kind: {name!r}" for name in value.names)
         case tuple() if any(isinstance(v, ir.Node) for v in value):
             for index, item in enumerate(value):
                 yield from _lines(item, f"{label}[{index}]", depth, positions)

@@ -6,7 +6,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Member, Shape
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
-from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.compiler.ir.sorts import AGENTS, Sort, entry_name
 from sjdsl.compiler.ir.statements import Remove, Send
 from sjdsl.compiler.ir.traverse import walk
 
@@ -24,10 +24,16 @@ def all_fields(game: Game) -> tuple[VarField, ...]:
     return (*of_cells, *game.agents.fields, *(field for sort in game.movers for field in sort.fields), *game.fields)
 
 
-def declared_field(game: Game, read: FieldRead, kind: str = "") -> VarField:
+def declared_field(game: Game, read: FieldRead, kind: str | None = None) -> VarField:
     """Returns the declaration of the variable that is read or written. `kind`: which of the kinds it may be of, instead of the first."""
-    owner = (kind or next(iter(read.kinds), "")) if read.held_by in ("cell", "mover") else ""
-    return next(f for f in all_fields(game) if (f.held_by, f.kind, f.name) == (read.held_by, owner, read.name))
+    names = read.held_by.names[:1] if kind is None else (kind,)
+    owner = Sort(read.held_by.what, names)
+    return next(f for f in all_fields(game) if (f.held_by, f.name) == (owner, read.name))
+
+
+def can_be(read: FieldRead, declared: VarField) -> bool:
+    """Returns whether the variable that is read or written may be one of those declared."""
+    return read.name == declared.name and read.held_by.overlaps(declared.held_by)
 
 
 def written_field(target: Expr) -> FieldRead:
@@ -119,15 +125,20 @@ def movers_named(game: Game, name: str) -> Movers:
     return next(sort for sort in game.movers if sort.name == name)
 
 
-def mover_sort(who: Expr) -> str:
-    """Returns the sort of movers that a variable is one of; nothing for an agent."""
-    return who.kinds[0] if isinstance(who, Member) and who.who == "mover" else ""
+def body_sort(who: Expr) -> Sort:
+    """Returns the sort of what a variable stands for; what another expression gives is an agent."""
+    return who.sort if isinstance(who, Member) else AGENTS
 
 
-def can_be_away(game: Game, sort: str = "") -> bool:
+def can_be_away(game: Game, sort: Sort = AGENTS) -> bool:
     """Returns whether an agent, or a mover of a sort, can be off the map: sent away for some ticks, or removed."""
     leaving = (node for node in walk(game) if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None))
-    return any(mover_sort(node.who) == sort for node in leaving)
+    return any(body_sort(node.who) == sort for node in leaving)
+
+
+def body_sorts(game: Game) -> tuple[Sort, ...]:
+    """Returns the sorts of all who stand on cells: the agents, then each sort of movers."""
+    return (AGENTS, *(movers.sort for movers in game.movers))
 
 
 def view_size(game: Game) -> tuple[int, int]:

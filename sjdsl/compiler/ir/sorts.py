@@ -1,4 +1,4 @@
-"""Finite sorts, the indices of rows and tables: the words of a set, the whole numbers of a range, the agents.
+"""Sorts: what a thing is, and what the entries of a row are told apart by: the words of a set, the whole numbers of a range, the agents.
 
 A level of a row is the names of its entries. No word has a blank or begins with a digit or a sign, so that the names tell the sort:
 
@@ -8,8 +8,36 @@ A level of a row is the names of its entries. No word has a blank or begins with
 from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
+from sjdsl.compiler.diagnostics.frozen import Record
+
 Level: TypeAlias = tuple[str, ...]
-Sort: TypeAlias = Literal["word", "number", "agent"]
+
+
+class Sort(Record):
+    """What a thing is: an agent, a mover, a cell, or the world, of which there is one.
+
+    names: the name of the movers, or the kinds that the cell may be of; none of agents and the world.
+    """
+
+    what: Literal["agent", "mover", "cell", "world"]
+    names: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The word for one of the sort: `agent`, `world`, the name of the movers or of the one kind of cell."""
+        return " | ".join(self.names) or self.what
+
+    @property
+    def plural(self) -> str:
+        """The word for all of the sort: `agents`; movers are spoken of by their name."""
+        return "agents" if self.what == "agent" else self.name
+
+    def overlaps(self, other: "Sort") -> bool:
+        """Returns whether a thing can be of both sorts."""
+        return self.what == other.what and (self.names == other.names or not set(self.names).isdisjoint(other.names))
+
+
+AGENTS = Sort("agent")
 
 _AGENT = "agent "
 
@@ -24,7 +52,7 @@ def of_numbers(low: int, high: int) -> Level:
     return tuple(map(str, range(low, high + 1)))
 
 
-def sort_of(level: Sequence[str]) -> Sort:
+def sort_of(level: Sequence[str]) -> Literal["word", "number", "agent"]:
     """Returns what the entries of a row are told apart by."""
     if level[0].startswith(_AGENT):
         return "agent"

@@ -188,7 +188,7 @@ def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
 
 def is_cell(e: ir.Expr) -> bool:
     """Returns whether an expression is a cell: a variable, or a value."""
-    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.who == "cell")
+    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.sort.what == "cell")
 
 
 def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:

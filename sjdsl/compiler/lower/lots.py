@@ -13,7 +13,7 @@ from sjdsl.compiler.program import expressions as array
 def fields_of_several_lots(phase: ir.Phase) -> frozenset[tuple[str, str]]:
     """Returns the fields, by holder and name, that several statements of a phase set by lot."""
     sets = [written_field(s.target) for s in ir.walk(phase) if isinstance(s, ir.Set) and s.lot is not None]
-    named = [(read.held_by, read.name) for read in sets]
+    named = [(read.held_by.what, read.name) for read in sets]
     return frozenset(field for field in named if named.count(field) > 1)
 
 
@@ -60,7 +60,7 @@ def _ranked(
     target: Target, place: array.Expression, rank: array.Expression, extent: array.Expression, w: Writer
 ) -> tuple[array.Expression, array.Expression]:
     """Returns the targets and ranks; of a field that several statements set by lot, only ranks above those drawn by the earlier ones."""
-    if (target.read.held_by, target.read.name) not in w.several_lots:
+    if (target.read.held_by.what, target.read.name) not in w.several_lots:
         return place, rank
     place, rank = w.bind("place", place), w.bind("rank", rank)
     earlier = w.best_ranks.get(target.attribute)
