@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.lower.cell_appearance import shown_words
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.expressions import value
@@ -125,9 +124,9 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
     return Line(text + (_readers(s) if s.labels or conditional else ""))
 
 
-def _row_entry(name: str) -> str:
+def _row_entry(entry: ir.Entry) -> str:
     """Returns one entry of a row."""
-    return f"{code(name)} entry" if sort_of((name,)) == "word" else f"entry for {name}"
+    return f"{code(entry.name)} entry" if entry.level.sort == "word" else f"entry for {entry.name}"
 
 
 def _readers(s: ir.Observable) -> str:

@@ -9,7 +9,6 @@ from typing import Any, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, sort_of_body, where_is
@@ -161,7 +160,7 @@ def _entry(e: ir.At, here: Instance) -> Value:
     if e.key.type.kind != "mix":
         return row[entry_place(level, key)]
     share = dict(zip(e.key.type.words, key, strict=True))
-    parts = [numbers.arithmetic("*", [share[name], entry], is_real=True) for name, entry in zip(level, row, strict=True)]
+    parts = [numbers.arithmetic("*", [share[name], entry], is_real=True) for name, entry in zip(level.names, row, strict=True)]
     return numbers.total(parts, is_real=True)
 
 
@@ -187,9 +186,9 @@ def _shifted(e: ir.ShiftRow, here: Instance) -> Value:
 
 def _lowest(e: ir.Lowest, here: Instance) -> str | int:
     level, order = e.row.type.by[0], -1 if e.last else 0
-    positive = [name for name, entry in zip(level, evaluate(e.row, here), strict=True) if entry > 0]
-    found = positive[order] if positive else level[order]
-    return int(found) if sort_of(level) == "number" else found
+    positive = [name for name, entry in zip(level.names, evaluate(e.row, here), strict=True) if entry > 0]
+    found = positive[order] if positive else level.names[order]
+    return int(found) if level.sort == "number" else found
 
 
 def members_of(domain: ir.Domain, here: Instance) -> list[Found]:

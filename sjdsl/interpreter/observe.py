@@ -239,7 +239,7 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
     if observable.word is None:
         return field
     inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
-    key = ir.Word(type=ir.Type(kind="word", words=declared.type.by[0]), value=observable.word)
+    key = ir.Word(type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name)
     return ir.At(type=inner, row=field, key=key)
 
 

@@ -150,7 +150,7 @@ def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
     return here.board.kind_of[owner], here.board.number[owner]
 
 
-def _spread(slot: Slot, value: Value, levels: tuple[tuple[str, ...], ...]) -> list[tuple[Slot, Value]]:
+def _spread(slot: Slot, value: Value, levels: tuple[ir.Level, ...]) -> list[tuple[Slot, Value]]:
     if not levels:
         return [(slot, value)]
     values = value if isinstance(value, tuple) and not isinstance(value, Cell) else (value,) * len(levels[0])

@@ -14,7 +14,7 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.queries import body_sort, movers_named
-from sjdsl.compiler.ir.sorts import AGENTS, Level, sort_of
+from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer, words
 from sjdsl.interpreter.evaluation_parts import arguments_of
@@ -47,7 +47,7 @@ def _reordered(value: Any, by: Sequence[Level], order: Sequence[int]) -> Any:
     if not by:
         return value
     entries = [_reordered(entry, by[1:], order) for entry in value]
-    return tuple(entries[i] for i in order) if sort_of(by[0]) == "agent" else tuple(entries)
+    return tuple(entries[i] for i in order) if by[0].sort == "agent" else tuple(entries)
 
 
 def transformed_games(check: ir.Check, game: ir.Game) -> list[TransformedGame]:
@@ -218,7 +218,7 @@ def _reads_number(node: ir.Node, sort: ir.Sort = AGENTS) -> bool:
 
 
 def _reads_table_by_agent(node: ir.Node) -> bool:
-    return isinstance(node, ir.ParamRef) and any(sort_of(level) == "agent" for level in node.type.by)
+    return isinstance(node, ir.ParamRef) and any(level.sort == "agent" for level in node.type.by)
 
 
 def _numbered(node: ir.Attribute | ir.Local, order: Sequence[int]) -> ir.Case:

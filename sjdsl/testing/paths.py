@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name, entry_named
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.stored import held_values
@@ -48,10 +47,9 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
         raise ValueError(f"`{text}`: `{name}` has {len(by)} indices" if by else f"`{text}`: `{name}` is one value, without an index")
     places = []
     for key, level in zip(keys, by, strict=False):
-        place = entry_named(level, key)
-        if place is None:
-            raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, list(map(entry_name, level)))}")
-        places.append(place)
+        if key not in level.keys:
+            raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, level.keys)}")
+        places.append(level.keys.index(key))
     return FieldPath(text, declared, tuple(places))
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, sort_of_body, where_is
@@ -89,16 +88,16 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
             yield Effect("field", place, declared.name + label, was, now, declared.type, by, lost=tuple(lost[slot]))
 
 
-def _entries(by: tuple[tuple[str, ...], ...], old: Value, new: Value) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
+def _entries(by: tuple[ir.Level, ...], old: Value, new: Value) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
     """Yields the entries of a field that differ: indices, `[word]` for each level, both values."""
     if old == new:
         return
     if not by:
         yield (), "", old, new
         return
-    for number, name in enumerate(by[0]):
+    for number, key in enumerate(by[0].keys):
         for entries, label, was, now in _entries(by[1:], old[number], new[number]):
-            yield (number, *entries), f"[{entry_name(name)}]{label}", was, now
+            yield (number, *entries), f"[{key}]{label}", was, now
 
 
 def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[Done]]]:

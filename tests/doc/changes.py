@@ -171,6 +171,10 @@ def _others(value: Any, annotation: Any, name: str, game: ir.Game) -> Iterator[A
         case ir.Sort():
             yield from (other for other in (ir.Sort("agent"), ir.Sort("mover", ("calf",)), ir.Sort("cell", ("pond",))) if other != value)
             yield from (ir.Sort(value.what, names) for names in _other_tuples(value.names) if names)
+        case ir.Level():
+            yield from (ir.Level(value.sort, names) for names in _other_tuples(value.names) if names)
+        case ir.Entry():
+            yield ir.Entry(ir.Level(value.level.sort, (*value.level.names, f"{value.name}x")), len(value.level))
         case ir.Node():
             if type(None) in get_args(annotation):
                 yield None

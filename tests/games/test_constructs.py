@@ -8,7 +8,6 @@ import pytest
 from sjdsl.compiler import ast, build, ir
 from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game, games_folder
@@ -32,11 +31,11 @@ def uses(game: ir.Game) -> Iterator[str]:
             case ir.VarField(type=type_):
                 yield from ("a cell is held" for _ in [0] if type_.kind == "cell")
                 yield from ("set of more than 32" for _ in [0] if type_.kind == "agents" and game.agents.number > 32)
-                yield from (f"row by {sort_of(level)}" for level in type_.by)
+                yield from (f"row by {level.sort}" for level in type_.by)
             case ir.Param(type=type_):
-                yield from (f"param by {sort_of(level)}" for level in type_.by)
-            case ir.Event(by=(_, *_) as by):
-                yield f"event by {sort_of(by)}"
+                yield from (f"param by {level.sort}" for level in type_.by)
+            case ir.Event(by=ir.Level() as by):
+                yield f"event by {by.sort}"
             case ir.Observable():
                 yield from (what for what, said in (("shown when", node.shown_when), ("value shown", node.value)) if said is not None)
             case ir.Window(views=(_, *_)):

@@ -35,7 +35,7 @@ def number(value: int | float) -> ir.Number:
     return ir.Number(type=INT if isinstance(value, int) else REAL, value=value)
 
 
-def word_type(*words: str, by: tuple[tuple[str, ...], ...] = ()) -> ir.Type:
+def word_type(*words: str, by: tuple[ir.Level, ...] = ()) -> ir.Type:
     return ir.Type(kind="word", words=words, by=by)
 
 
@@ -65,7 +65,7 @@ def of_world(name: str, type_: ir.Type = INT) -> ir.FieldRead:
 
 def at(row: ir.Expr, key: str | ir.Expr) -> ir.At:
     if isinstance(key, str):
-        key = ir.Word(type=word_type(*row.type.by[0]), value=key)
+        key = ir.Word(type=word_type(*row.type.by[0].names), value=key)
     return ir.At(type=row.type.model_copy(update={"by": row.type.by[1:]}), row=row, key=key)
 
 

@@ -16,7 +16,6 @@ from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.implications import conjuncts, limits_of
 from sjdsl.compiler.ir.members import most_members
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, REDUCTIONS
-from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import times
 
 LOWEST, HIGHEST = -MAX_INTEGER - 1, MAX_INTEGER
@@ -158,7 +157,7 @@ def _table(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return params[e.name]
         case ir.At(row=row, key=ir.Word() | ir.Number() as key):
             table = _table(row, params)
-            return None if table is None else table[place_of(row.type.by[0], key.value)]  # type: ignore[arg-type]
+            return None if table is None else table[row.type.by[0].place_of(key.value)]  # type: ignore[arg-type]
         case _:
             return None
 

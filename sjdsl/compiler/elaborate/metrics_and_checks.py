@@ -65,7 +65,7 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
             raise scope.problems.fail(
                 errors.WrittenTwice(event.span, what=f"event `{event.name.text}` counted with and without `for`, so it")
             )
-        by = scope.static.event_levels.get(event.name.text, ())
+        by = scope.static.event_levels.get(event.name.text)
         found.append(ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span))
     return tuple(found)
 

@@ -19,7 +19,6 @@ from sjdsl.compiler.elaborate.paths import attribute_types
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.elaborate.seen_conditions import check_places, joined, observer_scope
 from sjdsl.compiler.ir.implications import facts, narrowed
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.types import element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -102,9 +101,9 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     if not observable.type.by:
         return [observable]
     one = element(observable.type)
-    if observable.labels and sort_of(observable.type.by[0]) != "word":
+    if observable.labels and observable.type.by[0].sort != "word":
         return [observable.model_copy(update={"type": one})]
-    return [observable.model_copy(update={"type": one, "word": word}) for word in observable.type.by[0]]
+    return [observable.model_copy(update={"type": one, "word": entry}) for entry in observable.type.by[0].entries]
 
 
 def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems) -> list[Seen]:

@@ -24,7 +24,6 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import describe, element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -219,7 +218,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
             raise scope.problems.fail(errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type)))
-        return row.model_copy(update={"word": level[place_of(level, key.value)], "type": element(row.type)})  # type: ignore[arg-type]
+        return row.model_copy(update={"word": level.keys[level.place_of(key.value)], "type": element(row.type)})  # type: ignore[arg-type]
     type_ = element(row.type)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):

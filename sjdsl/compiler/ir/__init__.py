@@ -8,6 +8,8 @@ only part that two equal programs may differ in.
 from sjdsl.compiler.ir.expressions import *
 from sjdsl.compiler.ir.game import *
 from sjdsl.compiler.ir.node import *
+from sjdsl.compiler.ir.sorts import Entry as Entry
+from sjdsl.compiler.ir.sorts import Level as Level
 from sjdsl.compiler.ir.sorts import Sort as Sort
 from sjdsl.compiler.ir.statements import *
 from sjdsl.compiler.ir.traverse import *

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
-from sjdsl.compiler.ir.sorts import Sort
+from sjdsl.compiler.ir.sorts import Entry, Level, Sort
 from sjdsl.compiler.ir.statements import Stmt
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
@@ -145,7 +145,7 @@ class Event(Node):
     """`per_agent`: every tally of it names a receiver."""
 
     name: str
-    by: tuple[str, ...] = ()
+    by: Annotated[Level, INSTANCE] | None = None
     per_agent: bool
 
 
@@ -179,7 +179,7 @@ class Observable(Node):
     what: Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
     kind: str = ""
     field: str = ""
-    word: str | None = None
+    word: Annotated[Entry, INSTANCE] | None = None
     type: Type
     value: Expr | None = None
     labels: tuple[Label, ...] = ()

@@ -160,6 +160,10 @@ def _said(value: object) -> Any:
             tag, fields = _form(type(value))
             said = ((name, attrgetter(field)(value), default) for name, field, default in fields)
             return [tag, {name: _said(found) for name, found, default in said if found != default}]
+        case ir.Entry():
+            return value.name
+        case ir.Level():
+            return list(value.names)
         case tuple():
             return [_said(item) for item in value]
         case _:

@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import CoreSchema, core_schema
 
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.ir.sorts import Level
 
 Unit = Literal["count", "steps", "cells", "reward", "probability", "fraction", "number"]
 
@@ -68,7 +69,7 @@ class Type(BaseModel):
     kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent` (one or nobody),
       `agents` (a set), `cell` (one of `kinds`, or nowhere), `mix` (shares over `words`), `member` (a variable of a domain: an agent or
       a cell).
-    by: word sets of the table or row levels, outermost first; empty for a single value.
+    by: the levels of a row or table, outermost first; empty for a single value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -78,7 +79,7 @@ class Type(BaseModel):
     unit: Unit = "number"
     low: float = float("-inf")
     high: float = float("inf")
-    by: tuple[tuple[str, ...], ...] = ()
+    by: tuple[Annotated[Level, INSTANCE], ...] = ()
 
 
 CONDITION = Type(kind="condition")

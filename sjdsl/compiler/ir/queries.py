@@ -6,7 +6,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Member, Shape
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
-from sjdsl.compiler.ir.sorts import AGENTS, Sort, entry_name
+from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.compiler.ir.statements import Remove, Send
 from sjdsl.compiler.ir.traverse import walk
 
@@ -81,8 +81,8 @@ def action_named(game: Game, name: str) -> ActionWithArguments:
 
 
 def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
-    """Returns what is counted of an event, each with the name it is reported by: `(word, "eaten[red]")`, or `(None, "eaten")`."""
-    return tuple((word, f"{event.name}[{entry_name(word)}]") for word in event.by) or ((None, event.name),)
+    """Returns what is counted of an event, each with the name it is reported by: `("red", "eaten[red]")`, or `(None, "eaten")`."""
+    return ((None, event.name),) if event.by is None else tuple((key, f"{event.name}[{key}]") for key in event.by.keys)
 
 
 def phases_of(game: Game) -> tuple[Phase, ...]:

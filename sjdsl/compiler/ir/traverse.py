@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.node import Node, Type
-from sjdsl.compiler.ir.sorts import Sort
+from sjdsl.compiler.ir.sorts import Entry, Level, Sort
 
 N = TypeVar("N", bound=Node)
 
@@ -58,7 +58,11 @@ def _can_hold_nodes(annotation: object) -> bool:
     if get_origin(annotation) is Annotated:
         return _can_hold_nodes(get_args(annotation)[0])
     inside = [a for a in get_args(annotation) if a is not Ellipsis]
-    return any(_can_hold_nodes(a) for a in inside) if inside else annotation not in (str, int, float, bool, type(None), Span, Type, Sort)
+    return (
+        any(_can_hold_nodes(a) for a in inside)
+        if inside
+        else annotation not in (str, int, float, bool, type(None), Span, Type, Sort, Level, Entry)
+    )
 
 
 def rewrite(node: N, rule: Callable[[Any], Any]) -> N:

@@ -5,7 +5,6 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.queries import can_be, heading_observable, kinds_by_glyph, marking_phases, shown_field, shows_attribute
-from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.compiler.program import expressions as array
@@ -197,7 +196,7 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
 def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> TokenPlane:
     if observable.what == "mover":
         prefix = f"{observable.kind}." if observable.field else observable.kind
-    name = f"{prefix}{observable.field}" + (f"[{entry_name(observable.word)}]" if observable.word else "")
+    name = f"{prefix}{observable.field}" + (f"[{observable.word.key}]" if observable.word else "")
     words = shown_words(observable)
     if words:
         nobody = {"other": ("nobody",), "mover": ("none",)}.get(observable.what, ())

@@ -275,8 +275,7 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, name=observable.field)
     stored = state_reads.field(read, who, w)
     if observable.word is not None:
-        by = declared.type.by[0]
-        stored = taken(stored, w.module.word(observable.word, by).node)
+        stored = taken(stored, w.module.entry(observable.word).node)
     if declared.type.kind == "agent":  # one up, 0 is nobody
         return as_dtype(binary("+", stored, literal(1, "i32"), "i32"), "u8")
     if stored.dtype == "u8":

@@ -3,7 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import all_fields, body_sorts, marking_phases
-from sjdsl.compiler.ir.sorts import Level, level_text, sort_of
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.statements import mark_size
@@ -60,7 +60,7 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     kind = field.held_by.name
     starts = layout.starts(kind, field) if field.held_by.what == "cell" else {field.start}
     if len(starts) <= 1:
-        size = (*([] if extent is None else [extent]), *map(w.module.num_words, field.type.by), *words)
+        size = (*([] if extent is None else [extent]), *map(w.module.num_entries, field.type.by), *words)
         first = _start(next(iter(starts), field.start), field, w)
         default: array.Expression = array.call(
             "jnp.full", array.shape_of(size) if size else array.Sequence(()), first, array.path(f"jnp.{dtype}")
@@ -72,7 +72,10 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
         default = w.module.constant(f"{attribute_name(field)}_start", table, f"{field.name} of {kind} as on the map")
         if field.type.by:
             default = array.call(
-                "jnp.repeat", array.Index(default, (array.ALL, array.NEW_AXIS)), w.module.num_words(field.type.by[0]), axis=array.Literal(1)
+                "jnp.repeat",
+                array.Index(default, (array.ALL, array.NEW_AXIS)),
+                w.module.num_entries(field.type.by[0]),
+                axis=array.Literal(1),
             )
     meaning = f"{field.name}: {_meaning(field)}" + (f"; by {_level(field.type.by[0])}" if field.type.by else "")
     return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
@@ -80,7 +83,7 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
 
 def _level(level: Level) -> str:
     """Returns what the entries of a row are, for a comment."""
-    return ", ".join(level) if sort_of(level) == "word" else level_text(level)
+    return ", ".join(level.names) if level.sort == "word" else str(level)
 
 
 def _meaning(field: ir.VarField) -> str:
@@ -124,7 +127,7 @@ def params_fields(game: ir.Game) -> list[Field]:
     for param in game.params:
         dtype = {"int": "int32", "real": "float32", "word": "uint8"}[param.type.kind]
         shape = "[" + ", ".join(str(len(by)) for by in param.type.by) + "]"
-        by = "".join(f" by {level_text(level)}" for level in param.type.by)
+        by = "".join(f" by {level}" for level in param.type.by)
         unit = "word" if param.type.kind == "word" else param.type.unit
         default = array.call("jnp.asarray", array.constant(param_value(param.value, param.type)), array.path(f"jnp.{dtype}"))
         found.append(Field(param_attribute(param.name), shape, dtype, f"{unit}{by}", default))
@@ -145,7 +148,7 @@ def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
         Field("ended", "[]", "bool_", "whether an `end` was performed", array.call("jnp.zeros", array.Sequence(()), array.Name("bool"))),
     ]
     for event in game.events:
-        size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_words(event.by)] if event.by else []))
+        size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_entries(event.by)] if event.by else []))
         shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
         comment = "counts of this step" + (f", by {_level(event.by)}" if event.by else "")
         zeros = array.call("jnp.zeros", array.shape_of(size) if size else array.Sequence(()), INT32)

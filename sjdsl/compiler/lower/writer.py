@@ -9,7 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
 from sjdsl.compiler.ir.queries import all_fields, body_sort, can_be_away, declared_field, movers_named, shape_named, shows_attribute
-from sjdsl.compiler.ir.sorts import AGENTS, sort_of
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.scope import IterationScope, Variable
@@ -91,16 +91,20 @@ class Module:
         else:
             owner, _ = self._word_sets.get(words, (None, ""))
         number = words.index(word)
-        if owner is None or sort_of(words) != "word":
+        if owner is None:
             return literal(number, "u8")
         return Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
 
-    def num_words(self, words: tuple[str, ...]) -> Literal:
-        """Returns how many words a set, or entries a row has."""
-        if sort_of(words) == "agent":
+    def entry(self, entry: ir.Entry) -> Value:
+        """Returns the place of an entry in its row."""
+        return self.word(entry.name, entry.level.names) if entry.level.sort == "word" else literal(entry.place, "u8")
+
+    def num_entries(self, level: ir.Level) -> Literal:
+        """Returns how many entries a row has."""
+        if level.sort == "agent":
             return self.agents
-        _, declared = self._word_sets[words]
-        return self.number(f"num_{declared}", len(words), ", ".join(words), "size")
+        _, declared = self._word_sets[level.names]
+        return self.number(f"num_{declared}", len(level), ", ".join(level.names), "size")
 
     @cached_property
     def _word_sets(self) -> dict[tuple[str, ...], tuple[str, str]]:
@@ -109,10 +113,10 @@ class Module:
         found: dict[tuple[str, ...], tuple[str, str]] = {HEADINGS: ("", "headings")}
         for declared in fields:
             found.setdefault(declared.type.words, (declared.held_by.name, attribute_name(declared)))
-        rows = [(by, attribute_name(declared)) for declared in fields for by in declared.type.by]
-        rows += [(by, param.name) for param in game.params for by in (param.type.words, *param.type.by)]
+        rows = [(by.names, attribute_name(declared)) for declared in fields for by in declared.type.by]
+        rows += [(by, param.name) for param in game.params for by in (param.type.words, *(level.names for level in param.type.by))]
         arguments = [(argument.type.words, action.name) for action in game.agents.with_arguments for argument in action.arguments]
-        for by, name in (*rows, *((event.by, event.name) for event in game.events), *arguments):
+        for by, name in (*rows, *((event.by.names, event.name) for event in game.events if event.by is not None), *arguments):
             found.setdefault(by, (name, name))
         return found
 
