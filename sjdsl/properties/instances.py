@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from sjdsl.agent_range import agent_range, number_of_agents
 from sjdsl.compiler import Build, ast, build_composition, ir
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
 from sjdsl.compiler.ir.free_variables import variables_around

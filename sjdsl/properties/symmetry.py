@@ -12,10 +12,10 @@ from math import inf
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.queries import body_sort, movers_named
 from sjdsl.compiler.ir.sorts import AGENTS, Level
-from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer, words
 from sjdsl.interpreter.evaluation_parts import arguments_of
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World

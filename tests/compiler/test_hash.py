@@ -11,8 +11,8 @@ import pytest
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.hash import SAID, game_hash
-from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game, games_folder, main_games
 from sjdsl.stored_hashes import FILE, current_hash

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import pytest
 
 from sjdsl.compiler import ast, build, ir
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game, games_folder

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.queries import body_sort, shows_attribute
-from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer, words
 from sjdsl.compiler.ir.verify import verify
 from sjdsl.interpreter.state import HEADINGS

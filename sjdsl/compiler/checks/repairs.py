@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterator
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.node import Node
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.checks.ways_out import Edit, Way, way
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 
 Change = tuple[str, tuple[Edit, ...]]  # how it is named, and its edits

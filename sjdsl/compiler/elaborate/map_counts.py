@@ -5,10 +5,10 @@ require count(gate) >= count(agent)   ->   7 >= 7
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.printer import domain
-from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer
 
 

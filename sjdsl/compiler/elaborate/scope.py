@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.implications import Fact, facts
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import describe, is_number

@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import CoreSchema, core_schema
 
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.diagnostics.tree import TreeNode
 from sjdsl.compiler.ir.sorts import Level
 
 Unit = Literal["count", "steps", "cells", "reward", "probability", "fraction", "number"]
@@ -25,7 +26,7 @@ class InstanceCheck:
 INSTANCE = InstanceCheck()
 
 
-class Node(BaseModel):
+class Node(BaseModel, TreeNode["Node"]):
     """A frozen part of the IR. `origin` is where the author wrote it."""
 
     # what checks a node's fields is built when the first one is made: no game has nodes of all classes

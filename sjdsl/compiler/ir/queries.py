@@ -3,12 +3,12 @@
 They say what a game declares and where, never what its rules mean: the interpreter may ask them and stays an oracle.
 """
 
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Member, Shape
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.compiler.ir.statements import Remove, Send
-from sjdsl.compiler.ir.traverse import walk
 
 Start = int | float | str | None
 

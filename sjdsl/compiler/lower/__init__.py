@@ -12,6 +12,7 @@ from typing import get_args
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, body_sorts, marking_phases, view_size
@@ -126,7 +127,7 @@ def _described(field: StateField) -> array.Expression:
 
 def _used(functions: tuple[Function, ...], module: Module) -> tuple[tuple[Constant, ...], tuple[Number, ...]]:
     """Returns the constants and numbers of the module that its functions use, in the order in which they were met."""
-    nodes = [node for function in functions for node in array.walk(function.body)]
+    nodes = [node for function in functions for node in walk(function)]
     names = {n.identifier for n in nodes if isinstance(n, array.Name)} | {n.name for n in nodes if isinstance(n, array.Literal)}
     constants = tuple(c for c in module.constants.values() if c.name in names)
     groups = get_args(Group)

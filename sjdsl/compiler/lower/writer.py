@@ -7,6 +7,7 @@ from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
 from sjdsl.compiler.ir.queries import all_fields, body_sort, can_be_away, declared_field, movers_named, shape_named, shows_attribute
 from sjdsl.compiler.ir.sorts import AGENTS
@@ -26,7 +27,6 @@ from sjdsl.compiler.program.expressions import (
     Statement,
     as_array,
     path,
-    walk,
 )
 from sjdsl.runtime.actions import HEADINGS
 
