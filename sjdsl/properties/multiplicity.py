@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.members import most_members
+from sjdsl.compiler.ir.queries import most_members
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.members import everybody
 

@@ -11,9 +11,8 @@ from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit, visit_children
-from sjdsl.compiler.ir.members import lanes_of, most_members
 from sjdsl.compiler.ir.operations import CALCULATIONS
-from sjdsl.compiler.ir.queries import declared_field, written_field
+from sjdsl.compiler.ir.queries import declared_field, lanes_of, most_members, written_field
 from sjdsl.compiler.ir.types import times
 
 

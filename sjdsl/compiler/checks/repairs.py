@@ -42,16 +42,12 @@ def _guarded(test: str, span: Span, file: ast.File) -> Iterator[Change]:
     for node in reversed(around):
         if isinstance(node, ast.Domain) and node.where is not None and node.where.span.end <= span.start:
             yield says, ((node.where.span.end, node.where.span.end, f" and {test}"),)
-        if _is_statement(node) and not isinstance(node, SIMPLE):
+        if isinstance(node, ast.Stmt) and not isinstance(node, SIMPLE):
             yield says, ((node.span.start, node.span.start, f"when {test} {{ "), (node.span.end, node.span.end, " }"))  # type: ignore[attr-defined]
 
 
 def _holds(around: Span, span: Span) -> bool:
     return around.start <= span.start and span.end <= around.end
-
-
-def _is_statement(node: object) -> bool:
-    return isinstance(node, ast.Stmt)
 
 
 def _somebody(d: Diagnostic, file: ast.File, source: Source) -> Iterator[Change]:

@@ -14,8 +14,8 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
 from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.implications import conjuncts, limits_of
-from sjdsl.compiler.ir.members import most_members
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, REDUCTIONS
+from sjdsl.compiler.ir.queries import most_members
 from sjdsl.compiler.ir.types import times
 
 LOWEST, HIGHEST = -MAX_INTEGER - 1, MAX_INTEGER
@@ -188,10 +188,6 @@ def _extreme(e: ir.Extreme, here: Here) -> Interval:
     return _hull(values if e.otherwise is None else [*values, interval_of(e.otherwise, here)])
 
 
-def _case(e: ir.Case, here: Here) -> Interval:
-    return _hull(_arms(e, here))
-
-
 def _arms(e: ir.Case, here: Here) -> list[Interval]:
     visit(e.subject, here)
     found = []
@@ -222,7 +218,7 @@ _VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
     ir.SumRow: _of_row,
     ir.ShiftRow: lambda e, here: _hull([interval_of(e.row, here), interval_of(e.filler, here)]),
     ir.Extreme: _extreme,
-    ir.Case: _case,
+    ir.Case: lambda e, here: _hull(_arms(e, here)),
     ir.Named: lambda e, here: interval_of(e.value, here),
     ir.Before: lambda e, here: interval_of(e.value, replace(here, known={})),  # what is known is known of the state after the step
 }

@@ -4,21 +4,22 @@ A write is looked at with everything around it: the quantifiers (each gives inst
 conditions known to hold. Two writes of one field can only meet at one target, so conditions about the target decide.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field, replace
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.checks.one_agent import is_of_one_agent, not_forbidden
 from sjdsl.compiler.checks.writes import Branch, Quantifier, Target, Write
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.ir.equivalence import Form, form
-from sjdsl.compiler.ir.implications import Fact, contradict, facts
+from sjdsl.compiler.ir.free_variables import renamed
+from sjdsl.compiler.ir.implications import Fact, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.queries import body_sort, declared_field, phases_of, written_field
+from sjdsl.compiler.ir.types import integer
 
 
 def _place(who: ir.Expr) -> Target:
@@ -352,3 +353,32 @@ def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:
 
 def _is_capped(w: Write, game: ir.Game) -> bool:
     return isinstance(w.statement, ir.Add) and declared_field(game, written_field(w.statement.target)).capped
+
+
+def _is_lasting(node: ir.Node) -> bool:
+    """Returns whether a part of a condition on an agent has one value throughout an episode: its number, and numbers of the game."""
+    match node:
+        case ir.Attribute():
+            return node.name == "index"
+        case ir.Member() | ir.ParamRef() | ir.Number() | ir.Arithmetic() | ir.Compare() | ir.InRange() | ir.Not() | ir.Logic() | ir.Named():
+            return True
+        case _:
+            return False
+
+
+def not_forbidden(condition: ir.Expr, forbids: Iterable[ir.Forbid]) -> Iterator[Fact]:
+    """Yields what is known of an agent that chose an action: what holds now as it did before the step, when it was not forbidden."""
+    if isinstance(condition, ir.Chose) and isinstance(condition.agent, ir.Member):
+        for forbid in forbids:
+            if condition.action in forbid.actions and not forbid.names:
+                parts = conjuncts(renamed(forbid.condition, {"agent": condition.agent.name}), holds=False)
+                yield from (fact for part in parts if all(map(_is_lasting, ir.walk(part))) for fact in facts(part))
+
+
+def is_of_one_agent(quantifier: Quantifier, known: Sequence[Fact]) -> bool:
+    """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
+    if not isinstance(quantifier.statement, ir.Each) or quantifier.statement.domain.var.sort.what == "cell":
+        return False
+    index = ir.Attribute(type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index")
+    low, high = narrowed(index, known)
+    return low == high

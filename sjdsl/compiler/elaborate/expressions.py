@@ -13,12 +13,9 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import actions
 from sjdsl.compiler.elaborate.arithmetic import calculation, compare, join_types
-from sjdsl.compiler.elaborate.before import before
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.defines import use as use_define
-from sjdsl.compiler.elaborate.domains import domain, most_members
-from sjdsl.compiler.elaborate.extremes import extreme as over_domain
-from sjdsl.compiler.elaborate.extremes import written
+from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
     as_agent,
     check_known_word,
@@ -32,8 +29,10 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.row_functions import beyond_one, extreme_of_row, lowest, mix, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, Calculation, Function
+from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, REDUCTIONS, Calculation, Function
 from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
+
+WHERE_BEFORE_STANDS = "`before` stands in `always` and `once` of `checks`, not inside another; a rule keeps what it needs later in a field"
 
 
 def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -56,7 +55,7 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
         case ast.Total():
             return total(e, scope)
         case ast.Extreme():
-            return over_domain(e, scope)
+            return extreme(e, scope)
         case ast.Case():
             return case(e, scope)
         case ast.Unary():
@@ -291,6 +290,44 @@ def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 
 
 # What makes each class of node of a call.
+def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
+    """Returns the least or greatest value over a domain."""
+    reduction = REDUCTIONS.get(e.name.text)
+    if reduction is None or reduction.adds:  # a sum is `ast.Total`
+        raise scope.problems.unknown(e.name, REDUCTIONS, "what there is over a domain", guesses.FUNCTIONS | guesses.OVER_DOMAINS)
+    built, inner = domain(e.domain, scope)
+    value = inner.expression(e.value)
+    otherwise = None if e.if_none is None else scope.expression(e.if_none)
+    for tree, part in ((e.value, value), (e.if_none, otherwise)):
+        if tree is not None and part is not None and not is_number(part.type):
+            raise wrong_type(scope, tree, "a number", part.type)
+    if otherwise is None and can_be_empty(built, scope):
+        raise scope.problems.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope)))
+    types = [value.type] if otherwise is None else [value.type, otherwise.type]
+    type_ = join_types(types, scope, "compare", e)
+    return ir.Extreme(type=type_, fn=e.name.text, value=value, domain=built, otherwise=otherwise, origin=e.span)  # type: ignore[arg-type]
+
+
+def written(d: ast.Domain, scope: Scope) -> str:
+    """Returns a domain as its author wrote it."""
+    return " ".join(scope.static.sources[d.span.file].text[d.span.start : d.span.end].split())
+
+
+def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns `before(e)`; what is known of the state now, and who has a place now, says nothing of that state."""
+    if not scope.about_steps:
+        wrong = errors.WrongType(e.span, wanted="a value of one state", given="`before`, which is about a step", help=WHERE_BEFORE_STANDS)
+        raise scope.problems.fail(wrong)
+    (value,) = e.arguments
+    bodies = (
+        {v.name for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort.what != "cell"} if scope.static.can_be_away else ()
+    )
+    inner = replace(scope, about_steps=False, facts=(), elsewhere=frozenset(bodies)).expression(value)
+    if inner.type.kind in ("member", "mix"):
+        raise wrong_type(scope, value, "a value", inner.type)
+    return ir.Before(type=inner.type, value=inner, origin=e.span)
+
+
 BUILDERS: dict[type[ir.Node], Callable[[Function, ast.Call, Scope], ir.Expr]] = {
     ir.Arithmetic: calculated,
     ir.Lowest: lowest,

@@ -4,7 +4,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 """
 
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Member, Shape
+from sjdsl.compiler.ir.expressions import Among, At, Domain, Expr, FieldRead, InAgents, InCell, Member, Near, Shape
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
@@ -145,3 +145,40 @@ def view_size(game: Game) -> tuple[int, int]:
     """Returns the rows and columns of a window."""
     window = game.window
     return window.ahead + 1 + window.behind, window.left + 1 + window.right
+
+
+def most_members(domain: Domain, game: Game) -> int:
+    """Returns the most members that a domain can have, its condition aside."""
+    match domain.var.sort.what:
+        case "agent":
+            everybody = game.agents.number
+        case "mover":
+            everybody = movers_named(game, domain.var.sort.name).number
+        case "cell":
+            everybody = num_cells(game, domain.var.kinds)
+        case "world":
+            raise AssertionError(domain)
+    if domain.on is not None:
+        everybody = min(everybody, num_cells(game, domain.on.kinds))
+    match domain.restriction:
+        case Near():
+            return min(everybody, sum(map(len, lanes_of(domain.restriction, game))))
+        case Among():
+            return min(everybody, len(domain.restriction.members))
+        case InAgents() if domain.restriction.value.type.kind != "agents":
+            return min(everybody, 1)
+        case InCell():
+            return min(everybody, 1)
+        case _:
+            return everybody
+
+
+def num_cells(game: Game, kinds: tuple[str, ...]) -> int:
+    """Returns how many cells of these kinds the map has."""
+    glyphs = glyphs_of(game, kinds)
+    return sum(row.count(glyph) for row in game.rows for glyph in glyphs)
+
+
+def lanes_of(near: Near, game: Game) -> tuple[tuple[tuple[int, int], ...], ...]:
+    """Returns the lanes of the shape in which members are looked for; policies have shapes of their own."""
+    return next(shape.lanes for shape in (*game.shapes, *game.policy_shapes) if shape.name == near.shape)
