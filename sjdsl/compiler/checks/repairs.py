@@ -43,7 +43,7 @@ def _guarded(test: str, span: Span, file: ast.File) -> Iterator[Change]:
         if isinstance(node, ast.Domain) and node.where is not None and node.where.span.end <= span.start:
             yield says, ((node.where.span.end, node.where.span.end, f" and {test}"),)
         if isinstance(node, ast.Stmt) and not isinstance(node, SIMPLE):
-            yield says, ((node.span.start, node.span.start, f"when {test} {{ "), (node.span.end, node.span.end, " }"))  # type: ignore[attr-defined]
+            yield says, ((node.span.start, node.span.start, f"when {test} {{ "), (node.span.end, node.span.end, " }"))
 
 
 def _holds(around: Span, span: Span) -> bool:

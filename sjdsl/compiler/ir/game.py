@@ -3,9 +3,9 @@
 from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Shape
+from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Member, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
-from sjdsl.compiler.ir.sorts import Entry, Level, Sort
+from sjdsl.compiler.ir.sorts import AGENTS, Entry, Level, Sort
 from sjdsl.compiler.ir.statements import Stmt
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
@@ -185,6 +185,23 @@ class Observable(Node):
     labels: tuple[Label, ...] = ()
     hidden_when: Expr | None = None
     shown_when: Expr | None = None
+
+    @property
+    def sort(self) -> Sort:
+        """The sort of what is seen."""
+        match self.what:
+            case "cell" | "mover":
+                return Sort(self.what, (self.kind,))
+            case "world":
+                return Sort("world")
+            case _:
+                return AGENTS
+
+    @property
+    def owner(self) -> Member | None:
+        """What is seen, by the name that its conditions give it; None for the world."""
+        name = "agent" if self.what == "own" else self.kind or self.what
+        return None if self.what == "world" else Member(name=name, sort=self.sort)
 
 
 class Paint(Node):

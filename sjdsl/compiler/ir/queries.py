@@ -53,11 +53,8 @@ def shows_attribute(observable: Observable) -> bool:
 
 
 def shown_field(game: Game, observable: Observable) -> VarField:
-    """Returns the declaration of the variable, of agents, of movers or of the world, that an observation shows."""
-    fields = game.fields if observable.what == "world" else game.agents.fields
-    if observable.what == "mover":
-        fields = movers_named(game, observable.kind).fields
-    return next(f for f in fields if f.name == observable.field)
+    """Returns the declaration of the variable that an observation shows."""
+    return next(f for f in all_fields(game) if (f.held_by, f.name) == (observable.sort, observable.field))
 
 
 def kind_named(game: Game, name: str) -> Kind:

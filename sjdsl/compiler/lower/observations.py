@@ -289,11 +289,11 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
 
 def _attribute(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
     """Returns what an agent has of itself as a byte; of one that is away the row and column are 0."""
-    name = "agent" if observable.what == "own" else observable.what
-    owner = ir.Member(name=name, sort=ir.Sort("agent"))
+    owner = observable.owner
+    assert owner is not None, observable
     value = w.value(ir.Attribute(type=observable.type, owner=owner, name=observable.field), place)  # type: ignore[arg-type]
     if observable.field in ("row", "col"):
-        agent = place.variables[name]
+        agent = place.variables[owner.name]
         assert isinstance(agent, AgentVar)
         value = select(state_reads.present(agent, w), value, literal(0, "i32"))
     return as_dtype(value, "u8")
@@ -313,7 +313,7 @@ def _mover_plane(observable: ir.Observable, painted: Value, axes: tuple[Axis, ..
     there = binary("!=", painted, literal(0, "u8"), "bool")
     who = array.Binary("-", array.Cast(painted.node, "i32"), array.Literal(1))
     number = w.keep(f"which_{observable.kind}", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes))
-    mover, observer = AgentVar(number, sort=ir.Sort("mover", (observable.kind,))), AgentVar(iota(axes[0]), axes[0])
+    mover, observer = AgentVar(number, sort=observable.sort), AgentVar(iota(axes[0]), axes[0])
     place = IterationScope(axes=axes, variables={"agent": observer, observable.kind: mover})
     if not observable.field:
         value = as_dtype(there, "u8")
