@@ -13,7 +13,7 @@ from sjdsl.compiler.diagnostics.limits import MAX_VALUE
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.printer import expression, number_text
-from sjdsl.compiler.ir.sorts import Level, entry_name, level_text, sort_of
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.near_names import meant
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def _is_played(game: ir.Game, values: Values, name: str, number: int) -> bool:
 def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:
     if not by:
         return _checked(name, value, type_)
-    names = [entry_name(entry) for entry in by[0]]
+    names = by[0].keys
     if isinstance(value, Mapping):
         given = {str(key): entry for key, entry in value.items()}
         unknown = [key for key in given if key not in names]
@@ -178,13 +178,13 @@ def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir
 
 def _entries(level: Level) -> str:
     """Returns what the entries of a table are."""
-    match sort_of(level):
+    match level.sort:
         case "agent":
             return f"entries are the agents 0 .. {len(level) - 1}"
         case "number":
-            return f"entries are {level_text(level)}"
+            return f"entries are {level}"
         case _:
-            return f"words are {', '.join(level)}"
+            return f"words are {', '.join(level.names)}"
 
 
 def _checked(name: str, value: Any, type_: ir.Type) -> Any:

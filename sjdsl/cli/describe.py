@@ -9,7 +9,6 @@ from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.ir.printer import expression
-from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.games_folder import origin
 
 
@@ -48,7 +47,7 @@ def describe(name: str) -> dict[str, Any]:
         "kinds": [{"name": k.name, "fields": {f.name: _values(f.type) for f in k.fields}} for k in game.kinds],
         "params": [_number(p.name, p.type, p.value, (p.type.low, p.type.high)) for p in game.params],
         "sizes": [_number(s.name, s.type, s.value, _limits(agents, composed, s.name)) for s in game.sizes],
-        "metrics": [{"name": e.name, "sort": "event", "by": list(map(entry_name, e.by)), "per_agent": e.per_agent} for e in game.events]
+        "metrics": [{"name": e.name, "sort": "event", "by": list(e.by.keys) if e.by else [], "per_agent": e.per_agent} for e in game.events]
         + [{"name": m.name, "sort": "mean" if m.mean else "final"} for m in game.measures],
         "policies": [{"name": p.name, "title": p.title} for p in game.policies],
         "scenarios": [{"name": s.name, "title": s.title, "slots": list(map(_slots, s.slots))} for s in game.scenarios],
@@ -70,9 +69,9 @@ def _number(name: str, type_: ir.Type, value: Any, limits: tuple[Any, Any]) -> d
     return {"name": name, "unit": unit, "default": _by_word(value, type_.by), "low": low, "high": high}
 
 
-def _by_word(value: Any, by: tuple[tuple[str, ...], ...]) -> Any:
+def _by_word(value: Any, by: tuple[ir.Level, ...]) -> Any:
     """Returns the nested values of a table as a mapping by word."""
-    return {entry_name(name): _by_word(v, by[1:]) for name, v in zip(by[0], value, strict=True)} if by else value
+    return {key: _by_word(v, by[1:]) for key, v in zip(by[0].keys, value, strict=True)} if by else value
 
 
 def _limits(agents: tuple[str, int, int] | None, game: Composition, name: str) -> tuple[str | float | None, str | float | None]:

@@ -3,7 +3,6 @@
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.doc.actions import chosen_names
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members
@@ -35,7 +34,7 @@ def metrics(v: Vocabulary) -> list[str]:
 
 
 def event_line(event: ir.Event) -> Line:
-    entries = f", separately {f'for {codes(event.by)}' if sort_of(event.by) == 'word' else entries_text(event.by)}" if event.by else ""
+    entries = f", separately {f'for {codes(event.by.names)}' if event.by.sort == 'word' else entries_text(event.by)}" if event.by else ""
     return Line(f"{code(event.name)}: an event counted {'for each agent' if event.per_agent else 'for the whole game'}{entries}")
 
 

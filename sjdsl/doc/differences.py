@@ -4,7 +4,6 @@ from collections import Counter
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.doc.actions import declared, forbidden
 from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
 from sjdsl.doc.checks import check_line, episode, event_line, measure_line
@@ -91,10 +90,10 @@ def _entries(name: str, declared: ir.Size | ir.Param) -> dict[str, Any]:
     return dict(_flat(name, declared.value, declared.type.by))
 
 
-def _flat(name: str, value: Any, by: tuple[tuple[str, ...], ...]) -> list[tuple[str, Any]]:
+def _flat(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str, Any]]:
     if not by:
         return [(name, value)]
-    return [pair for word, v in zip(by[0], value, strict=True) for pair in _flat(f"{name}[{entry_name(word)}]", v, by[1:])]
+    return [pair for key, v in zip(by[0].keys, value, strict=True) for pair in _flat(f"{name}[{key}]", v, by[1:])]
 
 
 def _map(old: ir.Game, new: ir.Game) -> list[Change]:

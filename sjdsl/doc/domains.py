@@ -20,7 +20,7 @@ def members(d: ir.Domain, v: Vocabulary, plural: bool = False, restriction: bool
         return _among(d, d.restriction, v, plural)
     own, under, rest = _clauses(d, v)
     if d.restriction is not None and restriction:
-        own.append(_lies(d.restriction, v, plural, d.var.who != "cell"))
+        own.append(_lies(d.restriction, v, plural, d.var.sort.what != "cell"))
     if d.on is not None:
         cell = v.named(d.on)
         own.append(" ".join([f"that {'each stand' if plural else 'stands'} on {article(cell)}", *under]))

@@ -85,7 +85,7 @@ def blocking(kind: ir.Kind, v: Vocabulary) -> list[Line]:
 
 
 def _reads_agent(test: ir.Expr) -> bool:
-    return any(isinstance(n, ir.Member) and n.who == "agent" for n in ir.walk(test))
+    return any(isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(test))
 
 
 def world_map(game: ir.Game) -> list[str]:

@@ -6,7 +6,6 @@ from typing import TypeGuard, assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.operations import CALCULATIONS, PAYOFF_CLASSES, REDUCTIONS
-from sjdsl.compiler.ir.sorts import entry_name, place_of, sort_of
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, codes, number, table_value, variable
 
@@ -68,7 +67,7 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
         case ir.Before():
             return f"{value(e.value, v)} when the step began"
         case ir.EventTotal():
-            return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(entry_name(e.word))}")
+            return f"the total of {code(e.name)}" + ("" if e.word is None else f" {code(e.word)}")
         case ir.Count():
             return f"the number of {v.members(e.domain)}"
         case ir.Sum():
@@ -101,10 +100,10 @@ def _of_row(e: ir.Lowest | ir.Mix | ir.SumRow | ir.ShiftRow, v: Vocabulary) -> s
 
 def _lowest(e: ir.Lowest, v: Vocabulary) -> str:
     which, level = "last" if e.last else "first", e.row.type.by[0]
-    if sort_of(level) == "number":
-        names, none = f"the numbers {level[0]} to {level[-1]}", str(level[-e.last])
+    if level.sort == "number":
+        names, none = f"the numbers {level.names[0]} to {level.names[-1]}", level.names[-e.last]
     else:
-        names, none = f"the words {codes(level)}", code(level[-e.last])
+        names, none = f"the words {codes(level.names)}", code(level.names[-e.last])
     return f"the {which} of {names} whose entry in {value(e.row, v)} is above 0 ({none} if none is)"
 
 
@@ -159,7 +158,7 @@ def _key(key: ir.Expr, v: Vocabulary) -> str:
 def _default_entry(e: ir.At, v: Vocabulary) -> str:
     """Returns the default value of one entry of a parameter, in brackets; empty for all other entries."""
     if isinstance(e.row, ir.ParamRef) and isinstance(e.key, ir.Word) and len(e.row.type.by) == 1 and e.row.name in v.numbers:
-        found = v.numbers[e.row.name].value[place_of(e.row.type.by[0], e.key.value)]  # type: ignore[index]
+        found = v.numbers[e.row.name].value[e.row.type.by[0].place_of(e.key.value)]  # type: ignore[index]
         return f" ({code(found) if isinstance(found, str) else number(found)})"
     return ""
 
@@ -193,6 +192,6 @@ def _named(e: ir.Named, v: Vocabulary) -> str:
 
 def payoff_class(e: ir.MatrixClass) -> str:
     """Returns `payoff is a stag hunt (...)`."""
-    first = e.table.type.by[0][0] if e.table.type.by else ""
+    first = e.table.type.by[0].names[0] if e.table.type.by else ""
     name = code(e.table.name) if isinstance(e.table, ir.ParamRef) else "the table"
     return f"{name} is {PAYOFF_CLASSES[e.name].english}, cooperating being {code(first)}"

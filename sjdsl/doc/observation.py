@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.lower.cell_appearance import shown_words
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.expressions import value
@@ -125,9 +124,9 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
     return Line(text + (_readers(s) if s.labels or conditional else ""))
 
 
-def _row_entry(name: str) -> str:
+def _row_entry(entry: ir.Entry) -> str:
     """Returns one entry of a row."""
-    return f"{code(name)} entry" if sort_of((name,)) == "word" else f"entry for {name}"
+    return f"{code(entry.name)} entry" if entry.level.sort == "word" else f"entry for {entry.name}"
 
 
 def _readers(s: ir.Observable) -> str:
@@ -155,7 +154,7 @@ def unseen_fields(game: ir.Game) -> list[str]:
 def _read(s: ir.Observable) -> set[str]:
     """Returns the fields of a kind that decide how its cells look."""
     nodes = (n for label in s.labels if label.condition is not None for n in ir.walk(label.condition))
-    return {n.name for n in nodes if isinstance(n, ir.FieldRead) and n.held_by == "cell"}
+    return {n.name for n in nodes if isinstance(n, ir.FieldRead) and n.held_by.what == "cell"}
 
 
 def _fields(game: ir.Game) -> Iterator[tuple[tuple[str, str, str], str]]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import mover_sort, phases_of
+from sjdsl.compiler.ir.queries import body_sort, phases_of
 from sjdsl.doc.conditions import condition
 from sjdsl.doc.domains import members
 from sjdsl.doc.statements import chosen, drawn, one_cell, paired, probability
@@ -54,9 +54,9 @@ def _draws(s: ir.Stmt, around: tuple[str, ...], v: Vocabulary) -> Found:
         case ir.Move():
             if isinstance(s.course, ir.Wander):
                 yield (*around, f"each {members(s.domain, v)}"), "which of the cells beside it that it may take: all equally likely"
-            yield around, f"who enters a cell that several {mover_sort(s.domain.var) or 'agents'} want: one of them, all equally likely"
+            yield around, f"who enters a cell that several {s.domain.var.sort.plural} want: one of them, all equally likely"
         case ir.Shift():
-            yield around, f"who enters a cell that several {mover_sort(s.who) or 'agents'} are sent to: one of them, all equally likely"
+            yield around, f"who enters a cell that several {body_sort(s.who).plural} are sent to: one of them, all equally likely"
             if s.facing is None:
                 yield around, "which way it looks there: one of four, all equally likely"
         case ir.Send():

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import can_be_away
+from sjdsl.compiler.ir.queries import body_sorts, can_be_away
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets
 
@@ -87,7 +87,7 @@ def _notes(v: Vocabulary) -> Iterator[Line]:
     sends = [node for node in v.nodes if isinstance(node, ir.Send)]
     if sends:
         yield _sending(sends)
-    if any(can_be_away(v.game, sort) for sort in ("", *(sort.name for sort in v.game.movers))):
+    if any(can_be_away(v.game, sort) for sort in body_sorts(v.game)):
         yield _away(sends)
     if v.has(ir.Move):
         yield MOVEMENT

@@ -1,7 +1,7 @@
 """The process section of a rule sheet: the order of events in a step, and what each phase can change."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, mover_sort, written_field
+from sjdsl.compiler.ir.queries import all_fields, body_sort, body_sorts, written_field
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import capital, code, codes, joined
 
@@ -32,7 +32,8 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
         (ir.Mark, "marks cells"),
         (ir.End, "can end the episode"),
     )
-    for who, many in (("", "agents"), *((sort.name, f"{sort.name} movers") for sort in v.game.movers)):
+    for who in body_sorts(v.game):
+        many = "agents" if who.what == "agent" else f"{who.name} movers"
         found += [f"{many} {does}" for sort, does in places if any(isinstance(n, sort) and _of(n) == who for n in nodes)]
     found += [text for sort, text in sorts if any(isinstance(n, sort) for n in nodes)]
     events = dict.fromkeys(n.event for n in nodes if isinstance(n, ir.Tally))
@@ -40,19 +41,19 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
     return f": {'; '.join(found)}" if found else ": nothing"
 
 
-def _of(s: ir.Node) -> str:
-    """Returns the sort of the movers that a statement moves or sends; nothing for agents."""
+def _of(s: ir.Node) -> ir.Sort:
+    """Returns the sort of those whom a statement moves or sends."""
     match s:
         case ir.Move():
-            return mover_sort(s.domain.var)
+            return s.domain.var.sort
         case ir.Send() | ir.Shift() | ir.Remove():
-            return mover_sort(s.who)
+            return body_sort(s.who)
         case _:
             raise AssertionError(s)
 
 
 def _written(target: ir.Expr, v: Vocabulary) -> str:
     read = written_field(target)
-    owners = {"agent": "agents", "world": "the world", "mover": f"{' '.join(read.kinds)} movers"}
-    owner = f"{v.kinds(read.kinds)} cells" if read.held_by == "cell" else owners[read.held_by]
+    owners = {"agent": "agents", "world": "the world", "mover": f"{read.held_by.name} movers"}
+    owner = owners.get(read.held_by.what) or f"{v.kinds(read.held_by.names)} cells"
     return f"{code(read.name)} of {owner}"

@@ -179,13 +179,15 @@ def _tally(s: ir.Tally, v: Vocabulary) -> str:
 def _course(course: ir.Course, v: Vocabulary) -> str:
     """Returns which way movers go."""
     if isinstance(course, ir.Along):
-        if isinstance(course.heading, ir.FieldRead) and course.heading.held_by == "mover" and course.heading.name == "heading":
+        if isinstance(course.heading, ir.FieldRead) and course.heading.held_by.what == "mover" and course.heading.name == "heading":
             return "steps to the cell in front of it"
         return f"turns to {value(course.heading, v)} and steps that way"
     beside = "turns to one of the free cells beside it, at random with equal chances, and steps there"
     if course.avoided is not None:
         avoided = members(course.avoided, v, plural=True)
-        beside = beside.replace("beside it,", f"beside it ({'never' if course.avoided.var.who == 'cell' else 'never those of'} {avoided}),")
+        beside = beside.replace(
+            "beside it,", f"beside it ({'never' if course.avoided.var.sort.what == 'cell' else 'never those of'} {avoided}),"
+        )
     if course.goal is None:
         return beside
     which = "farther from" if course.away else "nearer to"

@@ -91,17 +91,15 @@ class Vocabulary:
 
     def noun(self, member: ir.Member) -> str:
         """Returns `agent`, `deer` or `soil cell`."""
-        if member.who == "mover":
-            return member.kinds[0]
-        return "agent" if member.who == "agent" else f"{self.kinds(member.kinds)} cell"
+        return f"{self.kinds(member.kinds)} cell" if member.sort.what == "cell" else member.sort.name
 
     def is_plain(self, member: ir.Member) -> bool:
         """Returns whether a variable has no name of its own: it is called as what it is."""
-        return member.name == ("agent" if member.who == "agent" else self.kinds(member.kinds))
+        return member.name == (self.kinds(member.kinds) if member.sort.what == "cell" else member.sort.name)
 
     def named(self, member: ir.Member, plural: bool = False) -> str:
         """Returns a variable where it is introduced: `soil cell`, `agent *zapper*`."""
-        noun = self.noun(member) + (" movers" if plural and member.who == "mover" else "s" if plural else "")
+        noun = self.noun(member) + (" movers" if plural and member.sort.what == "mover" else "s" if plural else "")
         return noun if self.is_plain(member) else f"{noun} {variable(member.name)}"
 
     def refer(self, member: ir.Member) -> str:

@@ -8,7 +8,7 @@ from decimal import Decimal
 from typing import Any
 
 from sjdsl.compiler.ir.printer import number_text
-from sjdsl.compiler.ir.sorts import level_text, sort_of
+from sjdsl.compiler.ir.sorts import Level
 
 SMALLEST = 1e-9  # what is smaller is written with an exponent
 WIDEST = 220  # characters of a sentence that still takes the sentence inside it onto its own line
@@ -70,27 +70,28 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def table_value(value: Any, by: Sequence[Sequence[str]]) -> str:
+def table_value(value: Any, by: Sequence[Level]) -> str:
     """Returns the value of a number or a table by words: `raw: 3, cut: 1`; `raw: (raw: 1, cut: 0), cut: (...)`."""
     if not by:
         return code(value) if isinstance(value, str) else number(value)
     inner = [table_value(v, by[1:]) for v in value]
     shown = [f"({v})" if len(by) > 1 else v for v in inner]
-    if sort_of(by[0]) != "word" and len(set(shown)) == 1:
-        return f"{shown[0]} for each {'agent' if sort_of(by[0]) == 'agent' else 'of ' + level_text(by[0])}"
-    names = map(code, by[0]) if sort_of(by[0]) == "word" else by[0]
+    level = by[0]
+    if level.sort != "word" and len(set(shown)) == 1:
+        return f"{shown[0]} for each {'agent' if level.sort == 'agent' else f'of {level}'}"
+    names = map(code, level.names) if level.sort == "word" else level.names
     return ", ".join(f"{name}: {v}" for name, v in zip(names, shown, strict=True))
 
 
-def entries_text(level: Sequence[str]) -> str:
+def entries_text(level: Level) -> str:
     """Returns what a row has an entry for: `for each of `raw` and `cut``, `for each agent`, `for each of 0 to 4`."""
-    match sort_of(level):
+    match level.sort:
         case "agent":
             return "for each agent"
         case "number":
-            return f"for each of {level[0]} to {level[-1]}"
+            return f"for each of {level.names[0]} to {level.names[-1]}"
         case _:
-            return f"for each of {codes(level)}"
+            return f"for each of {codes(level.names)}"
 
 
 def bullets(lines: Iterable[Line], depth: int = 0) -> Iterator[str]:

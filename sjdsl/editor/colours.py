@@ -7,7 +7,7 @@ from lsprotocol import types
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.names import Names, Occurrence, Symbol
-from sjdsl.compiler.ast.traverse import walk
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate.occurrences import occurrences
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analysis

@@ -10,8 +10,8 @@ from lark import Token, UnexpectedCharacters
 from lsprotocol import types
 
 from sjdsl.compiler.ast.names import Occurrence
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics.explanations import explain
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton, parser
 from sjdsl.editor.analysis import Analyses, Analysis

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator
 from typing import TypeAlias
 
+from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.interpreter.state import HEADINGS, Away, Cell, Herd, Mover, World
 
 Body: TypeAlias = int | Mover  # an agent's number, or a mover
@@ -13,9 +14,14 @@ def herd_of(body: Body, world: World) -> World | Herd:
     return world.movers[body.sort] if isinstance(body, Mover) else world
 
 
-def herds(world: World) -> dict[str, World | Herd]:
-    """Returns what holds the places of the agents, by no name, and of each sort of movers."""
-    return {"": world, **world.movers}
+def herds(world: World) -> dict[Sort, World | Herd]:
+    """Returns what holds the places of the agents, and of each sort of movers."""
+    return {AGENTS: world, **{Sort("mover", (name,)): herd for name, herd in world.movers.items()}}
+
+
+def sort_of_body(body: Body) -> Sort:
+    """Returns the sort of a body."""
+    return Sort("mover", (body.sort,)) if isinstance(body, Mover) else AGENTS
 
 
 def number_of(body: Body) -> int:

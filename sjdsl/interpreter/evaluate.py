@@ -9,10 +9,9 @@ from typing import Any, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
-from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, where_is
+from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, sort_of_body, where_is
 from sjdsl.interpreter.evaluation_parts import agents_in, applies, arguments_of, binds_all, entry_place, is_of_class
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found, agent_on, body_on, is_here
@@ -117,9 +116,9 @@ def _field(e: ir.FieldRead, here: Instance) -> Value:
         return here.world.fields[e.name]
     owner = evaluate(e.owner, here)
     assert owner is not None, f"`{e.name}` of nobody"
-    if e.held_by == "agent":
+    if e.held_by.what == "agent":
         return here.world.agents[e.name][owner]
-    if e.held_by == "mover":
+    if e.held_by.what == "mover":
         return here.world.movers[owner.sort].fields[e.name][owner.number]
     return here.world.cells[here.board.kind_of[owner], e.name][here.board.number[owner]]
 
@@ -161,7 +160,7 @@ def _entry(e: ir.At, here: Instance) -> Value:
     if e.key.type.kind != "mix":
         return row[entry_place(level, key)]
     share = dict(zip(e.key.type.words, key, strict=True))
-    parts = [numbers.arithmetic("*", [share[name], entry], is_real=True) for name, entry in zip(level, row, strict=True)]
+    parts = [numbers.arithmetic("*", [share[name], entry], is_real=True) for name, entry in zip(level.names, row, strict=True)]
     return numbers.total(parts, is_real=True)
 
 
@@ -187,9 +186,9 @@ def _shifted(e: ir.ShiftRow, here: Instance) -> Value:
 
 def _lowest(e: ir.Lowest, here: Instance) -> str | int:
     level, order = e.row.type.by[0], -1 if e.last else 0
-    positive = [name for name, entry in zip(level, evaluate(e.row, here), strict=True) if entry > 0]
-    found = positive[order] if positive else level[order]
-    return int(found) if sort_of(level) == "number" else found
+    positive = [name for name, entry in zip(level.names, evaluate(e.row, here), strict=True) if entry > 0]
+    found = positive[order] if positive else level.names[order]
+    return int(found) if level.sort == "number" else found
 
 
 def members_of(domain: ir.Domain, here: Instance) -> list[Found]:
@@ -207,7 +206,7 @@ def nearest_members(domain: ir.Domain, here: Instance) -> list[Found | None]:
 def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
     """Returns the lanes of a shape around its anchor, as far as they go."""
     shape, anchor = here.board.shapes[near.shape], here.names[near.anchor.name]
-    body = None if near.anchor.who == "cell" else anchor
+    body = None if near.anchor.sort.what == "cell" else anchor
     place = anchor if body is None else where_is(body, here.world)
     heading = heading_of(body, here.world) if shape.directed and body is not None else 0
     return lanes_from(shape, place, heading, here.board.at, lambda cell: is_blocked(cell, shape.name, body, here))
@@ -232,7 +231,7 @@ def is_blocked(cell: Cell, what: str, body: Body | None, here: Instance) -> bool
     kind = here.board.kinds[here.board.kind_of[cell]]
     names: dict[str, Value] = {kind.name: cell}
     if body is not None:
-        names[body.sort if isinstance(body, Mover) else "agent"] = body
+        names[sort_of_body(body).name] = body
     return any(block.what == what and (block.condition is None or evaluate(block.condition, here.only(names))) for block in kind.blocks)
 
 
@@ -248,7 +247,7 @@ def _agent_stops(cell: Cell, shape: str, here: Instance) -> bool:
 
 def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:
     for cell, number in lane:
-        if domain.var.who != "cell":
+        if domain.var.sort.what != "cell":
             body = body_on(cell, domain, here.world)
             member = None if body is None else _restricted(domain, body, number_of(body), here)
         else:
@@ -260,15 +259,15 @@ def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:
 
 
 def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[Body | Cell, int]]:
-    if domain.var.who != "cell":
+    if domain.var.sort.what != "cell":
         return [(body, number_of(body)) for body in sorted(_bodies(domain, here), key=number_of) if is_here(body, here.world)]
     return _cells(domain, here)
 
 
 def _bodies(domain: ir.Domain, here: Instance) -> set[Body]:
     everybody: list[Body] = list(range(here.board.agents))
-    if domain.var.who == "mover":
-        sort = domain.var.kinds[0]
+    if domain.var.sort.what == "mover":
+        sort = domain.var.sort.name
         everybody = [Mover(sort, number) for number in range(len(here.world.movers[sort].position))]
     restriction = domain.restriction
     match restriction:

@@ -5,7 +5,6 @@ from itertools import islice, product
 from typing import Literal, assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level, place_of
 from sjdsl.interpreter.state import Value
 
 
@@ -48,9 +47,9 @@ def agents_in(value: Value) -> Iterable[int]:
     return frozenset() if value is None else frozenset({value})
 
 
-def entry_place(level: Level, key: Value) -> int:
+def entry_place(level: ir.Level, key: Value) -> int:
     """Returns the place of the entry that a key names: a word, a number of the range, or an agent."""
-    place = place_of(level, key)
+    place = level.place_of(key)
     assert 0 <= place < len(level), f"no entry for {key} in {level}"
     return place
 

@@ -22,7 +22,7 @@ class Found:
 def radix(domain: ir.Domain, board: Board) -> int:
     """Returns how many members the domain could have."""
     match domain.restriction:
-        case ir.Near() if domain.var.who == "cell":
+        case ir.Near() if domain.var.sort.what == "cell":
             return shapes.size(board.shapes[domain.restriction.shape])
         case _:
             return everybody(domain, board)
@@ -30,13 +30,15 @@ def radix(domain: ir.Domain, board: Board) -> int:
 
 def everybody(domain: ir.Domain, board: Board) -> int:
     """Returns how many agents, movers of the domain's sort, or cells of its kinds there are."""
-    match domain.var.who:
+    match domain.var.sort.what:
         case "agent":
             return board.agents
         case "mover":
-            return movers_named(board.game, domain.var.kinds[0]).number
+            return movers_named(board.game, domain.var.sort.name).number
         case "cell":
             return len(cells_of(board, domain.var.kinds))
+        case "world":
+            raise AssertionError(domain)
 
 
 def own_number(domain: ir.Domain, member: Found, board: Board) -> int:
@@ -53,9 +55,9 @@ def is_here(body: Body, world: World) -> bool:
 
 def body_on(cell: Cell, domain: ir.Domain, world: World) -> Body | None:
     """Returns the agent, or the mover of the domain's sort, that stands on a cell."""
-    if domain.var.who == "agent":
+    if domain.var.sort.what == "agent":
         return agent_on(cell, world)
-    sort = domain.var.kinds[0]
+    sort = domain.var.sort.name
     places = world.movers[sort].position
     return Mover(sort, places.index(cell)) if cell in places else None
 

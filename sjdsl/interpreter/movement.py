@@ -1,7 +1,7 @@
 """Interprets `move`: all members step at once, a collision on a cell is settled at random, and swaps are blocked."""
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.bodies import Body, bodies, heading_of, herd_of, is_free, number_of, turn, where_is
+from sjdsl.interpreter.bodies import Body, bodies, heading_of, herd_of, herds, is_free, number_of, sort_of_body, turn, where_is
 from sjdsl.interpreter.evaluate import evaluate, is_blocked, members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD
@@ -11,10 +11,10 @@ _TURNS = {"turn_left": -1, "turn_right": 1}
 _STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 
 
-def move(sort: str, ranks: dict[Body, int], courses: dict[Body, int | None], here: Instance, world: World) -> None:
+def move(sort: ir.Sort, ranks: dict[Body, int], courses: dict[Body, int | None], here: Instance, world: World) -> None:
     """Changes places and headings of `world`, which holds the snapshot's.
 
-    sort: of the movers that move; empty for agents. ranks: of those who move, the largest wins a cell. courses: of movers, which way each goes; agents go where they chose.
+    sort: of those who move. ranks: of those who move, the largest wins a cell. courses: of movers, which way each goes; agents go where they chose.
     """
     ways = {body: courses[body] if isinstance(body, Mover) else _chosen_way(body, here) for body in ranks}
     targets = {body: target for body, way in ways.items() if (target := _target(body, way, here)) is not None}
@@ -28,7 +28,7 @@ def move(sort: str, ranks: dict[Body, int], courses: dict[Body, int | None], her
             turn(body, way, world)
     for body, target in targets.items():
         herd_of(body, world).position[number_of(body)] = target
-    herd = world.movers[sort] if sort else world
+    herd = herds(world)[sort]
     herd.moved = [False for _ in herd.moved]
     for body in targets:
         herd_of(body, world).moved[number_of(body)] = True
@@ -81,7 +81,7 @@ def _target(body: Body, way: int | None, here: Instance) -> Cell | None:
     if place is None or way is None:
         return None
     target = here.board.at(place.row + FORWARD[way][0], place.col + FORWARD[way][1])
-    if target is None or is_blocked(target, body.sort if isinstance(body, Mover) else "agents", body, here):
+    if target is None or is_blocked(target, sort_of_body(body).plural, body, here):
         return None
     return target
 

@@ -6,7 +6,7 @@ from typing import assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import marking_phases, shows_attribute
+from sjdsl.compiler.ir.queries import marking_phases, shown_field, shows_attribute
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import heading_of
@@ -211,35 +211,18 @@ def _read(observable: ir.Observable, board: Board) -> ir.Expr:
 
 
 def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
-    owner: ir.Member | None
-    match observable.what:
-        case "cell":
-            owner, declared = (
-                ir.Member(name=observable.kind, who="cell", kinds=(observable.kind,)),
-                board.cell_fields[observable.kind, observable.field],
-            )
-        case "mover":
-            sort = observable.kind
-            owner, declared = ir.Member(name=sort, who="mover", kinds=(sort,)), board.mover_fields[sort, observable.field]
-        case "own" | "other" | "everyone":
-            name = "agent" if observable.what == "own" else observable.what
-            if shows_attribute(observable):
-                type_ = ir.CONDITION if observable.field in ("moved", "away") else observable.type
-                return ir.Attribute(type=type_, owner=ir.Member(name=name, who="agent"), name=observable.field)  # type: ignore[arg-type]
-            owner, declared = ir.Member(name=name, who="agent"), board.agent_fields[observable.field]
-        case "world" if observable.value is not None:
-            return observable.value
-        case "world":
-            owner, declared = None, board.world_fields[observable.field]
-        case "heading":
-            raise AssertionError(observable)
-        case _:
-            assert_never(observable.what)
+    if observable.value is not None:
+        return observable.value
+    owner = observable.owner
+    if owner is not None and shows_attribute(observable):
+        type_ = ir.CONDITION if observable.field in ("moved", "away") else observable.type
+        return ir.Attribute(type=type_, owner=owner, name=observable.field)  # type: ignore[arg-type]
+    declared = shown_field(board.game, observable)
     field = ir.FieldRead(type=declared.type, owner=owner, held_by=declared.held_by, name=observable.field)
     if observable.word is None:
         return field
     inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
-    key = ir.Word(type=ir.Type(kind="word", words=declared.type.by[0]), value=observable.word)
+    key = ir.Word(type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name)
     return ir.At(type=inner, row=field, key=key)
 
 

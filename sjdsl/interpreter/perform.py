@@ -6,7 +6,6 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.interpreter import chances, members
 from sjdsl.interpreter.account import Drawn
 from sjdsl.interpreter.evaluate import cells_in, evaluate, members_of, nearest_members
@@ -169,7 +168,7 @@ def _is_same(a: Sending, b: Sending) -> bool:
 
 def _move(statement: ir.Move, here: Instance, writes: Writes) -> None:
     assert writes.movers is None, "two `move` in one phase"
-    writes.movers, writes.sort = {}, mover_sort(statement.domain.var)
+    writes.movers, writes.sort = {}, statement.domain.var.sort
     radix = members.radix(statement.domain, here.board)
     for found in members_of(statement.domain, here):
         word = here.word(statement.stream, here.number * radix + found.number)

@@ -5,7 +5,6 @@ from typing import Literal
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import heading_observable, marking_phases
-from sjdsl.compiler.ir.sorts import entry_name
 
 HIDDEN = "hidden"
 OUTSIDE = "outside"
@@ -90,7 +89,7 @@ def look_of(game: ir.Game, kind: str) -> ir.Observable | None:
 
 def field_name(observable: ir.Observable) -> str:
     """Returns the field as an author writes it after its owner."""
-    return observable.field if observable.word is None else f"{observable.field}[{entry_name(observable.word)}]"
+    return observable.field if observable.word is None else f"{observable.field}[{observable.word.key}]"
 
 
 def _agent_labels(game: ir.Game) -> tuple[str, ...]:

@@ -6,10 +6,10 @@ from functools import lru_cache
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter.board import Board, cells_of
-from sjdsl.interpreter.bodies import Body, away_of, bodies, herd_of, number_of, occupied, turn
+from sjdsl.interpreter.bodies import Body, away_of, bodies, herd_of, number_of, occupied, sort_of_body, turn
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Mover, Pool, Value, World
+from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, Value, World
 from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Sending
 
@@ -55,8 +55,7 @@ def _may_stay(order_stream: int, board: Board) -> bool:
 
 def _no_room(agent: Body, statement: ir.Send) -> str:
     """Returns what happens on no map that is checked; a scene may have put agents on one that lacks cells."""
-    who = f"{agent.sort} {agent.number}" if isinstance(agent, Mover) else f"agent {agent}"
-    return f"{who} is sent to {' or '.join(statement.domain.var.kinds)}, where no cell is free"
+    return f"{sort_of_body(agent).name} {number_of(agent)} is sent to {' or '.join(statement.domain.var.kinds)}, where no cell is free"
 
 
 def remove(agent: Body, world: World) -> None:

@@ -1,11 +1,11 @@
 """Interprets `send x by n DIRECTION` and `send x to CELL`: the way of each agent, and all who are sent in one phase settled together."""
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, occupied, turn, where_is
+from sjdsl.interpreter.bodies import Body, heading_of, herd_of, herds, is_free, number_of, occupied, sort_of_body, turn, where_is
 from sjdsl.interpreter.evaluate import cell_of, evaluate, is_blocked
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import place_at
-from sjdsl.interpreter.state import HEADINGS, Mover, World
+from sjdsl.interpreter.state import HEADINGS, World
 from sjdsl.interpreter.writes import Shifting
 
 
@@ -19,7 +19,7 @@ def shifting(agent: Body, statement: ir.Shift, here: Instance) -> Shifting:
     heading = _heading(agent, statement, here)
     target = place
     if place is not None and heading is not None and steps > 0:
-        what = agent.sort if isinstance(agent, Mover) else "agents"
+        what = sort_of_body(agent).plural
         way = [here.board.at(*place_at(place, heading, ahead, 0)) for ahead in range(1, steps + 1)]
         free = all(cell is not None and not is_blocked(cell, what, agent, here) for cell in way)
         if free and all(cell is not None and is_free(cell, here.world) for cell in way[:-1]):
@@ -51,8 +51,9 @@ def shift(shifts: list[Shifting], here: Instance, world: World) -> None:
 
     Each sort of movers in turn, then the agents: they find the others where these then are.
     """
-    for sort in (*world.movers, ""):
-        own = [s for s in shifts if (s.agent.sort if isinstance(s.agent, Mover) else "") == sort]
+    agents, *movers = herds(world)
+    for sort in (*movers, agents):
+        own = [s for s in shifts if sort_of_body(s.agent) == sort]
         _shift_sort(own, here, world)
 
 

@@ -188,7 +188,7 @@ def _nothing_yet(board: Board) -> Outcome:
     events: dict[str, Any] = {}
     for event in board.game.events:
         agents = range(board.agents)
-        count = [0 for _ in event.by]
+        count = [0] * len(event.by or ())
         events[event.name] = [list(count) if event.by else 0 for _ in agents] if event.per_agent else (count or 0)
     return Outcome(reward=[np.float32(0) for _ in range(board.agents)], events=events)
 

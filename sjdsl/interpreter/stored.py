@@ -11,13 +11,13 @@ BITS = 32  # agents that one number of a set holds
 
 def held_values(declared: ir.VarField, world: World) -> Any:
     """Returns the values of a field in a state: a list over cells, agents or movers, or the world's one value."""
-    match declared.held_by:
+    match declared.held_by.what:
         case "cell":
-            return world.cells[declared.kind, declared.name]
+            return world.cells[declared.held_by.name, declared.name]
         case "agent":
             return world.agents[declared.name]
         case "mover":
-            return world.movers[declared.kind].fields[declared.name]
+            return world.movers[declared.held_by.name].fields[declared.name]
         case _:
             return world.fields[declared.name]
 
@@ -25,7 +25,7 @@ def held_values(declared: ir.VarField, world: World) -> Any:
 def stored_values(declared: ir.VarField, world: World) -> Any:
     """Returns the values of a field as the compiled state stores them, in nested lists."""
     values, agents = held_values(declared, world), len(world.position)
-    if declared.held_by == "world":
+    if declared.held_by.what == "world":
         return stored(values, declared.type, agents)
     return [stored(value, declared.type, agents) for value in values]
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body
@@ -99,7 +100,7 @@ class Writes:
     shifts: list[Shifting] = field(default_factory=list)
     removes: set[Body] = field(default_factory=set)
     movers: dict[Body, int] | None = None
-    sort: str = ""
+    sort: ir.Sort = AGENTS
     courses: dict[Body, int | None] = field(default_factory=dict)
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
@@ -142,14 +143,14 @@ def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
         return None
     owner = evaluate(target.owner, here)
     assert owner is not None, f"`{target.name}` of nobody is written"
-    if target.held_by == "agent":
+    if target.held_by.what == "agent":
         return "agent", owner
     if isinstance(owner, Mover):
         return owner.sort, owner.number
     return here.board.kind_of[owner], here.board.number[owner]
 
 
-def _spread(slot: Slot, value: Value, levels: tuple[tuple[str, ...], ...]) -> list[tuple[Slot, Value]]:
+def _spread(slot: Slot, value: Value, levels: tuple[ir.Level, ...]) -> list[tuple[Slot, Value]]:
     if not levels:
         return [(slot, value)]
     values = value if isinstance(value, tuple) and not isinstance(value, Cell) else (value,) * len(levels[0])

@@ -8,7 +8,7 @@ from jax import Array
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, shape_named
+from sjdsl.compiler.ir.queries import blocks_always, body_sorts, kinds_by_glyph, shape_named
 from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
 from sjdsl.policies.poses import visible_from
@@ -115,7 +115,7 @@ class Chooser:
     def _movers(self, state: Any) -> list[Array]:
         """Returns where the movers of each sort are, `row * width + column` of the map, -1 for those that are away."""
         cols, width = self._shape[1] + 2 * self._pad, self._shape[1]
-        positions = [getattr(state, attribute_of("position", sort.name)) for sort in self._game.movers]
+        positions = [getattr(state, attribute_of("position", sort.sort)) for sort in self._game.movers]
         return [jnp.where(at == 0, -1, (at // cols - self._pad) * width + at % cols - self._pad) for at in positions]
 
     def _walk(
@@ -179,7 +179,7 @@ class Chooser:
             return state
         (_, cols), own = module.FRAME, module.PAD
         moved = {}
-        for sort in ("", *(movers.name for movers in self._game.movers)):
+        for sort in body_sorts(self._game):
             at = getattr(state, attribute_of("position", sort))
             row, col = at // cols - own + self._pad, at % cols - own + self._pad
             moved[attribute_of("position", sort)] = jnp.where(at == 0, 0, row * (self._shape[1] + 2 * self._pad) + col)

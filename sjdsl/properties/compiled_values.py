@@ -9,9 +9,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.names import identifier
-from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.lower import new_module, state_reads
 from sjdsl.compiler.lower.axes import TRUE, as_dtype, iota, spread
 from sjdsl.compiler.lower.domains import enter

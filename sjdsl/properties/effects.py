@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, mover_sort, written_field
+from sjdsl.compiler.ir.queries import all_fields, body_sort, written_field
 
 Part = tuple[str, ...]  # ("agent", field), ("cell", kind, field), ("mover", sort, field), ("world", field), or one of those below
 PLACE, HEADING, MOVED, AWAY, STEP = ("place",), ("heading",), ("moved",), ("away",), ("step",)  # places of agents and movers alike
@@ -11,7 +11,7 @@ PLACE, HEADING, MOVED, AWAY, STEP = ("place",), ("heading",), ("moved",), ("away
 
 def is_untouched(e: ir.Expr, game: ir.Game, sent_away: bool = False) -> bool:
     """Returns whether no rule writes anything that the expression reads. `sent_away`: a `send` that takes no time here takes some elsewhere."""
-    away = {part_of("away", mover_sort(n.who)) for n in ir.walk(game) if isinstance(n, ir.Send)} if sent_away else set()
+    away = {part_of("away", body_sort(n.who)) for n in ir.walk(game) if isinstance(n, ir.Send)} if sent_away else set()
     return not reads_and_blocks(e, game) & {*writes(game), *away}
 
 
@@ -35,21 +35,21 @@ def reads(node: ir.Node) -> Iterator[Part]:
             case ir.FieldRead():
                 yield from _field(n)
             case ir.Attribute(name="heading" | "moved" | "away"):
-                yield part_of(n.name, mover_sort(n.owner))
-            case ir.Attribute(name="row" | "col", owner=owner) if not (isinstance(owner, ir.Member) and owner.who == "cell"):
+                yield part_of(n.name, body_sort(n.owner))
+            case ir.Attribute(name="row" | "col", owner=owner) if not (isinstance(owner, ir.Member) and owner.sort.what == "cell"):
                 yield PLACE
-            case ir.Distance() if any(isinstance(place, ir.Member) and place.who != "cell" for place in (n.left, n.right)):
+            case ir.Distance() if any(isinstance(place, ir.Member) and place.sort.what != "cell" for place in (n.left, n.right)):
                 yield PLACE
             case ir.Step():
                 yield STEP
             case ir.EventTotal():
                 yield ("event", n.name)
             case ir.Near():
-                yield from (PLACE, part_of("heading", mover_sort(n.anchor)))
+                yield from (PLACE, part_of("heading", body_sort(n.anchor)))
             case ir.Unoccupied() | ir.StandsOn():
                 yield from (PLACE, HEADING)
-            case ir.Domain(var=ir.Member(who="agent" | "mover")):
-                yield part_of("away", mover_sort(n.var))
+            case ir.Domain(var=ir.Member(sort=ir.Sort(what="agent" | "mover"))):
+                yield part_of("away", body_sort(n.var))
                 if n.on is not None:
                     yield PLACE
             case ir.Wander():
@@ -62,7 +62,7 @@ def writes(game: ir.Game) -> Iterator[Part]:
     """Yields what the schedule can write. Agents can be away only if a `send` takes time or an agent is removed."""
     yield STEP
     if any(isinstance(turn, ir.Tick) for turn in game.schedule):
-        yield from (field_part(f.held_by, f.kind, f.name) for f in all_fields(game) if f.timer)
+        yield from (field_part(f.held_by.what, f.held_by.name, f.name) for f in all_fields(game) if f.timer)
     for n in (node for turn in game.schedule for node in ir.walk(turn)):
         yield from written_by(n)
 
@@ -75,22 +75,22 @@ def written_by(n: ir.Node) -> Iterator[Part]:
         case ir.Tally():
             yield ("event", n.event)
         case ir.Move():
-            sort = mover_sort(n.domain.var)
+            sort = body_sort(n.domain.var)
             yield from (PLACE, part_of("heading", sort), part_of("moved", sort))
         case ir.Send():
-            yield from (PLACE, part_of("heading", mover_sort(n.who)))
+            yield from (PLACE, part_of("heading", body_sort(n.who)))
             if n.after is not None and n.after.type.high > 0:
-                yield part_of("away", mover_sort(n.who))
+                yield part_of("away", body_sort(n.who))
         case ir.Shift():
-            yield from (PLACE, part_of("heading", mover_sort(n.who)))
+            yield from (PLACE, part_of("heading", body_sort(n.who)))
         case ir.Remove():
-            yield from (PLACE, part_of("away", mover_sort(n.who)))
+            yield from (PLACE, part_of("away", body_sort(n.who)))
         case _:
             pass
 
 
 def _field(read: ir.FieldRead) -> Iterator[Part]:
-    yield from (field_part(read.held_by, kind, read.name) for kind in read.kinds or ("",))
+    yield from (field_part(read.held_by.what, name, read.name) for name in read.held_by.names or (read.held_by.name,))
 
 
 def field_part(place: str, kind: str, name: str) -> Part:
@@ -98,6 +98,6 @@ def field_part(place: str, kind: str, name: str) -> Part:
     return (place, kind, name) if place in ("cell", "mover") else (place, name)
 
 
-def part_of(attribute: str, sort: str) -> Part:
+def part_of(attribute: str, sort: ir.Sort) -> Part:
     """Returns the heading of agents, whether they moved or are away, or the same of movers of a sort; a mover's heading is its field."""
-    return ("mover", sort, attribute) if sort else (attribute,)
+    return ("mover", sort.name, attribute) if sort.what == "mover" else (attribute,)

@@ -163,7 +163,7 @@ def _is_finite(tree: Any) -> Array:
 
 def _read_totals(names: Mapping[Total, str], totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:
     """Returns what the expressions call the totals; the total of an event by words, if no word is given, is the sum over its words."""
-    words = {e.name: e.by for e in game.events}
+    words = {e.name: () if e.by is None else e.by.keys for e in game.events}
     found = {}
     for (event, word), attribute in names.items():
         every = (word,) if word else words[event] or (None,)

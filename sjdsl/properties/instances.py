@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 from sjdsl.agent_range import agent_range, number_of_agents
 from sjdsl.compiler import Build, ast, build_composition, ir
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.queries import blocks_always, glyphs_of, kinds_by_glyph, mover_sort, movers_named, phases_of
+from sjdsl.compiler.ir.queries import blocks_always, body_sort, glyphs_of, kinds_by_glyph, movers_named, phases_of
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -134,14 +134,14 @@ class GameFamily:
         return tuple(glyph for glyph in self.glyphs if kind_of[glyph] not in closed)
 
     @cached_property
-    def destinations(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """Whom a `send` places, a sort of movers or agents (no name), and the glyphs of cells that are free for it at the start."""
+    def destinations(self) -> tuple[tuple[ir.Sort, tuple[str, ...]], ...]:
+        """Whom a `send` places, its sort, and the glyphs of cells that are free for it at the start."""
         sends = (node for phase in phases_of(self.own) for node in ir.walk(phase) if isinstance(node, ir.Send))
-        return tuple(dict.fromkeys((mover_sort(send.who), self._free_glyphs(send.domain)) for send in sends))
+        return tuple(dict.fromkeys((body_sort(send.who), self._free_glyphs(send.domain)) for send in sends))
 
-    def needed(self, sort: str, agents: int) -> int:
-        """Returns how many cells whoever is placed needs: each mover of a sort one, or each agent (no name)."""
-        return movers_named(self.own, sort).number if sort else agents
+    def needed(self, sort: ir.Sort, agents: int) -> int:
+        """Returns how many cells whoever is placed needs: each mover of a sort, or each agent, one."""
+        return movers_named(self.own, sort.name).number if sort.what == "mover" else agents
 
     def _free_glyphs(self, domain: ir.Domain) -> tuple[str, ...]:
         game = self.own

@@ -73,7 +73,7 @@ def _is_fixed(e: ir.Node) -> bool:
     """Returns whether an expression has one value throughout an episode."""
     if isinstance(e, ir.Count):
         d = e.domain
-        return d.var.who == "cell" and d.restriction is None and d.where is None
+        return d.var.sort.what == "cell" and d.restriction is None and d.where is None
     return isinstance(e, COMPUTED) and all(_is_fixed(child) for child in ir.children(e))
 
 

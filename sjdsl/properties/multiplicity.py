@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.members import most_members
+from sjdsl.compiler.ir.queries import most_members
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.members import everybody
 
@@ -29,7 +29,7 @@ def most_of_each(quantifiers: Sequence[Quantifier], board: Board) -> dict[str, i
                 found[domain.var.name] = min(lanes, most_members(domain, board.game))
             case ir.Match(left=left, right=right):
                 pairs = min(most_members(left, board.game), most_members(right, board.game))
-                alike = left.var.who == right.var.who != "cell" and left.var.kinds == right.var.kinds
+                alike = left.var.sort == right.var.sort and left.var.sort.what != "cell"
                 found[left.var.name] = min(pairs, everybody(left, board) // 2) if alike else pairs
                 found[right.var.name] = 1
             case _:

@@ -7,7 +7,7 @@ from itertools import product
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import action_named, all_fields, contains, written_field
+from sjdsl.compiler.ir.queries import action_named, all_fields, body_sorts, contains, written_field
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import board_of, cells_of
 from sjdsl.interpreter.bodies import where_is
@@ -243,8 +243,10 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr], game: ir.G
     conditions += [gathered for _, gathered in gathers]
     actions: dict[str, tuple[int, ...]] = {}
     on: dict[str, tuple[str, ...]] = {d.var.name: d.on.kinds for d in domains if d.on is not None}
-    cells = {d.var.name: d.var.kinds for d in domains if d.var.who == "cell"} | {d.on.name: d.on.kinds for d in domains if d.on is not None}
-    movers = {d.var.name: d.var.kinds[0] for d in domains if d.var.who == "mover"}
+    cells = {d.var.name: d.var.kinds for d in domains if d.var.sort.what == "cell"} | {
+        d.on.name: d.on.kinds for d in domains if d.on is not None
+    }
+    movers = {d.var.name: d.var.sort.name for d in domains if d.var.sort.what == "mover"}
     tests = []
     for e in conditions:
         match e:
@@ -262,15 +264,15 @@ def _precondition(leaf: LeafStatement, gathering: dict[int, ir.Expr], game: ir.G
     reaches = [
         (d.restriction.anchor.name, d.restriction.shape, d.var.name)
         for d in domains
-        if isinstance(d.restriction, ir.Near) and d.restriction.anchor.who == "agent"
+        if isinstance(d.restriction, ir.Near) and d.restriction.anchor.sort.what == "agent"
     ]
     reaches += [
         (d.var.name, d.restriction.shape, d.restriction.anchor.name)
         for d in domains
-        if isinstance(d.restriction, ir.Near) and d.var.who == "agent" and d.restriction.anchor.who == "mover"
+        if isinstance(d.restriction, ir.Near) and d.var.sort.what == "agent" and d.restriction.anchor.sort.what == "mover"
         if d.restriction.shape not in directed
     ]
-    agents = tuple(dict.fromkeys(d.var.name for d in domains if d.var.who == "agent"))
+    agents = tuple(dict.fromkeys(d.var.name for d in domains if d.var.sort.what == "agent"))
     joins = leaf.statement.value.name if isinstance(leaf.statement, ir.Add) and isinstance(leaf.statement.value, ir.Member) else None
     return Precondition(
         leaf.statement_id,
@@ -313,8 +315,8 @@ def _owner(statement: ir.Stmt) -> str | None:
 
 def is_timed(test: ir.Expr, game: ir.Game) -> bool:
     """Returns whether a condition may come to hold by waiting: it reads a timer, who is away, or the number of the step."""
-    timers = {field_part(f.held_by, f.kind, f.name) for f in all_fields(game) if f.timer}
-    away = {part_of("away", sort) for sort in ("", *(movers.name for movers in game.movers))}
+    timers = {field_part(f.held_by.what, f.held_by.name, f.name) for f in all_fields(game) if f.timer}
+    away = {part_of("away", sort) for sort in body_sorts(game)}
     return bool(set(reads(test)) & (timers | away | {STEP}))
 
 

@@ -5,8 +5,8 @@ from math import prod
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.node import Node
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import Composition
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.types import INTEGER_UNITS
 from sjdsl.properties.instances import GameFamily
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.state import Away, Cell, Herd, Value, World, default_params
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.states import FACINGS, pool_numbers
@@ -14,7 +15,7 @@ from sjdsl.testing.states import FACINGS, pool_numbers
 def world_of(env: Environment, state: Any) -> World:
     """Returns a compiled state, without its marks, as a world of the interpreter with the parameters of the file."""
     game = env.game
-    agents = _herd("", (), env, state)
+    agents = _herd(AGENTS, (), env, state)
     return World(
         step=int(state.step),
         cells={(k.name, f.name): _many(state, f) for k in game.kinds for f in k.fields},
@@ -26,11 +27,11 @@ def world_of(env: Environment, state: Any) -> World:
         away=agents.away,
         marks=[],
         params=default_params(game),
-        movers={sort.name: _herd(sort.name, sort.fields, env, state) for sort in game.movers},
+        movers={sort.name: _herd(sort.sort, sort.fields, env, state) for sort in game.movers},
     )
 
 
-def _herd(sort: str, fields: tuple[ir.VarField, ...], env: Environment, state: Any) -> Herd:
+def _herd(sort: ir.Sort, fields: tuple[ir.VarField, ...], env: Environment, state: Any) -> Herd:
     """Returns where the agents, or the movers of a sort, are."""
     (_, cols), pad = env.module.FRAME, env.module.PAD
     at = np.asarray(getattr(state, attribute_of("position", sort))).tolist()
@@ -68,7 +69,7 @@ def _held(stored: np.ndarray, type_: ir.Type) -> Value:
             return int(stored)
 
 
-def _away(env: Environment, state: Any, sort: str, many: int) -> list[Away]:
+def _away(env: Environment, state: Any, sort: ir.Sort, many: int) -> list[Away]:
     names = [attribute_of(name, sort) for name in ("away", "away_pool", "away_facing")]
     if not hasattr(state, names[0]):
         return [Away(0, None, None)] * many

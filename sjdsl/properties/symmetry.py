@@ -12,10 +12,10 @@ from math import inf
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.queries import mover_sort, movers_named
-from sjdsl.compiler.ir.sorts import Level, sort_of
-from sjdsl.compiler.ir.traverse import rewrite
+from sjdsl.compiler.ir.queries import body_sort, movers_named
+from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import integer, words
 from sjdsl.interpreter.evaluation_parts import arguments_of
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
@@ -47,7 +47,7 @@ def _reordered(value: Any, by: Sequence[Level], order: Sequence[int]) -> Any:
     if not by:
         return value
     entries = [_reordered(entry, by[1:], order) for entry in value]
-    return tuple(entries[i] for i in order) if sort_of(by[0]) == "agent" else tuple(entries)
+    return tuple(entries[i] for i in order) if by[0].sort == "agent" else tuple(entries)
 
 
 def transformed_games(check: ir.Check, game: ir.Game) -> list[TransformedGame]:
@@ -55,7 +55,7 @@ def transformed_games(check: ir.Check, game: ir.Game) -> list[TransformedGame]:
     (what,) = check.words
     if what == "mirror":
         return list(_mirrored(game))
-    return list(_renumbered(game) if what == "agents" else _renumbered_movers(game, what))
+    return list(_renumbered(game) if what == "agents" else _renumbered_movers(game, movers_named(game, what)))
 
 
 def one_sided_action(check: ir.Check, game: ir.Game) -> str:
@@ -74,7 +74,7 @@ def tells_apart(check: ir.Check, game: ir.Game) -> bool:
     if what in ("agents", "mirror"):
         reads = what == "agents" and any(_reads_number(n) for n in _nodes(game))
         return reads or bool(transformed_games(check, game))
-    return any(_reads_number(n, what) for n in _nodes(game))
+    return any(_reads_number(n, _sort_of(what)) for n in _nodes(game))
 
 
 def names_agents(game: ir.Game) -> bool:
@@ -89,8 +89,8 @@ def why_symmetric(check: ir.Check, game: ir.Game) -> str:
         said, (mirrored, same) = "tells left from right", ([rewrite(game.start, rule) for rule in (_mirroring(game), lambda node: node)])
         told: list[ir.Node] = [game.start] if mirrored != same else []
     else:
-        sort = "" if what == "agents" else what
-        said = f"reads the number of a `{sort}`" if sort else "reads an agent's number"
+        sort = _sort_of(what)
+        said = "reads an agent's number" if sort == AGENTS else f"reads the number of a `{sort.name}`"
         told = [n for n in ir.walk(game.start) if _reads_number(n, sort)]
     start = f"; `phase start` does, in line {_line(told[0], game.start)}, and is not part of this" if told else ""
     return f"no rule of a step {said}{start}"
@@ -98,9 +98,14 @@ def why_symmetric(check: ir.Check, game: ir.Game) -> str:
 
 def order_of_sending(check: ir.Check, game: ir.Game) -> tuple[list[ir.Send], list[ir.Send]]:
     """Returns where it matters that lower numbers are sent first: where the cells that fit differ from one to another, and if cells run out."""
-    sort = "" if check.words[0] == "agents" else check.words[0]
-    sends = [n for n in _nodes(game) if isinstance(n, ir.Send) and sort != "mirror" and mover_sort(n.who) == sort]
+    what = check.words[0]
+    sends = [n for n in _nodes(game) if isinstance(n, ir.Send) and what != "mirror" and body_sort(n.who) == _sort_of(what)]
     return [n for n in sends if variables_around(n.domain)], [n for n in sends if n.stay]
+
+
+def _sort_of(what: str) -> ir.Sort:
+    """Returns the sort that `symmetric agents` or `symmetric deer` speaks of."""
+    return AGENTS if what == "agents" else ir.Sort("mover", (what,))
 
 
 def _line(node: ir.Node, around: ir.Node) -> int:
@@ -129,7 +134,7 @@ def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
     tables = any(_reads_table_by_agent(n) for n in _nodes(game))
     if not tables and not names_agents(game) and not any(_reads_number(n) for n in _nodes(game)):
         return
-    own, drawn = _of_rules(game, lambda node: node), _drawn_numbers(game, "", game.agents.number)
+    own, drawn = _of_rules(game, lambda node: node), _drawn_numbers(game, AGENTS, game.agents.number)
     for first in range(game.agents.number - 1):
         order = list(range(game.agents.number))
         order[first : first + 2] = [first + 1, first]
@@ -142,7 +147,7 @@ def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
                     return node.model_copy(update={"value": value.model_copy(update={"value": new, "type": integer(new, new, "number")})})
                 case ir.Forbid() if {actions[a] for a in node.actions} != set(node.actions):
                     return node.model_copy(update={"actions": tuple(sorted(actions[a] for a in node.actions))})
-                case ir.Attribute(name="index") if not mover_sort(node.owner):
+                case ir.Attribute(name="index") if body_sort(node.owner) == AGENTS:
                     return _numbered(node, order)
                 case ir.Local(name=name) if name in drawn:
                     return _numbered(node, order)
@@ -154,7 +159,7 @@ def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
             yield TransformedGame(changed, f"if agents {first} and {first + 1} swapped numbers", tuple(order) if tables else ())
 
 
-def _drawn_numbers(game: ir.Game, sort: str, many: int) -> set[str]:
+def _drawn_numbers(game: ir.Game, sort: ir.Sort, many: int) -> set[str]:
     """Returns the variables that are compared with numbers of agents (or movers) and are each of these with equal chance: in any order they are."""
     draws = [n for n in _nodes(game) if isinstance(n, ir.Draw)]
     every = [n.name for n in draws if _ends(n)[0] <= 0 and _ends(n)[1] >= many - 1]
@@ -172,9 +177,9 @@ def _ends(draw: ir.Draw) -> tuple[float, float]:
             return inf, -inf
 
 
-def _renumbered_movers(game: ir.Game, sort: str) -> Iterator[TransformedGame]:
+def _renumbered_movers(game: ir.Game, movers: ir.Movers) -> Iterator[TransformedGame]:
     """Yields the game with two neighbouring numbers of movers of a sort swapped."""
-    own, number = _of_rules(game, lambda node: node), movers_named(game, sort).number
+    own, sort, number = _of_rules(game, lambda node: node), movers.sort, movers.number
     drawn = _drawn_numbers(game, sort, number)
     for first in range(number - 1):
         order = [*range(first), first + 1, first, *range(first + 2, number)]
@@ -185,7 +190,7 @@ def _renumbered_movers(game: ir.Game, sort: str) -> Iterator[TransformedGame]:
 
         changed = _of_rules(game, rule)
         if changed != own:
-            yield TransformedGame(changed, f"if {sort} {first} and {first + 1} swapped numbers")
+            yield TransformedGame(changed, f"if {sort.name} {first} and {first + 1} swapped numbers")
 
 
 def _may_name_agents(node: ir.Node) -> bool:
@@ -205,15 +210,15 @@ def _renumbered_actions(game: ir.Game, order: Sequence[int]) -> dict[int, int]:
     return found
 
 
-def _reads_number(node: ir.Node, sort: str = "") -> bool:
+def _reads_number(node: ir.Node, sort: ir.Sort = AGENTS) -> bool:
     """Returns whether a value depends on the number of an agent: `index`, or a table by agent; or on that of a mover of a sort."""
     if isinstance(node, ir.Attribute):
-        return node.name == "index" and mover_sort(node.owner) == sort
-    return not sort and _reads_table_by_agent(node)
+        return node.name == "index" and body_sort(node.owner) == sort
+    return sort == AGENTS and _reads_table_by_agent(node)
 
 
 def _reads_table_by_agent(node: ir.Node) -> bool:
-    return isinstance(node, ir.ParamRef) and any(sort_of(level) == "agent" for level in node.type.by)
+    return isinstance(node, ir.ParamRef) and any(level.sort == "agent" for level in node.type.by)
 
 
 def _numbered(node: ir.Attribute | ir.Local, order: Sequence[int]) -> ir.Case:
@@ -246,7 +251,7 @@ def _mirroring(game: ir.Game) -> Callable[[Any], Any]:
             case ir.Attribute(name="col"):
                 last = ir.Number(type=node.type, value=width - 1)
                 return ir.Arithmetic(type=node.type, fn="-", args=(last, node), origin=node.origin)
-            case ir.Attribute(name="heading") | ir.FieldRead(held_by="mover", name="heading"):
+            case ir.Attribute(name="heading") | ir.FieldRead(held_by=ir.Sort("mover"), name="heading"):
                 return mirrored_heading(node)
             case ir.Set(target=ir.Case(subject=heading)):  # of a mover: that it is written is no reading of it
                 return node.model_copy(update={"target": heading, "value": mirrored_heading(node.value)})

@@ -7,7 +7,6 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
-from sjdsl.compiler.ir.sorts import place_of
 
 
 def holds(condition: ir.Expr, fields: Mapping[str, np.ndarray], count: int) -> np.ndarray:
@@ -35,7 +34,7 @@ def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
         case ir.FieldRead():
             return np.asarray(e.type.words)[fields[e.name]] if e.type.kind == "word" else fields[e.name]
         case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
-            return _value(e.row, fields)[:, place_of(e.row.type.by[0], key)]  # type: ignore[arg-type]
+            return _value(e.row, fields)[:, e.row.type.by[0].place_of(key)]  # type: ignore[arg-type]
         case ir.SumRow():
             return getattr(np, REDUCTIONS[e.fn].array)(_value(e.row, fields), axis=1)
         case ir.Compare():

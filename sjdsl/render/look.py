@@ -10,7 +10,6 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, written_field
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import fields_read, holds
@@ -230,7 +229,7 @@ def _is_carried(field: ir.VarField) -> bool:
 
     Timers say what it may do, not what it has; rows by agent or by numbers have no words to be pictures of.
     """
-    if field.timer or any(sort_of(level) != "word" for level in field.type.by):
+    if field.timer or any(level.sort != "word" for level in field.type.by):
         return False
     return field.type.kind in ("int", "real") or (field.type.kind == "word" and not field.type.by)
 
@@ -248,16 +247,16 @@ def _carried(field: ir.VarField, shapes: int, prefix: str) -> FieldLook:
     if field.type.kind == "word":
         start = field.type.words.index(str(field.start))
         return FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=usual_words(field, False, shapes), start=start)
-    words = field.type.by[0] if field.type.by else (field.name,)
-    row = ir.VarField(name=field.name, held_by="agent", type=ir.Type(kind="word", words=("nothing", *words)))
+    words = field.type.by[0].names if field.type.by else (field.name,)
+    row = ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=ir.Type(kind="word", words=("nothing", *words)))
     pictures = usual_words(row, False, shapes)[1:]
-    return FieldLook(field.name, attribute, "shape", "number", field.type.by[0] if field.type.by else (), pictures=pictures)
+    return FieldLook(field.name, attribute, "shape", "number", field.type.by[0].names if field.type.by else (), pictures=pictures)
 
 
 def _is_written(name: str, kind: str, game: ir.Game) -> bool:
     """Returns whether some rule sets the field; one that no rule sets is part of the landscape."""
     written = (written_field(node.target) for node in ir.walk(game) if isinstance(node, ir.Set | ir.Add))
-    return any(field.name == name and kind in field.kinds for field in written)
+    return any(field.name == name and kind in field.held_by.names for field in written)
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:
@@ -270,4 +269,4 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
 
 def _changes(name: str, game: ir.Game) -> bool:
     written = (written_field(node.target) for turn in game.schedule for node in ir.walk(turn) if isinstance(node, ir.Set | ir.Add))
-    return any((field.held_by, field.name) == ("agent", name) for field in written)
+    return any((field.held_by.what, field.name) == ("agent", name) for field in written)

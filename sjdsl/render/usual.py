@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, written_field
+from sjdsl.compiler.ir.queries import blocks_always, can_be, kinds_by_glyph, written_field
 from sjdsl.render.colours import ALIKE, INK, INKS, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
 from sjdsl.render.sprites import SHAPES
 
@@ -116,7 +116,7 @@ def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> I
     """Yields the statements that write a field, each with the statements around it."""
     if isinstance(node, ir.Set | ir.Add):
         target = written_field(node.target)
-        if (target.held_by, target.name) == (field.held_by, field.name) and (not field.kind or field.kind in target.kinds):
+        if can_be(target, field):
             yield node, around
         return
     for child in ir.children(node):

@@ -7,9 +7,9 @@ from importlib.resources import files
 from pathlib import Path, PurePosixPath
 
 from sjdsl.compiler import ast
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
 from sjdsl.version import HOMEPAGE, __version__

@@ -12,7 +12,7 @@ from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.state import Away, Cell, Value, World
 from sjdsl.interpreter.stored import held_values
 
-FieldId = tuple[str, str, str]  # whose field it is, of which kind or sort, its name
+FieldId = tuple[ir.Sort, str]  # whose field it is, its name
 
 
 def carried(old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value]) -> World | None:
@@ -46,17 +46,17 @@ def _all_away(world: World) -> Iterator[Away | None]:
 
 
 def _id(field: ir.VarField) -> FieldId:
-    return field.held_by, field.kind, field.name
+    return field.held_by, field.name
 
 
 def _put(field: ir.VarField, values: Any, world: World) -> None:
-    match field.held_by:
+    match field.held_by.what:
         case "cell":
-            world.cells[field.kind, field.name] = list(values)
+            world.cells[field.held_by.name, field.name] = list(values)
         case "agent":
             world.agents[field.name] = list(values)
         case "mover":
-            world.movers[field.kind].fields[field.name] = list(values)
+            world.movers[field.held_by.name].fields[field.name] = list(values)
         case _:
             world.fields[field.name] = values
 

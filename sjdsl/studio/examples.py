@@ -5,9 +5,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from sjdsl.compiler import ast
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.game_packages import GamePackage, offered
 from sjdsl.games_folder import games_folder

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level, entry_name
+from sjdsl.compiler.ir.sorts import Level
 
 INFINITE = 1e9  # a limit beyond it is none
 MOST = 400  # entries of one table that are shown
@@ -37,9 +37,9 @@ def _entries(value: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[
     if not by:
         yield [[], value if is_word else float(value)]
         return
-    for entry, inner in zip(by[0], value, strict=True):
+    for key, inner in zip(by[0].keys, value, strict=True):
         for names, found in _entries(inner, by[1:], is_word):
-            yield [[entry_name(entry), *names], found]
+            yield [[key, *names], found]
 
 
 def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, given: Any) -> Any:
@@ -51,10 +51,10 @@ def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, given: Any
 def _filled(now: Any, by: tuple[Level, ...], given: Any) -> Any:
     if not by or not isinstance(given, Mapping):
         return given
-    before = {str(entry_name(entry)): value for entry, value in zip(by[0], now, strict=True)}
+    before = dict(zip(by[0].keys, now, strict=True))
     inner = {key: _filled(before[key], by[1:], value) if key in before else value for key, value in given.items()}
     return {key: _plain(value, by[1:]) for key, value in before.items()} | inner
 
 
 def _plain(value: Any, by: tuple[Level, ...]) -> Any:
-    return {str(entry_name(entry)): _plain(inner, by[1:]) for entry, inner in zip(by[0], value, strict=True)} if by else value
+    return {key: _plain(inner, by[1:]) for key, inner in zip(by[0].keys, value, strict=True)} if by else value

@@ -27,7 +27,7 @@ def state_differences(env: Environment, state: Any, world: World, seen: Any, all
     if allowed is not None:
         pairs.append(("allowed actions", np.asarray(allowed).tolist(), action_mask(game, world)))
     for sort, herd in herds(world).items():
-        of, at = f" of {sort}" if sort else "", np.asarray(getattr(state, attribute_of("position", sort))).tolist()
+        of, at = f" of {sort.name}" if sort.what == "mover" else "", np.asarray(getattr(state, attribute_of("position", sort))).tolist()
         places = [(p // cols - pad, p % cols - pad) if p else None for p in at]
         pairs.insert(0, (f"places{of}", places, [None if p is None else tuple(p) for p in herd.position]))
         for name, theirs in (("moved", herd.moved), ("away", [a.ticks if a else 0 for a in herd.away])):

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name, entry_named
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.stored import held_values
@@ -48,10 +47,9 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
         raise ValueError(f"`{text}`: `{name}` has {len(by)} indices" if by else f"`{text}`: `{name}` is one value, without an index")
     places = []
     for key, level in zip(keys, by, strict=False):
-        place = entry_named(level, key)
-        if place is None:
-            raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, list(map(entry_name, level)))}")
-        places.append(place)
+        if key not in level.keys:
+            raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, level.keys)}")
+        places.append(level.keys.index(key))
     return FieldPath(text, declared, tuple(places))
 
 
@@ -79,13 +77,13 @@ def _replaced(value: Any, keys: tuple[int, ...], entry: Any) -> Any:
 
 def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
     """Returns what the values of a field belong to: numbers of agents or movers, (row, column) of cells; None for the world."""
-    match path.declared.held_by:
+    match path.declared.held_by.what:
         case "agent":
             return list(range(board.agents))
         case "mover":
-            return list(range(next(sort.number for sort in board.game.movers if sort.name == path.declared.kind)))
+            return list(range(next(sort.number for sort in board.game.movers if sort.name == path.declared.held_by.name)))
         case "cell":
-            return [tuple(cell) for cell in board.cells[path.declared.kind]]
+            return [tuple(cell) for cell in board.cells[path.declared.held_by.name]]
         case _:
             return None
 
@@ -93,7 +91,7 @@ def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
 def read_field(path: FieldPath, world: World) -> Any:
     """Returns the values of a field as written: a list over agents or cells, or the world's one value."""
     values = held_values(path.declared, world)
-    if path.declared.held_by == "world":
+    if path.declared.held_by.what == "world":
         return written(_entry(values, path.keys), path.entry_type)
     return [written(_entry(value, path.keys), path.entry_type) for value in values]
 

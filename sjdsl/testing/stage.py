@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.compiler import Build
+from sjdsl.compiler.ir.sorts import Sort
 from sjdsl.factory import build_game, environment_of
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Cell
@@ -138,7 +139,7 @@ class Stage:
             herd.position, herd.moved, herd.fields["heading"] = cells, [False] * len(cells), ["north"] * len(cells)
             herd.away = [None] * len(cells)
             for number, told in away_here.items():
-                herd.away[number] = make_away(game, number, *_ticks_and_phase(told), sort)
+                herd.away[number] = make_away(game, number, *_ticks_and_phase(told), Sort("mover", (sort,)))
         for path, given in (fields or {}).items():
             write_field(find_field(game, path), given, board, world)
         world.step, world.marks = step, []

@@ -6,7 +6,8 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
-from sjdsl.compiler.ir.queries import all_fields, contains, mover_sort, phases_of
+from sjdsl.compiler.ir.queries import all_fields, body_sort, contains, phases_of
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Away, Facing, Pool, World
@@ -57,7 +58,7 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
     return numbers
 
 
-def away_pools(game: ir.Game, sort: str = "") -> dict[Pool, ir.Send]:
+def away_pools(game: ir.Game, sort: ir.Sort = AGENTS) -> dict[Pool, ir.Send]:
     """Returns the destinations that agents, or movers of a sort, can be away before, each with a statement that sends there."""
     known = pool_numbers(game)
     found: dict[Pool, ir.Send] = {}
@@ -66,16 +67,16 @@ def away_pools(game: ir.Game, sort: str = "") -> dict[Pool, ir.Send]:
             if (
                 isinstance(node, ir.Send)
                 and node.after is not None
-                and mover_sort(node.who) == sort
+                and body_sort(node.who) == sort
                 and Pool(phase.name, node.pool) in known
             ):
                 found.setdefault(Pool(phase.name, node.pool), node)
     return found
 
 
-def make_away(game: ir.Game, number: int, ticks: int, phase: str | None, sort: str = "") -> Away:
+def make_away(game: ir.Game, number: int, ticks: int, phase: str | None, sort: ir.Sort = AGENTS) -> Away:
     """Returns how an agent, or a mover of a sort, is away: for good (0 ticks), or sent by the phase of that name, or by the only one."""
-    who = f"{sort or 'agent'} {number}"
+    who = f"{sort.name} {number}"
     if ticks == 0:
         if not contains(game, ir.Remove):
             raise ValueError(f"{who}: nobody is removed for good in this game, so give the ticks until it returns")

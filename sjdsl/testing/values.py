@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.interpreter.state import Cell
 from sjdsl.near_names import meant
 
@@ -27,7 +26,7 @@ def held(name: str, written: Any, type_: ir.Type, agents: int, before: Any = Non
     """
     if not type_.by:
         return _held(name, written, type_, agents)
-    keys, inner = tuple(map(_key, type_.by[0])), type_.model_copy(update={"by": type_.by[1:]})
+    keys, inner = _keys(type_.by[0]), type_.model_copy(update={"by": type_.by[1:]})
     if not isinstance(written, Mapping):
         raise ValueError(f"`{name}` has an entry for each of {', '.join(map(str, keys))}: write `{name}[{keys[0]}]`, or a mapping by entry")
     for key in written:
@@ -37,10 +36,9 @@ def held(name: str, written: Any, type_: ir.Type, agents: int, before: Any = Non
     return tuple(held(f"{name}[{k}]", written[k], inner, agents, b) if k in written else b for k, b in entries)
 
 
-def _key(entry: str) -> str | int:
-    """Returns what an entry stands under where it is written: its word, its number, or the number of its agent."""
-    name = entry_name(entry)
-    return int(name) if name.lstrip("-").isdigit() else name
+def _keys(level: ir.Level) -> tuple[str, ...] | tuple[int, ...]:
+    """Returns what entries stand under where they are written: their words, their numbers, or the numbers of their agents."""
+    return level.names if level.sort == "word" else tuple(map(int, level.keys))
 
 
 def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
@@ -82,7 +80,7 @@ def written(value: Any, type_: ir.Type) -> Any:
     """Returns a value of the interpreter as an author writes it."""
     if type_.by:
         inner = type_.model_copy(update={"by": type_.by[1:]})
-        return {_key(name): written(entry, inner) for name, entry in zip(type_.by[0], value, strict=True)}
+        return {key: written(entry, inner) for key, entry in zip(_keys(type_.by[0]), value, strict=True)}
     if type_.kind == "agents":
         return set(value)
     return float(value) if type_.kind == "real" else value

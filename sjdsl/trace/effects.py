@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, where_is
+from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, sort_of_body, where_is
 from sjdsl.interpreter.evaluate import cells_in, evaluate
 from sjdsl.interpreter.evaluation_parts import agents_in
 from sjdsl.interpreter.instance import Instance
@@ -89,16 +88,16 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
             yield Effect("field", place, declared.name + label, was, now, declared.type, by, lost=tuple(lost[slot]))
 
 
-def _entries(by: tuple[tuple[str, ...], ...], old: Value, new: Value) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
+def _entries(by: tuple[ir.Level, ...], old: Value, new: Value) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
     """Yields the entries of a field that differ: indices, `[word]` for each level, both values."""
     if old == new:
         return
     if not by:
         yield (), "", old, new
         return
-    for number, name in enumerate(by[0]):
+    for number, key in enumerate(by[0].keys):
         for entries, label, was, now in _entries(by[1:], old[number], new[number]):
-            yield (number, *entries), f"[{entry_name(name)}]{label}", was, now
+            yield (number, *entries), f"[{key}]{label}", was, now
 
 
 def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[Done]]]:
@@ -143,7 +142,7 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
         yield Done(board.pools[away.pool], {}, (), {})
     for done in account.done:
         match done.statement:
-            case ir.Move() if _sort_of(done.statement) == (body.sort if isinstance(body, Mover) else ""):
+            case ir.Move() if done.statement.domain.var.sort == sort_of_body(body):
                 yield done
             case ir.Send() if body in [sending.agent for sending in done.written.get("sends", ())]:
                 yield done
@@ -153,11 +152,6 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
                 yield done
             case _:
                 pass
-
-
-def _sort_of(move: ir.Move) -> str:
-    """Returns the sort of movers that a `move` is of, or nothing for the agents."""
-    return move.domain.var.kinds[0] if move.domain.var.who == "mover" else ""
 
 
 def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:

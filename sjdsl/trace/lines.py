@@ -29,7 +29,7 @@ class Teller:
 
 def make_teller(board: Board, rules: Rules, phases: Collection[str] = (), everything: bool = False) -> Teller:
     """Returns what is needed to tell of a game; variables that stand for agents are told from numbers by it."""
-    agents = frozenset(node.name for node in ir.walk(board.game) if isinstance(node, ir.Member) and node.who == "agent")
+    agents = frozenset(node.name for node in ir.walk(board.game) if isinstance(node, ir.Member) and node.sort.what == "agent")
     return Teller(board, rules, make_looks(board.game), phases, everything, agents)
 
 

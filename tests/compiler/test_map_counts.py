@@ -20,7 +20,8 @@ game counted "Counts of the map" {{
   group thing = tree, rock
   map {{ ".TtT" ".rt." }}
   agents 2 {{ acts stay }}
-  phase start {{ each agent {{ send agent to grass }} }}
+  movers deer 1 "D"
+  phase start {{ each agent {{ send agent to grass }} each deer {{ send deer to tree }} }}
   schedule rest
   phase rest {{ each agent on tree {{ set tree.fruit = none  set tree.owner = agent }} }}
   checks {{ require {test} }}
@@ -39,6 +40,7 @@ def game(test: str, rows: tuple[str, ...] | None = None) -> ir.Game:
         ("count(tree)", 4),
         ("count(thing)", 5),
         ("count(agent)", 2),
+        ("count(deer)", 1),
         ("count(tree where tree.fruit is ripe)", 2),
         ("count(tree as one where one.fruit is ripe or one.age in 4 .. 5)", 4),
         ("count(tree where tree.age * 2 > 4 and not (tree.fruit is ripe))", 2),

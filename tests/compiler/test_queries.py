@@ -17,12 +17,12 @@ BEAMS, ROWS, SENDING = map(game_of, ("beams", "rows", "sending"))
 
 
 def test_declarations_by_name() -> None:
-    assert [(f.held_by, f.kind, f.name) for f in queries.all_fields(BEAMS)] == [("cell", "ore", "left"), ("agent", "", "heard")]
+    assert [(f.held_by, f.name) for f in queries.all_fields(BEAMS)] == [(ir.Sort("cell", ("ore",)), "left"), (ir.Sort("agent"), "heard")]
     assert queries.kind_named(BEAMS, "ore").glyph == "o"
     assert queries.shape_named(BEAMS, "beam").directed
     assert queries.event_named(BEAMS, "missed").per_agent
     reads = [node for node in ir.walk(BEAMS) if isinstance(node, ir.FieldRead)]
-    assert {read.held_by for read in reads} == {"cell", "agent"}
+    assert {read.held_by.what for read in reads} == {"cell", "agent"}
     assert all(queries.declared_field(BEAMS, read).name == read.name for read in reads)
 
 

@@ -13,9 +13,9 @@ SILENT = {
     "Send": {"pool", "order_stream", "heading_stream"},  # a pool is the destination as written
     "Shift": {"heading_stream"},
     "Phase": {"name", "marks"},  # the label as an identifier; the shapes that its sentences mark
-    "FieldRead": {"held_by", "kinds"},  # follow from the owner
+    "FieldRead": {"held_by"},  # follow from the owner
     "Kind": {"glyph"},  # also the first of its glyphs
-    "VarField": {"held_by", "kind"},  # where it stands
+    "VarField": {"held_by"},  # where it stands
     "Game": {"variants"},  # their titles are not in the rules
     "Look": {"what", "name"},  # follow from what it is of
     "Narrowed": {"value"},
@@ -91,7 +91,7 @@ def _matters(path: Path, node: ir.Node, name: str, game: ir.Game) -> bool:
             return any(isinstance(n, ir.Move) for n in ir.walk(game))
         case ir.Phase(), "label":
             return path[-1][0] != "start"
-        case ir.Member(), "kinds" | "who":
+        case ir.Member(), "sort":
             return path[-1][0] in ("var", "on")  # elsewhere they follow from the name
         case ir.Hidden(), "on":
             return node.what == "marks"  # what else is hidden is where an agent stands
@@ -168,6 +168,13 @@ def _others(value: Any, annotation: Any, name: str, game: ir.Game) -> Iterator[A
             yield value + 1
         case str() if value:
             yield value + "x"
+        case ir.Sort():
+            yield from (other for other in (ir.Sort("agent"), ir.Sort("mover", ("calf",)), ir.Sort("cell", ("pond",))) if other != value)
+            yield from (ir.Sort(value.what, names) for names in _other_tuples(value.names) if names)
+        case ir.Level():
+            yield from (ir.Level(value.sort, names) for names in _other_tuples(value.names) if names)
+        case ir.Entry():
+            yield ir.Entry(ir.Level(value.level.sort, (*value.level.names, f"{value.name}x")), len(value.level))
         case ir.Node():
             if type(None) in get_args(annotation):
                 yield None

@@ -81,7 +81,10 @@ def test_lines_inside_lines() -> None:
 
 def test_numbers_and_tables() -> None:
     assert [number(x) for x in (1, 1.0, 0.25, 0.00008, 1e-12, -3.5)] == ["1", "1", "0.25", "0.00008", "1e-12", "-3.5"]
-    assert table_value(((1, 0), (2, 3.5)), (("raw", "cut"), ("raw", "cut"))) == "`raw`: (`raw`: 1, `cut`: 0), `cut`: (`raw`: 2, `cut`: 3.5)"
+    assert (
+        table_value(((1, 0), (2, 3.5)), (ir.Level("word", ("raw", "cut")),) * 2)
+        == "`raw`: (`raw`: 1, `cut`: 0), `cut`: (`raw`: 2, `cut`: 3.5)"
+    )
     assert table(("a", "b"), [("|", "c")]) == ["| a | b |", "| --- | --- |", "| \\| | c |"]
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sjdsl.compiler.ir.sorts import level_text, sort_of
 from tests.fuzz.conditions import condition
 from tests.fuzz.declared import Field, Lines, World
 from tests.fuzz.members import domain
@@ -18,7 +17,7 @@ LABELS = ("near_by", "far_off", "mine", "theirs")
 
 def metrics(w: World) -> Lines:
     """Declares the events, and a few numbers over the state."""
-    lines = [f"event {e.name}" + (f" by {level_text(e.by)}" if e.by else "") for e in w.events]
+    lines = [f"event {e.name}" + (f" by {e.by}" if e.by else "") for e in w.events]
     for i in range(w.random.choice((0, 1, 2))):
         scope = Scope(w, "metric")
         text, _ = integer(scope, "count", 3) if w.is_now(0.5) else real(scope, "reward", 3)
@@ -46,7 +45,7 @@ def checks(w: World) -> list[Lines]:
         lines.append(f"symmetric {w.random.choice(('agents', 'mirror', *w.movers))}")
     if w.is_now(0.3):
         event = w.random.choice(w.events)
-        name = f"{event.name}[{event.by[0]}]" if event.by and sort_of(event.by) != "agent" else event.name
+        name = f"{event.name}[{event.by.names[0]}]" if event.by and event.by.sort != "agent" else event.name
         text, *_ = domain(scope.having(Variable("agent")), 1)
         policies = w.random.choice(("random", f"never({w.actions[0]})", f"random, seek {text}", *w.policies))
         lines.append(f"expect {name} >= 0 with {policies} over 5 episodes")

@@ -168,14 +168,14 @@ def word(scope: Scope, allowed: tuple[str, ...], depth: int, plain: bool = True)
     if not plain:
         known = [(text, t.words) for text, t in scope.single_values("word") if len(t.words) > 1]
     rows = [v for v in scope.rows("word") if set(v[1].words) <= set(allowed)]
-    numbers = [v for v in scope.rows("int") if len(v[1].by) == 1 and set(v[1].by[0]) <= set(allowed)]
+    numbers = [v for v in scope.rows("int") if len(v[1].by) == 1 and set(v[1].by[0].names) <= set(allowed)]
     made: list[Word] = []
     if rows and depth > 0:
         found = _entry(scope, r.choice(rows), depth - 1)
         made += [found] if found else []
     if numbers and depth > 0:
         row = r.choice(numbers)
-        made.append((f"{r.choice(('lowest', 'highest'))}({row[0]})", row[1].by[0]))
+        made.append((f"{r.choice(('lowest', 'highest'))}({row[0]})", row[1].by[0].names))
     if depth > 0 and plain and r.random() < 0.3:
         arms = [word(scope, allowed, depth - 1), word(scope, allowed, depth - 1)]
         if all(arms):

@@ -6,11 +6,10 @@ from functools import partial
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import CALCULATIONS
-from sjdsl.compiler.ir.sorts import sort_of
 
 
 def _has_row(node: ir.Node, sort: str) -> bool:
-    return isinstance(node, ir.VarField) and any(sort_of(level) == sort for level in node.type.by)
+    return isinstance(node, ir.VarField) and any(level.sort == sort for level in node.type.by)
 
 
 def _holds(node: ir.Node, kind: str) -> bool:

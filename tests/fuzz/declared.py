@@ -5,7 +5,7 @@ from random import Random
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import of_agents, of_numbers
+from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
 from sjdsl.runtime.actions import HEADINGS
 
 Lines = list[str]
@@ -57,7 +57,7 @@ class Shape:
 @dataclass(frozen=True)
 class Event:
     name: str
-    by: tuple[str, ...]
+    by: Level | None
     per_agent: bool
 
 
@@ -141,13 +141,13 @@ class World:
     def num_cells(self, kinds: tuple[str, ...]) -> int:
         return sum(self.kinds[k].cells for k in kinds)
 
-    def level(self) -> tuple[str, ...]:
+    def level(self) -> Level:
         """Returns what a row can be by: words, mostly, or the agents, or the numbers of a range."""
         sort = self.random.choice(("word", "word", "agent", "agent", "number"))
         if sort == "word":
-            return self.random.choice(self.word_sets)
+            return Level("word", self.random.choice(self.word_sets))
         low = self.random.choice((0, 0, 1, -1))
-        return of_agents(self.agents) if sort == "agent" else of_numbers(low, low + self.random.randint(0, 3))
+        return level_of_agents(self.agents) if sort == "agent" else level_of_numbers(low, low + self.random.randint(0, 3))
 
     def words(self) -> list[tuple[str, ...]]:
         """Returns the sets of words, the headings among them."""

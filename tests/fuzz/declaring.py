@@ -3,7 +3,7 @@
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name, level_text, sort_of
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import UNIT_LIMITS
 from tests.fuzz.acting import declare_actions
 from tests.fuzz.declared import Event, Field, Kind, Number, Shape, World
@@ -53,7 +53,7 @@ def declare(random: Random) -> World:
         w.movers[name] = Kind(name, "do"[i], fields, cells=random.choice((1, 1, 2, 3)))
     shapes(w)
     for name in random.sample(EVENTS, random.randint(1, 3)):
-        w.events.append(Event(name, w.level() if w.is_now(0.4) else (), w.is_now(0.5)))
+        w.events.append(Event(name, w.level() if w.is_now(0.4) else None, w.is_now(0.5)))
     _glyphs(w)
     _map(w)
     w.with_arguments = declare_actions(w)
@@ -62,7 +62,8 @@ def declare(random: Random) -> World:
 
 def _declared_sets(w: World) -> list[tuple[str, ...]]:
     fields = [*w.agent_fields, *w.fields, *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields)]
-    return list(dict.fromkeys(s for f in fields for s in (f.type.words, *f.type.by) if s and sort_of(s) == "word"))
+    levels = ((f.type.words, *(level.names for level in f.type.by if level.sort == "word")) for f in fields)
+    return list(dict.fromkeys(s for own in levels for s in own if s))
 
 
 def _some_words(w: World) -> tuple[str, ...]:
@@ -115,8 +116,8 @@ def param(w: World, name: str) -> Number:
         if made is not None:
             return made
         unit = "reward"
-    by = tuple(w.level() if not i and w.is_now(0.4) else r.choice(w.word_sets) for i in range(levels))
-    said = f" by {level_text(by[0])}" if by and (sort_of(by[0]) != "word" or w.is_now(0.2)) else ""
+    by = tuple(w.level() if not i and w.is_now(0.4) else Level("word", r.choice(w.word_sets)) for i in range(levels))
+    said = f" by {by[0]}" if by and (by[0].sort != "word" or w.is_now(0.2)) else ""
     whole = unit in ("count", "steps", "cells")
     low, high = UNIT_LIMITS[unit]
     limits = ""
@@ -146,7 +147,7 @@ def param(w: World, name: str) -> Number:
 def _words_param(w: World, name: str, table: bool) -> Number | None:
     """Returns a param whose values are words, if these are together in one set of words only: then that is its type."""
     r = w.random
-    by = (r.choice(w.word_sets),) if table else ()
+    by = (Level("word", r.choice(w.word_sets)),) if table else ()
     words = r.choice(w.word_sets)
     given: list[str] = []
 
@@ -155,27 +156,28 @@ def _words_param(w: World, name: str, table: bool) -> Number | None:
         return given[-1]
 
     text = f"param {name} : word = {_table(w, by, value)}"
-    if any(set(given) <= set(s) for s in (*by, *w.word_sets) if s != words):
+    if any(set(given) <= set(s) for s in (*(level.names for level in by), *w.word_sets) if s != words):
         return None
     return Number(name, ir.Type(kind="word", words=words, by=by), text)
 
 
-def _table(w: World, by: tuple[tuple[str, ...], ...], value, said: bool = False) -> str:
+def _table(w: World, by: tuple[Level, ...], value, said: bool = False) -> str:
     """Returns a table, or, where what it is by is said, perhaps one value for all, or some and `otherwise`."""
     if not by:
         return value()
-    if said and w.is_now(0.3) and (len(by) == 1 or sort_of(by[0]) != "word"):
+    if said and w.is_now(0.3) and (len(by) == 1 or by[0].sort != "word"):
         return _table(w, by[1:], value)
-    if said and (sort_of(by[0]) == "agent" or (len(by[0]) > 1 and w.is_now(0.5))):
-        known = [name for name in map(entry_name, by[0]) if not name.startswith("-")]
+    if said and (by[0].sort == "agent" or (len(by[0]) > 1 and w.is_now(0.5))):
+        known = [name for name in by[0].keys if not name.startswith("-")]
         keys = w.random.sample(known, w.random.randint(0, len(known) - 1))
-        if sort_of(by[0]) == "number" and w.is_now(0.3) and int(by[0][-1]) > 0:
-            keys = [w.random.choice((f"{by[0][-1]} ..", f"{max(int(by[0][0]), 0)} .. {by[0][-1]}"))]
-            keys = [] if keys[0].startswith(f"{by[0][0]} .. ") else keys
+        first, last = by[0].names[0], by[0].names[-1]
+        if by[0].sort == "number" and w.is_now(0.3) and int(last) > 0:
+            keys = [w.random.choice((f"{last} ..", f"{max(int(first), 0)} .. {last}"))]
+            keys = [] if keys[0].startswith(f"{first} .. ") else keys
         return "{ " + ", ".join(f"{k}: {_table(w, by[1:], value)}" for k in [*keys, "otherwise"]) + " }"
-    if sort_of(by[0]) == "number" and by[0][0].startswith("-"):
+    if by[0].sort == "number" and by[0].first < 0:
         return _table(w, by[1:], value)
-    keys = list(map(entry_name, by[0]))
+    keys = list(by[0].keys)
     w.random.shuffle(keys)
     return "{ " + ", ".join(f"{k}: {_table(w, by[1:], value)}" for k in keys) + " }"
 
@@ -187,7 +189,7 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
     sorts += ("cell",) if w.kinds else ()
     sort = sort or r.choice(sorts)
     by = (w.level(),) if sort != "timer" and w.is_now(0.4 if sort in ("int", "capped") else 0.06) else ()
-    rows = f" by {level_text(by[0])}" if by else ""
+    rows = f" by {by[0]}" if by else ""
     match sort:
         case "timer":
             return Field(name, ir.Type(kind="int", unit="steps", low=0), f"timer {name}", timer=True)

@@ -11,7 +11,7 @@ from random import Random
 from hypothesis import strategies as st
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.acting import forbidden
 from tests.fuzz.checked import checks, metrics, observe
@@ -92,7 +92,7 @@ def requires(w: World) -> None:
         a, b = two[0]
         name, (r, s, t, p) = w.random.choice((("prisoners_dilemma", (3, 0, 5, 1)), ("stag_hunt", (4, 0, 3, 1)), ("chicken", (3, 1, 5, 0))))
         text = f"param dilemma : reward = {{ {a}: {{ {a}: {r}, {b}: {s} }}, {b}: {{ {a}: {t}, {b}: {p} }} }}"
-        w.params.append(Number("dilemma", ir.Type(kind="real", unit="reward", by=(two[0], two[0])), text))
+        w.params.append(Number("dilemma", ir.Type(kind="real", unit="reward", by=(Level("word", two[0]),) * 2), text))
         w.dilemmas.append(name)
 
 
@@ -350,7 +350,7 @@ def _set(w: World) -> Lines:
     value = {"reward": "1.25", "probability": "0.25", "fraction": "0.25"}
     if rows and w.is_now(0.5):
         row = w.random.choice(rows)
-        return [f"set {row.name}[{entry_name(w.random.choice(row.type.by[0]))}] = {value.get(row.type.unit, '2')}"]
+        return [f"set {row.name}[{w.random.choice(row.type.by[0].keys)}] = {value.get(row.type.unit, '2')}"]
     if not plain:
         return []
     chosen = w.random.choice(plain)

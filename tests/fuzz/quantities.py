@@ -4,7 +4,7 @@ from math import inf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import CALCULATIONS
-from sjdsl.compiler.ir.sorts import sort_of
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import element, hull
 from tests.fuzz.reading import Scope, Typed
 from tests.fuzz.typed_numbers import combined, ends_of, fitted, interval, real_type, whole_type
@@ -139,19 +139,19 @@ def entry(scope: Scope, row: Typed, depth: int) -> Typed | None:
     return text, type_
 
 
-def key_for(scope: Scope, level: tuple[str, ...], depth: int) -> str:
+def key_for(scope: Scope, level: Level, depth: int) -> str:
     """Returns what an entry of a row can be asked for by here; empty if nothing can."""
     from tests.fuzz.conditions import somebody, word
 
-    match sort_of(level):
+    match level.sort:
         case "word":
-            found = word(scope, level, depth)
+            found = word(scope, level.names, depth)
             return found[0] if found else ""
         case "agent":
             known = somebody(scope) if scope.by_game else []
             return scope.world.random.choice(known) if known else ""
         case _:
-            low, high = int(level[0]), int(level[-1])
+            low, high = int(level.names[0]), int(level.names[-1])
             if depth <= 0 or scope.world.is_now(0.4):
                 return str(scope.world.random.randint(low, high))
             return fitted(integer(scope, "count", depth - 1), low, high)
@@ -282,7 +282,7 @@ def total(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
         n = len(type_.by[0])
         if r.random() < 0.3:
             return f"{r.choice(('min', 'max'))}({text})", element(type_)
-        least = 1 if sort_of(type_.by[0]) == "agent" else n  # a variant may have fewer agents
+        least = 1 if type_.by[0].sort == "agent" else n  # a variant may have fewer agents
         low, high = type_.low * (least if type_.low > 0 else n), type_.high * (least if type_.high < 0 else n)
         return f"sum({text})", _beyond_one(type_.model_copy(update={"by": (), "low": low, "high": high}))
     text, inner, most = domain(scope, depth - 1, counted=True)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.acting import by_choice
 from tests.fuzz.conditions import condition, probability, somebody, word
@@ -239,7 +238,7 @@ def tally(scope: Scope, _phase: Phase) -> Lines:
     event = r.choice(w.events)
     text = event.name
     if event.by:
-        key = key_for(scope, event.by, 2) or (event.by[0] if sort_of(event.by) == "word" else "")
+        key = key_for(scope, event.by, 2) or (event.by.names[0] if event.by.sort == "word" else "")
         if not key:
             return []
         text += f"[{key}]"

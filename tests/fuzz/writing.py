@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.conditions import agent_value, somebody, word
 from tests.fuzz.declared import Field, Lines
@@ -91,7 +90,7 @@ def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field,
 
 def _own_entry(scope: Scope, owner: Variable | None, f: Field) -> str:
     """Returns the agent whose entry of a row by agent each instance has for itself; empty if there is none."""
-    if not f.type.by or sort_of(f.type.by[0]) != "agent" or (owner is not None and owner.frame < 0):
+    if not f.type.by or f.type.by[0].sort != "agent" or (owner is not None and owner.frame < 0):
         return ""
     left = {i for i, frame in enumerate(scope.frames) if not frame.single} - ({owner.frame} if owner is not None else set())
     fitting = [v.name for v in scope.agents() if v.frame >= 0 and left <= {v.frame}]
@@ -131,7 +130,7 @@ def value(scope: Scope, f: Field, depth: int) -> Typed | None:
     if type_.by and rows and w.is_now(0.25):
         return w.random.choice(rows)
     one = type_.model_copy(update={"by": ()})
-    if type_.by and rows and sort_of(type_.by[0]) != "agent" and w.is_now(0.4):
+    if type_.by and rows and type_.by[0].sort != "agent" and w.is_now(0.4):
         filler = value(scope, replace(f, type=one), depth)
         if filler is not None:
             return f"shift({w.random.choice(rows)[0]}, {w.random.choice((-2, -1, 0, 1, 1, 3))}, {filler[0]})", type_
@@ -192,7 +191,7 @@ def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: 
 def _entry(scope: Scope, f: Field, text: str) -> str:
     if not f.type.by:
         return text
-    key = key_for(scope, f.type.by[0], 1) or (f.type.by[0][0] if sort_of(f.type.by[0]) == "word" else "")
+    key = key_for(scope, f.type.by[0], 1) or (f.type.by[0].names[0] if f.type.by[0].sort == "word" else "")
     return f"{text}[{key}]" if key else ""
 
 

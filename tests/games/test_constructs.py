@@ -6,9 +6,8 @@ from collections.abc import Iterator
 import pytest
 
 from sjdsl.compiler import ast, build, ir
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.compose import compose
-from sjdsl.compiler.ir.sorts import sort_of
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import bundled, find_game, games_folder
@@ -32,11 +31,11 @@ def uses(game: ir.Game) -> Iterator[str]:
             case ir.VarField(type=type_):
                 yield from ("a cell is held" for _ in [0] if type_.kind == "cell")
                 yield from ("set of more than 32" for _ in [0] if type_.kind == "agents" and game.agents.number > 32)
-                yield from (f"row by {sort_of(level)}" for level in type_.by)
+                yield from (f"row by {level.sort}" for level in type_.by)
             case ir.Param(type=type_):
-                yield from (f"param by {sort_of(level)}" for level in type_.by)
-            case ir.Event(by=(_, *_) as by):
-                yield f"event by {sort_of(by)}"
+                yield from (f"param by {level.sort}" for level in type_.by)
+            case ir.Event(by=ir.Level() as by):
+                yield f"event by {by.sort}"
             case ir.Observable():
                 yield from (what for what, said in (("shown when", node.shown_when), ("value shown", node.value)) if said is not None)
             case ir.Window(views=(_, *_)):
@@ -46,7 +45,7 @@ def uses(game: ir.Game) -> Iterator[str]:
             case ir.Nowhere():
                 yield "nowhere"
             case ir.Along():
-                yield "ahead" if isinstance(node.heading, ir.FieldRead) and node.heading.held_by == "mover" else "along"
+                yield "ahead" if isinstance(node.heading, ir.FieldRead) and node.heading.held_by.what == "mover" else "along"
             case ir.Wander():
                 yield "at random" if node.goal is None else "away from" if node.away else "toward"
                 yield from ("avoiding" for _ in [0] if node.avoided is not None)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
@@ -75,7 +76,7 @@ def test_shapes_and_dtypes(form: Form) -> None:
     for flag in (play.dones, play.infos["truncated"], play.infos["terminated"]):
         assert (flag.shape, flag.dtype) == ((both, steps), np.bool_)
     per_agent = {e.name for e in env.game.events if e.per_agent}
-    names = [name for e in env.game.events for name in ([f"{e.name}[{word}]" for word in e.by] or [e.name])]
+    names = [name for e in env.game.events for _, name in counts_of(e)]
     assert sorted(play.infos["events"]) == sorted(names)
     for name, value in play.infos["events"].items():
         assert (value.shape, value.dtype) == ((both, steps, agents) if name.split("[")[0] in per_agent else (both, steps), np.int32)

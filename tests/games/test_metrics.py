@@ -24,7 +24,7 @@ METRICS = {
 @pytest.mark.parametrize("game", NINE)
 def test_declared_metrics(game: str) -> None:
     rules = rules_of(Form(game))
-    assert {e.name: e.by for e in rules.events if e.per_agent} == METRICS[game][AGENTS]
-    assert {e.name: e.by for e in rules.events if not e.per_agent} == METRICS[game][GAME]
+    assert {e.name: e.by.names if e.by else () for e in rules.events if e.per_agent} == METRICS[game][AGENTS]
+    assert {e.name: e.by.names if e.by else () for e in rules.events if not e.per_agent} == METRICS[game][GAME]
     assert {m.name for m in rules.measures} == METRICS[game][MEANS]
     assert all(m.mean for m in rules.measures)

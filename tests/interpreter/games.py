@@ -35,7 +35,7 @@ def number(value: int | float) -> ir.Number:
     return ir.Number(type=INT if isinstance(value, int) else REAL, value=value)
 
 
-def word_type(*words: str, by: tuple[tuple[str, ...], ...] = ()) -> ir.Type:
+def word_type(*words: str, by: tuple[ir.Level, ...] = ()) -> ir.Type:
     return ir.Type(kind="word", words=words, by=by)
 
 
@@ -44,28 +44,28 @@ def word(value: str, *others: str) -> ir.Word:
 
 
 def agent(name: str = "agent") -> ir.Member:
-    return ir.Member(name=name, who="agent")
+    return ir.Member(name=name, sort=ir.Sort("agent"))
 
 
 def cell(kind: str, name: str | None = None) -> ir.Member:
-    return ir.Member(name=name or kind, who="cell", kinds=(kind,))
+    return ir.Member(name=name or kind, sort=ir.Sort("cell", (kind,)))
 
 
 def of_agent(name: str, type_: ir.Type = INT, who: ir.Expr | None = None) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=who or agent(), held_by="agent", name=name)
+    return ir.FieldRead(type=type_, owner=who or agent(), held_by=ir.Sort("agent"), name=name)
 
 
 def of_cell(kind: str, name: str, type_: ir.Type, who: ir.Expr | None = None) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=who or cell(kind), held_by="cell", kinds=(kind,), name=name)
+    return ir.FieldRead(type=type_, owner=who or cell(kind), held_by=ir.Sort("cell", (kind,)), name=name)
 
 
 def of_world(name: str, type_: ir.Type = INT) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=None, held_by="world", name=name)
+    return ir.FieldRead(type=type_, owner=None, held_by=ir.Sort("world"), name=name)
 
 
 def at(row: ir.Expr, key: str | ir.Expr) -> ir.At:
     if isinstance(key, str):
-        key = ir.Word(type=word_type(*row.type.by[0]), value=key)
+        key = ir.Word(type=word_type(*row.type.by[0].names), value=key)
     return ir.At(type=row.type.model_copy(update={"by": row.type.by[1:]}), row=row, key=key)
 
 
@@ -128,11 +128,12 @@ def line(length: int, name: str = "ray", see_through: bool = False) -> ir.Shape:
 
 
 def kind(name: str, glyph: str, *fields: ir.VarField, blocks: tuple[ir.Block, ...] = ()) -> ir.Kind:
-    return ir.Kind(name=name, glyph=glyph, fields=fields, blocks=blocks)
+    own = tuple(field.model_copy(update={"held_by": ir.Sort("cell", (name,))}) for field in fields)
+    return ir.Kind(name=name, glyph=glyph, fields=own, blocks=blocks)
 
 
 def var(held_by: str, name: str, type_: ir.Type = INT, **facts: object) -> ir.VarField:
-    return ir.VarField(held_by=held_by, name=name, type=type_, **facts)
+    return ir.VarField(held_by=ir.Sort(held_by), name=name, type=type_, **facts)
 
 
 def game(*turns: ir.TurnNode, rows: tuple[str, ...] = ("...",), number_of_agents: int = 1, **facts: object) -> ir.Game:

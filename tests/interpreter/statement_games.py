@@ -8,7 +8,7 @@ from . import games as g
 
 RG = ("red", "green")
 COLOUR = g.word_type("none", *RG)
-BAG = ir.Type(kind="int", unit="count", low=0, high=5, by=(RG,))
+BAG = ir.Type(kind="int", unit="count", low=0, high=5, by=(ir.Level("word", RG),))
 SMALL = ir.Type(kind="int", unit="count", low=0, high=9)
 SOIL = g.kind("soil", "A", g.var("cell", "fruit", COLOUR, start="none"), g.var("cell", "hits", SMALL, start=0))
 SOIL_FRUIT, SOIL_HITS = g.of_cell("soil", "fruit", COLOUR), g.of_cell("soil", "hits", SMALL)
@@ -32,9 +32,9 @@ def small(*body, rows=("..A", "AA.", "..."), agents=2, **facts):
         fields=(g.var("world", "rounds", SMALL, start=0), g.var("world", "trials", BAG, start=0)),
         events=(
             ir.Event(name="eaten", per_agent=True),
-            ir.Event(name="got", by=RG, per_agent=True),
+            ir.Event(name="got", by=ir.Level("word", RG), per_agent=True),
             ir.Event(name="shared", per_agent=False),
-            ir.Event(name="seen", by=RG, per_agent=False),
+            ir.Event(name="seen", by=ir.Level("word", RG), per_agent=False),
         ),
         shapes=(g.line(2),),
         **facts,

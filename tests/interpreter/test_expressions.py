@@ -11,9 +11,9 @@ from sjdsl.interpreter.state import Cell, default_params
 from . import games as g
 
 RW = ("red", "green", "blue")
-BAG = ir.Type(kind="int", unit="count", by=(RW,))
+BAG = ir.Type(kind="int", unit="count", by=(ir.Level("word", RW),))
 AGENT, AGENTS = ir.AGENT, ir.AGENTS
-PAY = ir.Type(kind="real", unit="reward", by=(("coop", "defect"), ("coop", "defect")))
+PAY = ir.Type(kind="real", unit="reward", by=(ir.Level("word", ("coop", "defect")),) * 2)
 GAME = g.game(
     rows=("..#", "..."),
     number_of_agents=3,
@@ -28,7 +28,7 @@ GAME = g.game(
     params=(
         ir.Param(name="apple", type=g.REAL, value=0.1),
         ir.Param(name="payoff", type=PAY, value=((3, -1), (5, 1))),
-        ir.Param(name="becomes", type=ir.Type(kind="word", words=RW, by=(RW,)), value=("green", "blue", "blue")),
+        ir.Param(name="becomes", type=ir.Type(kind="word", words=RW, by=(ir.Level("word", RW),)), value=("green", "blue", "blue")),
     ),
     shapes=(g.line(2),),
 )
@@ -94,7 +94,7 @@ def test_fields_parameters_and_names(here):
     assert evaluate(g.of_agent("bag", BAG), here) == (0, 3, 1)
     assert evaluate(g.of_agent("colour", g.word_type(*RW), g.of_agent("friend", AGENT)), here) == "red"
     assert evaluate(ir.ParamRef(type=g.REAL, name="apple"), here) == np.float32(0.1)
-    becomes = ir.ParamRef(type=ir.Type(kind="word", words=RW, by=(RW,)), name="becomes")
+    becomes = ir.ParamRef(type=ir.Type(kind="word", words=RW, by=(ir.Level("word", RW),)), name="becomes")
     assert evaluate(g.at(becomes, "red"), here) == "green"
     assert evaluate(ir.Local(type=g.INT, name="kept"), here.binding({"kept": 9})) == 9
     assert evaluate(ir.Step(type=g.INT), here) == 6
@@ -233,14 +233,14 @@ def test_mix_and_the_expected_entry(here):
     here.world.agents["bag"] = [(1, 3, 0), (0, 0, 0), (0, 0, 0)]
     mix = ir.Mix(type=ir.Type(kind="mix", words=RW), row=g.of_agent("bag", BAG))
     assert evaluate(mix, here) == (np.float32(0.25), np.float32(0.75), np.float32(0))
-    by_colour = ir.ParamRef(type=ir.Type(kind="real", by=(RW,)), name="prices")
+    by_colour = ir.ParamRef(type=ir.Type(kind="real", by=(ir.Level("word", RW),)), name="prices")
     here.world.params["prices"] = (np.float32(8), np.float32(4), np.float32(100))
     assert evaluate(g.at(by_colour, mix), here) == np.float32(5)
 
 
 def test_a_table_at_two_mixes_is_the_expected_payoff(here):
     words = ("coop", "defect")
-    two = ir.Type(kind="int", by=(words,))
+    two = ir.Type(kind="int", by=(ir.Level("word", words),))
     shares = [ir.Mix(type=ir.Type(kind="mix", words=words), row=ir.Local(type=two, name=name)) for name in ("mine", "yours")]
     here = here.binding({"mine": (1, 1), "yours": (3, 1)})
     payoff = g.at(g.at(ir.ParamRef(type=PAY, name="payoff"), shares[0]), shares[1])

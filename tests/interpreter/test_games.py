@@ -52,7 +52,7 @@ class Play:
 
     def count(self, event: ir.Event, counts) -> None:
         for part in counts if event.per_agent else [counts]:
-            for word, amount in zip(event.by or (None,), part if event.by else [part], strict=True):
+            for word, amount in zip(event.by.keys if event.by else (None,), part if event.by else [part], strict=True):
                 self.totals[event.name, word] = self.totals.get((event.name, word), 0) + amount
 
     def check(self) -> None:

@@ -41,7 +41,7 @@ PLACES = ((2, 0), (1, 0), (0, 0), (2, 3))
 def test_cells_of_a_kind_and_of_a_group_are_numbered_in_reading_order():
     i = here(*PLACES)
     assert found(g.cells("soil"), i) == [((0, 1), 0), ((1, 0), 1), ((2, 3), 2)]
-    group = ir.Domain(var=ir.Member(name="any", who="cell", kinds=("wall", "soil")))
+    group = ir.Domain(var=ir.Member(name="any", sort=ir.Sort("cell", ("wall", "soil"))))
     assert found(group, i) == [((0, 1), 0), ((0, 3), 1), ((1, 0), 2), ((2, 3), 3)]
     assert members.radix(group, i.board) == 4
 

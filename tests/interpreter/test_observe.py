@@ -12,7 +12,7 @@ from . import games as g
 
 FRUIT, AGE = g.word_type("none", "ripe"), g.word_type("old", "new")
 TEAM = g.word_type("red", "blue")
-BAG = ir.Type(kind="int", unit="count", low=0, high=9, by=(("raw", "cut"),))
+BAG = ir.Type(kind="int", unit="count", low=0, high=9, by=(ir.Level("word", ("raw", "cut")),))
 SOIL = g.kind("soil", "A", g.var("cell", "fruit", FRUIT, start="none"), g.var("cell", "age", AGE, start="old"))
 FIELDS = (g.var("agent", "team", TEAM, start="red"), g.var("agent", "bag", BAG, start=0))
 HEADING = ir.Observable(what="heading", type=g.word_type("north", "east", "south", "west"))
@@ -157,7 +157,7 @@ def own(**facts):
 
 def test_own_and_world_fields_fill_the_window():
     game = small(
-        own(field="bag", word="cut", type=BAG),
+        own(field="bag", word=ir.Entry(BAG.by[0], 1), type=BAG),
         ir.Observable(what="world", field="season", type=AGE),
         own(field="team", type=TEAM),
         ir.Observable(what="world", field="round", type=g.INT),
@@ -181,7 +181,7 @@ def test_fields_of_others_show_where_they_stand():
     blue = g.same(g.of_agent("team", TEAM, g.agent("other")), g.word("blue"))
     game = small(
         ir.Observable(what="other", field="team", type=TEAM, hidden_when=g.is_agent(2, "other")),
-        ir.Observable(what="other", field="bag", word="raw", type=BAG),
+        ir.Observable(what="other", field="bag", word=ir.Entry(BAG.by[0], 0), type=BAG),
         ir.Observable(
             what="other",
             field="team",

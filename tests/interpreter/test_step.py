@@ -68,7 +68,7 @@ def test_a_timer_set_after_the_tick_lasts_n_steps_and_before_it_one_less():
 
 
 def test_every_timer_falls_but_not_below_nought():
-    by = ir.Type(kind="int", unit="steps", low=0, by=(("a", "b"),))
+    by = ir.Type(kind="int", unit="steps", low=0, by=(ir.Level("word", ("a", "b")),))
     soil = g.kind("floor", ".", g.var("cell", "left", STEPS, timer=True), g.var("cell", "kept", STEPS, start=2))
     game = g.game(
         ir.Tick(),
@@ -156,8 +156,8 @@ def test_default_params_have_the_types_of_the_language():
         params=(
             ir.Param(name="apple", type=g.REAL, value=1),
             ir.Param(name="fewest", type=g.INT, value=2),
-            ir.Param(name="pay", type=ir.Type(kind="real", by=(words,)), value=(0.1, 2)),
-            ir.Param(name="becomes", type=ir.Type(kind="word", words=words, by=(words,)), value=("b", "b")),
+            ir.Param(name="pay", type=ir.Type(kind="real", by=(ir.Level("word", words),)), value=(0.1, 2)),
+            ir.Param(name="becomes", type=ir.Type(kind="word", words=words, by=(ir.Level("word", words),)), value=("b", "b")),
         )
     )
     params = default_params(game)

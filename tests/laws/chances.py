@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.traverse import rewrite
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.verify import verify
 
 PROBABILITY = ir.Type(kind="real", unit="probability", low=0, high=1)

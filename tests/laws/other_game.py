@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import mover_sort, shows_attribute
-from sjdsl.compiler.ir.traverse import rewrite
+from sjdsl.compiler.diagnostics.tree import rewrite
+from sjdsl.compiler.ir.queries import body_sort, shows_attribute
 from sjdsl.compiler.ir.types import integer, words
 from sjdsl.compiler.ir.verify import verify
 from sjdsl.interpreter.state import HEADINGS
@@ -66,13 +66,13 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
                 return _coordinate(node, s)
             case ir.Attribute(name="heading") if headings and (s.mirror or s.quarters):
                 return _heading_before(node, s)
-            case ir.FieldRead(held_by="mover", name="heading") if s.mirror or s.quarters:
+            case ir.FieldRead(held_by=ir.Sort("mover"), name="heading") if s.mirror or s.quarters:
                 return _heading_before(node, s)
-            case ir.Set(target=ir.Case(subject=ir.FieldRead(held_by="mover", name="heading") as heading)):
+            case ir.Set(target=ir.Case(subject=ir.FieldRead(held_by=ir.Sort("mover"), name="heading") as heading)):
                 return node.model_copy(update={"target": heading, "value": _changed_heading(node.value, s)})
             case ir.Along():
                 return node.model_copy(update={"heading": _changed_heading(node.heading, s)})
-            case ir.Attribute(name="index") if list(s.order) != sorted(s.order) and not mover_sort(node.owner):
+            case ir.Attribute(name="index") if list(s.order) != sorted(s.order) and body_sort(node.owner).what == "agent":
                 arms = [ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i)) for i, n in enumerate(s.order)]
                 return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
             case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
@@ -114,7 +114,7 @@ def _start(phase: ir.Phase, s: Symmetry, game: ir.Game) -> ir.Phase:
     """Everybody faces north before it, under every look: `same` is a direction here, and what is read is no other one."""
 
     def rule(node: Any) -> Any:
-        same = isinstance(node, ir.Send) and node.facing == "same" and not mover_sort(node.who)
+        same = isinstance(node, ir.Send) and node.facing == "same" and body_sort(node.who).what == "agent"
         return node.model_copy(update={"facing": "north"}) if same else node
 
     return rewrite(rewrite(phase, rule), _rule(s, game, headings=False))

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_name, sort_of
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.planes import Plane, planes
 from sjdsl.interpreter.state import Herd, Outcome, Value, World
@@ -53,7 +52,7 @@ def _herd(sort: str, herd: Herd, game: ir.Game, s: Symmetry) -> Herd:
 def other_outcome(game: ir.Game, outcome: Outcome, s: Symmetry) -> Outcome:
     """Returns what a step gave, to the agents by their new numbers."""
     per_agent = {e.name for e in game.events if e.per_agent}
-    entries = {e.name for e in game.events if e.by and sort_of(e.by) == "agent"}
+    entries = {e.name for e in game.events if e.by and e.by.sort == "agent"}
     events = outcome.events | {n: [_agents(row, s) for row in outcome.events[n]] for n in entries & per_agent}
     events |= {n: _agents(events[n], s) for n in entries - per_agent}
     events |= {n: _agents(events[n], s) for n in per_agent}
@@ -85,9 +84,8 @@ def _renamed(plane: Plane, s: Symmetry) -> str:
     name, entry = plane.name, None if plane.observable is None else plane.observable.word
     if plane.agent is not None:
         name = name.replace(f"[{plane.agent}]", f"[{s.order[plane.agent]}]", 1)
-    if entry is not None and sort_of((entry,)) == "agent":
-        number = entry_name(entry)
-        name = f"{name.removesuffix(f'[{number}]')}[{s.order[int(number)]}]"
+    if entry is not None and entry.level.sort == "agent":
+        name = f"{name.removesuffix(f'[{entry.key}]')}[{s.order[entry.place]}]"
     return name
 
 
@@ -122,7 +120,7 @@ def _value(value: Value, type_: ir.Type, s: Symmetry) -> Value:
     if isinstance(value, tuple):
         inner = type_.model_copy(update={"by": type_.by[1:]})
         entries = [_value(v, inner, s) for v in value]
-        return tuple(_agents(entries, s) if sort_of(type_.by[0]) == "agent" else entries)
+        return tuple(_agents(entries, s) if type_.by[0].sort == "agent" else entries)
     match type_.kind:
         case "agents":
             return frozenset(s.order[agent] for agent in value)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import mover_sort, movers_named
+from sjdsl.compiler.ir.queries import body_sort, movers_named
 from sjdsl.interpreter import members
 from sjdsl.interpreter.board import Board, board_of, cells_of
 from sjdsl.interpreter.threefry import return_stream
@@ -91,19 +91,19 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
 
 
 def _digit(domain: ir.Domain, board: Board) -> Digit:
-    if domain.var.who == "cell" and isinstance(domain.restriction, ir.Near):
+    if domain.var.sort.what == "cell" and isinstance(domain.restriction, ir.Near):
         return Digit("fixed", members.radix(domain, board))  # a shape's cells keep their numbers
     return _everybody(domain, board)
 
 
 def _body(who: ir.Expr, board: Board) -> Digit:
     """Returns the place of the number of an agent or a mover."""
-    sort = mover_sort(who)
-    return Digit("fixed", movers_named(board.game, sort).number) if sort else Digit("agent", board.agents)
+    sort = body_sort(who)
+    return Digit("fixed", movers_named(board.game, sort.name).number) if sort.what == "mover" else Digit("agent", board.agents)
 
 
 def _everybody(domain: ir.Domain, board: Board) -> Digit:
-    if domain.var.who != "cell":
+    if domain.var.sort.what != "cell":
         return _body(domain.var, board)
     return Digit("cell", members.everybody(domain, board), domain.var.kinds)
 

@@ -100,7 +100,7 @@ class Interpreted:
             count = counts[event.name]
             if not event.by:
                 found[event.name] = count
-            for number, word in enumerate(event.by):
+            for number, word in enumerate(event.by.keys if event.by else ()):
                 found[f"{event.name}[{word}]"] = [c[number] for c in count] if event.per_agent else count[number]
         return found
 
@@ -208,7 +208,7 @@ class Compiled:
             count = np.asarray(getattr(out, f"event_{param_attribute(event.name)}"))
             if not event.by:
                 found[event.name] = count.tolist()
-            for number, word in enumerate(event.by):
+            for number, word in enumerate(event.by.keys if event.by else ()):
                 found[f"{event.name}[{word}]"] = count[..., number].tolist()
         return found
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from sjdsl.action_names import split_actions
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import entry_named
 
 from . import pictures
 from .blocks import Block
@@ -71,7 +70,7 @@ def given_params(game: ir.Game, given: dict[str, str]) -> dict[str, Any]:
         declared = next(p for p in game.params if p.name == name)
         value = text if declared.type.kind == "word" else np.float32(text) if declared.type.kind == "real" else int(text)
         values[name] = _replaced(
-            values.get(name, declared.value), [by.index(w) for by, w in zip(declared.type.by, words, strict=True)], value
+            values.get(name, declared.value), [by.place_of(w) for by, w in zip(declared.type.by, words, strict=True)], value
         )
     return values
 
@@ -239,10 +238,8 @@ def _entry(game: ir.Game, owner: str, name: str, value: Any, keys: list[str]) ->
     fields = {"": game.fields, "agent": game.agents.fields}.get(owner) or next(
         k for k in (*game.kinds, *game.movers) if k.name == owner
     ).fields
-    words = next(f for f in fields if f.name == name).type.by[0]
-    place = entry_named(words, keys[0])
-    assert place is not None, keys
-    return value[place]
+    level = next(f for f in fields if f.name == name).type.by[0]
+    return value[level.keys.index(keys[0])]
 
 
 def _check_seen(seen: re.Match[str], line: int, game: ir.Game, view: View) -> None:

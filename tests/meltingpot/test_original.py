@@ -114,7 +114,7 @@ def test_what_follows_a_meeting(name: str) -> None:
     """The bags are those that met there."""
     figures = ORIGINAL["meetings"][name]
     place = stage(name, ("PPPP....", "........", ".......1"), 2)
-    words = next(field.type.by[0] for field in place.env.game.agents.fields if field.name == "bag")
+    words = next(field.type.by[0].names for field in place.env.game.agents.fields if field.name == "bag")
     bags = {"agent.bag": {agent: dict(zip(words, bag, strict=True)) for agent, bag in enumerate(figures["shown"])}}
     scene = place.put("PPPP....", "..><....  01", ".......1", fields=bags).step("interact")
     assert told(name, scene, "INTERACTION_INVENTORIES")[0].tolist() == figures["shown"]

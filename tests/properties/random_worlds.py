@@ -120,7 +120,7 @@ def _place(state: dict[str, np.ndarray], game: ir.Game, rng: np.random.Generator
     cells = np.array([(r + layout.pad) * layout.cols + c + layout.pad for r, row in enumerate(game.rows) for c in range(len(row))])
     order = np.argsort(rng.random((number, len(cells))), axis=1)
     taken = 0
-    for sort, many in (("", game.agents.number), *((sort.name, sort.number) for sort in game.movers)):
+    for sort, many in ((ir.Sort("agent"), game.agents.number), *((movers.sort, movers.number) for movers in game.movers)):
         position, away, heading = (attribute_of(name, sort) for name in ("position", "away", "heading"))
         there = cells[order[:, taken : taken + many]]
         taken += many

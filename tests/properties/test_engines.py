@@ -75,7 +75,7 @@ def test_distances_are_those_of_a_walk() -> None:
 
 def test_a_seeker_arrives_and_stays() -> None:
     game = small_game("", text=ORCHARD.replace('"..T" ".T."', '"....." "#.##." "....T"')).own
-    seek = ir.Policy(name="seek", domain=ir.Domain(var=ir.Member(name="tree", who="cell", kinds=("tree",))))
+    seek = ir.Policy(name="seek", domain=ir.Domain(var=ir.Member(name="tree", sort=ir.Sort("cell", ("tree",)))))
     from sjdsl.interpreter.state import Cell, default_params
     from sjdsl.interpreter.step import reset, step
     from sjdsl.properties.biased_draws import episode_key, step_key

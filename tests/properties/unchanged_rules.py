@@ -70,7 +70,7 @@ def _draws_by_place(game: ir.Game) -> bool:
     """Returns whether draws are told apart by the places of a shape, or by its lanes: which numbers mirrored ones have is not known here."""
     domains = [n.domain for n in ir.walk(game) if isinstance(n, ir.Each | ir.Pick)]
     return any(isinstance(n, ir.First) for n in ir.walk(game)) or any(
-        isinstance(d.restriction, ir.Near) and d.var.who == "cell" for d in domains
+        isinstance(d.restriction, ir.Near) and d.var.sort.what == "cell" for d in domains
     )
 
 

@@ -20,7 +20,7 @@ GAMES = [*main_games(), HERE / "camp.sj", *sorted((HERE.parent / "differential" 
 
 
 def path_of(declared: Any) -> str:
-    return {"cell": f"{declared.kind}.", "mover": f"{declared.kind}.", "agent": "agent.", "world": ""}[declared.held_by] + declared.name
+    return declared.name if declared.held_by.what == "world" else f"{declared.held_by.name}.{declared.name}"
 
 
 def put_again(stage: Stage, world: World) -> World:

@@ -9,7 +9,6 @@ import pytest
 import sjdsl
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir.sorts import entry_name
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World, copied, default_params
@@ -69,7 +68,7 @@ def entered(whole: object, effect: Effect, words: list[str]) -> object:
         return effect.new
     assert effect.type is not None
     levels = effect.type.by[len(effect.type.by) - len(words) :]
-    number = [entry_name(key) for key in levels[0]].index(words[0])
+    number = levels[0].keys.index(words[0])
     return (*whole[:number], entered(whole[number], effect, words[1:]), *whole[number + 1 :])  # type: ignore[index]
 
 

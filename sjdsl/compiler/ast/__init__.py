@@ -2,5 +2,4 @@
 
 from sjdsl.compiler.ast.declarations import *
 from sjdsl.compiler.ast.expressions import *
-from sjdsl.compiler.ast.policies import *
 from sjdsl.compiler.ast.statements import *

@@ -6,9 +6,9 @@ from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.node import Node
-from sjdsl.compiler.ast.traverse import children, walk
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.diagnostics.tree import children, walk
 
 Space = Literal[
     "game", "name", "word", "field", "action", "argument", "shape", "phase", "metric", "variant", "policy", "scenario", "checks", "local"

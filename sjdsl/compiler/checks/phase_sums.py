@@ -11,9 +11,8 @@ from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit, visit_children
-from sjdsl.compiler.ir.members import lanes_of, most_members
 from sjdsl.compiler.ir.operations import CALCULATIONS
-from sjdsl.compiler.ir.queries import declared_field, written_field
+from sjdsl.compiler.ir.queries import declared_field, lanes_of, most_members, written_field
 from sjdsl.compiler.ir.types import times
 
 
@@ -116,7 +115,7 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
             if field.type.kind != "int" or not declared_field(here.played.game, field).capped:  # without `capped` it is proved to fit
                 visit(value, here)
                 return {}
-            return _adding(Target("field", field.held_by, field.name, _name(field.owner)), s, interval_of(value, here))
+            return _adding(Target("field", field.held_by.what, field.name, _name(field.owner)), s, interval_of(value, here))
         case ir.Tally():
             for part in (s.word, s.receiver):
                 if part is not None:
@@ -178,7 +177,7 @@ def _set(s: ir.Set, here: Here) -> None:
     field, (_, high) = written_field(s.target), interval_of(s.value, here)
     if s.target.type.high < inf:  # the range of a field
         return
-    held, played = (field.held_by, field.name), here.played
+    held, played = (field.held_by.what, field.name), here.played
     added = _counted_on(s.value, held)
     if added is None:
         played.sets[held] = max(played.sets.get(held, 0), high)
@@ -193,6 +192,6 @@ def _counted_on(value: ir.Expr, held: tuple[str, str]) -> ir.Expr | None:
             return _counted_on(value.value, held)
         case ir.Arithmetic(fn=fn, args=(left, right)) if CALCULATIONS[fn].factors == (1, 1):
             for one, other in ((left, right), (right, left)):
-                if isinstance(one, ir.FieldRead) and (one.held_by, one.name) == held:
+                if isinstance(one, ir.FieldRead) and (one.held_by.what, one.name) == held:
                     return other
     return None

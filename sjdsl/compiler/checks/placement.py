@@ -14,13 +14,14 @@ from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.printer import domain as domain_text
-from sjdsl.compiler.ir.queries import mover_sort, phases_of
+from sjdsl.compiler.ir.queries import body_sort, phases_of
+from sjdsl.compiler.ir.sorts import AGENTS
 
 
 class Body(NamedTuple):
-    """An agent (of no sort), or a mover."""
+    """An agent or a mover."""
 
-    sort: str
+    sort: ir.Sort
     number: int
 
 
@@ -43,9 +44,9 @@ def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Prob
         _check_capacity(phase, game, problems, sources)
 
 
-def _sorts(game: ir.Game) -> dict[str, int]:
+def _sorts(game: ir.Game) -> dict[ir.Sort, int]:
     """Returns how many agents there are, and how many movers of each sort."""
-    return {"": game.agents.number} | {sort.name: sort.number for sort in game.movers}
+    return {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
 
 
 def _bodies(game: ir.Game) -> list[Body]:
@@ -56,12 +57,12 @@ def _check_start(game: ir.Game, problems: Problems) -> None:
     for sort, many in _sorts(game).items():
         missing = [i for i in range(many) if not _always_sent(game.start.body, Body(sort, i))]
         if missing:
-            who = f"{sort or 'agent'} {missing[0]}" if len(missing) == 1 else f"{sort or 'agents'} {missing[0]} .. {missing[-1]}"
-            problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort or "agent"))
+            who = f"{sort.name} {missing[0]}" if len(missing) == 1 else f"{sort.plural} {missing[0]} .. {missing[-1]}"
+            problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort.name))
 
 
 def _is_of(who: ir.Expr, agent: Body) -> bool:
-    return mover_sort(who) == agent.sort and not (isinstance(who, ir.Member) and who.who == "cell")
+    return body_sort(who) == agent.sort
 
 
 def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
@@ -231,7 +232,7 @@ def _check_room_at_start(
     domain, span = pool.sends[0].domain, lacking.span
     own = any(variables_around(s.domain) for s in pool.sends)
     earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.reached}
-    for agent in sorted(pool.reached):
+    for agent in sorted(pool.reached, key=lambda body: body.number):  # of one sort: each is placed by itself
         sure, possible = _cells_at_start(pool, agent, game)
         taken = sum(other != agent and not sure.isdisjoint(cells) for other, cells in earlier.items())
         earlier[agent] = earlier.get(agent, set()) | possible
@@ -239,9 +240,7 @@ def _check_room_at_start(
             continue
         place, everybody = _as_written(domain, sources), len({*pool.reached, *earlier})
         if own:
-            problems.add(
-                errors.TooFewForOne(span, place=place, cells=len(sure), agents=taken, who=f"{agent.sort or 'agent'} {agent.number}")
-            )
+            problems.add(errors.TooFewForOne(span, place=place, cells=len(sure), agents=taken, who=f"{agent.sort.name} {agent.number}"))
         elif domain.where is None:
             who = "agents and movers" if game.movers else "agents"
             problems.add(errors.TooFewCells(span, kind=place, cells=len(sure), agents=everybody, who=who))

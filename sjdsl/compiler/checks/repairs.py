@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterator
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.node import Node
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.checks.ways_out import Edit, Way, way
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 
 Change = tuple[str, tuple[Edit, ...]]  # how it is named, and its edits
@@ -42,16 +42,12 @@ def _guarded(test: str, span: Span, file: ast.File) -> Iterator[Change]:
     for node in reversed(around):
         if isinstance(node, ast.Domain) and node.where is not None and node.where.span.end <= span.start:
             yield says, ((node.where.span.end, node.where.span.end, f" and {test}"),)
-        if _is_statement(node) and not isinstance(node, SIMPLE):
-            yield says, ((node.span.start, node.span.start, f"when {test} {{ "), (node.span.end, node.span.end, " }"))  # type: ignore[attr-defined]
+        if isinstance(node, ast.Stmt) and not isinstance(node, SIMPLE):
+            yield says, ((node.span.start, node.span.start, f"when {test} {{ "), (node.span.end, node.span.end, " }"))
 
 
 def _holds(around: Span, span: Span) -> bool:
     return around.start <= span.start and span.end <= around.end
-
-
-def _is_statement(node: object) -> bool:
-    return isinstance(node, ast.Stmt)
 
 
 def _somebody(d: Diagnostic, file: ast.File, source: Source) -> Iterator[Change]:

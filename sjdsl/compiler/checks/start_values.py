@@ -71,7 +71,7 @@ def _start(e: ir.FieldRead, names: Mapping[str, Place | int], game: ir.Game) -> 
         place = names[e.owner.name]
         if isinstance(place, Place):
             return starts_of(game, next(g for g in game.glyphs if g.glyph == place.glyph))[e.name]
-        fields = movers_named(game, e.kinds[0]).fields if e.held_by == "mover" else game.agents.fields
+        fields = movers_named(game, e.held_by.name).fields if e.held_by.what == "mover" else game.agents.fields
         return next(f.start for f in fields if f.name == e.name)
     if e.owner is None:
         return next(f.start for f in game.fields if f.name == e.name)

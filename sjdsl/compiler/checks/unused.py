@@ -7,7 +7,7 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.ir.queries import phases_of
-from sjdsl.compiler.ir.sorts import Level, sort_of
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.runtime.actions import MOVES
 
 
@@ -45,7 +45,7 @@ def _check_events(game: ir.Game, static: Static, problems: Problems) -> None:
 
 def _example(level: Level) -> str:
     """Returns a key that a rule could count by."""
-    return "agent" if sort_of(level) == "agent" else level[0]
+    return "agent" if level.sort == "agent" else level.names[0]
 
 
 def _check_names(game: ir.Game, composition: Composition, static: Static, problems: Problems) -> None:

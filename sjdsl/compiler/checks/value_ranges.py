@@ -14,9 +14,8 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
 from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.implications import conjuncts, limits_of
-from sjdsl.compiler.ir.members import most_members
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, REDUCTIONS
-from sjdsl.compiler.ir.sorts import place_of
+from sjdsl.compiler.ir.queries import most_members
 from sjdsl.compiler.ir.types import times
 
 LOWEST, HIGHEST = -MAX_INTEGER - 1, MAX_INTEGER
@@ -142,7 +141,7 @@ def _by_type(e: ir.Expr, here: Here) -> Interval:
 
 def _field(e: ir.FieldRead, here: Here) -> Interval:
     visit_children(e, here)
-    return e.type.low, here.played.timers.get((e.held_by, e.name), inf)
+    return e.type.low, here.played.timers.get((e.held_by.what, e.name), inf)
 
 
 def _entry(e: ir.At, here: Here) -> Interval:
@@ -158,7 +157,7 @@ def _table(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return params[e.name]
         case ir.At(row=row, key=ir.Word() | ir.Number() as key):
             table = _table(row, params)
-            return None if table is None else table[place_of(row.type.by[0], key.value)]  # type: ignore[arg-type]
+            return None if table is None else table[row.type.by[0].place_of(key.value)]  # type: ignore[arg-type]
         case _:
             return None
 
@@ -187,10 +186,6 @@ def _of_row(e: ir.SumRow, here: Here) -> Interval:
 def _extreme(e: ir.Extreme, here: Here) -> Interval:
     values = [interval_of(e.value, inside(e.domain, here))]
     return _hull(values if e.otherwise is None else [*values, interval_of(e.otherwise, here)])
-
-
-def _case(e: ir.Case, here: Here) -> Interval:
-    return _hull(_arms(e, here))
 
 
 def _arms(e: ir.Case, here: Here) -> list[Interval]:
@@ -223,7 +218,7 @@ _VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
     ir.SumRow: _of_row,
     ir.ShiftRow: lambda e, here: _hull([interval_of(e.row, here), interval_of(e.filler, here)]),
     ir.Extreme: _extreme,
-    ir.Case: _case,
+    ir.Case: lambda e, here: _hull(_arms(e, here)),
     ir.Named: lambda e, here: interval_of(e.value, here),
     ir.Before: lambda e, here: interval_of(e.value, replace(here, known={})),  # what is known is known of the state after the step
 }

@@ -58,7 +58,7 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
 def _settled(played: Played) -> list[Sums]:
     """Goes through the phases until no timer rises any more, or the episode is over, and returns what each of them adds."""
     game, phases = played.game, phases_of(played.game)
-    starts: dict[Held, float] = {(timer.held_by, timer.name): _highest_start(timer, game) for timer in all_fields(game) if timer.timer}
+    starts: dict[Held, float] = {(timer.held_by.what, timer.name): _highest_start(timer, game) for timer in all_fields(game) if timer.timer}
     played.timers, round_ = starts, 0
     while True:
         played.leaving, played.sets, played.growth = [], {}, {}
@@ -75,7 +75,7 @@ def _settled(played: Played) -> list[Sums]:
 
 def _highest_start(timer: ir.VarField, game: ir.Game) -> float:
     """Returns the largest value that a timer begins with on the map."""
-    starts = [value for glyph in game.glyphs if glyph.kind == timer.kind for name, value in glyph.starts if name == timer.name]
+    starts = [value for glyph in game.glyphs if glyph.kind == timer.held_by.name for name, value in glyph.starts if name == timer.name]
     return max((value for value in starts if isinstance(value, int)), default=0)
 
 

@@ -4,25 +4,26 @@ A write is looked at with everything around it: the quantifiers (each gives inst
 conditions known to hold. Two writes of one field can only meet at one target, so conditions about the target decide.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field, replace
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.checks.one_agent import is_of_one_agent, not_forbidden
 from sjdsl.compiler.checks.writes import Branch, Quantifier, Target, Write
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.ir.equivalence import Form, form
-from sjdsl.compiler.ir.implications import Fact, contradict, facts
+from sjdsl.compiler.ir.free_variables import renamed
+from sjdsl.compiler.ir.implications import Fact, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import declared_field, mover_sort, phases_of, written_field
+from sjdsl.compiler.ir.queries import body_sort, declared_field, phases_of, written_field
+from sjdsl.compiler.ir.types import integer
 
 
 def _place(who: ir.Expr) -> Target:
-    return Target("place", mover_sort(who))
+    return Target("place", body_sort(who).name)
 
 
 class Around(Record):
@@ -94,15 +95,15 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                 value = ("send", s.pool, None if s.after is None else form(s.after), s.facing, s.stay)
                 depends = _names(s.domain, around) | (frozenset() if s.after is None else _names(s.after, around))
                 yield _write("place", _place(s.who), (), s.who, value, depends, s, around)
-                if mover_sort(s.who) and s.facing != "same":  # the heading of a mover is a field
-                    yield _write("set", Target("mover", "heading"), (mover_sort(s.who),), s.who, value, depends, s, around)
+                if body_sort(s.who).what == "mover" and s.facing != "same":  # the heading of a mover is a field
+                    yield _write("set", Target("mover", "heading"), body_sort(s.who).names, s.who, value, depends, s, around)
             case ir.Shift():
                 parts = (s.to, s.steps, s.heading, s.other)
                 by: Form = ("shift", s.quarters, s.facing, *(None if part is None else form(part) for part in parts))
                 depends = frozenset(name for part in parts if part is not None for name in _names(part, around))
                 yield _write("place", _place(s.who), (), s.who, by, depends, s, around)
-                if mover_sort(s.who) and s.facing != "same":
-                    yield _write("set", Target("mover", "heading"), (mover_sort(s.who),), s.who, by, depends, s, around)
+                if body_sort(s.who).what == "mover" and s.facing != "same":
+                    yield _write("set", Target("mover", "heading"), body_sort(s.who).names, s.who, by, depends, s, around)
             case ir.Remove():
                 yield _write("place", _place(s.who), (), s.who, ("remove",), frozenset(), s, around)
             case _:
@@ -176,9 +177,9 @@ def _field_write(sort: Literal["set", "add"], s: ir.Set | ir.Add, target: ir.Exp
         depends |= frozenset() if isinstance(target.key, ir.Member) else _names(target.key, around)
         target = target.row
     assert isinstance(target, ir.FieldRead)
-    written = Target(target.held_by, target.name, tuple(entries))
+    written = Target(target.held_by.what, target.name, tuple(entries))
     uncapped = sort == "add" and target.type.kind == "int"
-    made = _write(sort, written, target.kinds, target.owner, form(value), depends, s, around)
+    made = _write(sort, written, target.held_by.names, target.owner, form(value), depends, s, around)
     quantifiers = tuple(replace(q, single=q.single or is_of_one_agent(q, around.facts)) for q in made.quantifiers)
     return replace(made, bounded=uncapped, keys=tuple(keys), quantifiers=quantifiers)
 
@@ -324,12 +325,12 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     assert span is not None and other is not None
     labels = () if a is b else (Label(other, "the other write is here"),)
     if a.sort == b.sort == "place":
-        who = f"a mover `{a.target.name}`" if a.target.name else "an agent"
+        who = "an agent" if a.target.name == "agent" else f"a mover `{a.target.name}`"
         problems.add(errors.TwoDestinations(span, labels=labels, phase=phase.label, who=who))
     elif {a.sort, b.sort} == {"set", "add"}:
         problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
     else:
-        owner = (a.target.name or "agent") if a.target.of == "place" else a.target.of
+        owner = a.target.name if a.target.of == "place" else a.target.of
         found = errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label, lot=_lots_apart(a, b))
         problems.add(found)
 
@@ -352,3 +353,32 @@ def _report_range(w: Write, game: ir.Game, problems: Problems) -> None:
 
 def _is_capped(w: Write, game: ir.Game) -> bool:
     return isinstance(w.statement, ir.Add) and declared_field(game, written_field(w.statement.target)).capped
+
+
+def _is_lasting(node: ir.Node) -> bool:
+    """Returns whether a part of a condition on an agent has one value throughout an episode: its number, and numbers of the game."""
+    match node:
+        case ir.Attribute():
+            return node.name == "index"
+        case ir.Member() | ir.ParamRef() | ir.Number() | ir.Arithmetic() | ir.Compare() | ir.InRange() | ir.Not() | ir.Logic() | ir.Named():
+            return True
+        case _:
+            return False
+
+
+def not_forbidden(condition: ir.Expr, forbids: Iterable[ir.Forbid]) -> Iterator[Fact]:
+    """Yields what is known of an agent that chose an action: what holds now as it did before the step, when it was not forbidden."""
+    if isinstance(condition, ir.Chose) and isinstance(condition.agent, ir.Member):
+        for forbid in forbids:
+            if condition.action in forbid.actions and not forbid.names:
+                parts = conjuncts(renamed(forbid.condition, {"agent": condition.agent.name}), holds=False)
+                yield from (fact for part in parts if all(map(_is_lasting, ir.walk(part))) for fact in facts(part))
+
+
+def is_of_one_agent(quantifier: Quantifier, known: Sequence[Fact]) -> bool:
+    """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
+    if not isinstance(quantifier.statement, ir.Each) or quantifier.statement.domain.var.sort.what == "cell":
+        return False
+    index = ir.Attribute(type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index")
+    low, high = narrowed(index, known)
+    return low == high

@@ -220,7 +220,7 @@ def argument_read(agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], sco
         number, used = _named(declared, steps, scope), 2
     scope.static.refer(steps[0].name, Symbol("action", declared.name))
     argument, last = declared.arguments[number], steps[used - 1]
-    if not (isinstance(agent, ir.Member) and agent.who == "agent"):
+    if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
         raise not_named(agent, ast.Path(last.span, steps[0].name, ()), scope)
     read = ir.ArgumentOf(type=argument.type, agent=agent, action=declared.name, number=number, name=argument.name, origin=last.span)
     check_in_step(text(read), last.span, scope)

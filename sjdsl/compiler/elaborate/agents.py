@@ -44,7 +44,7 @@ def declare_agents(game: Composition, scope: Scope) -> None:
         problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
     for name, declared in game.agent_fields.items():
         with problems.survive(static.broken, Symbol("field", name, "agent")):
-            static.agent_fields[name] = one_field(declared, scope, "agent", "")
+            static.agent_fields[name] = one_field(declared, scope, ir.Sort("agent"))
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:
         problems.add(errors.MissingPart(span, what="number of agents", how="`agents 2 { acts ... moves relative }`"))
@@ -72,7 +72,7 @@ def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Ag
 def _blocks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Block, ...]:
     """Returns the shapes whose lanes end at agents, perhaps only at those for whom a condition holds."""
     found: list[ir.Block] = []
-    scope = Scope(static, problems, part="blocks").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, part="blocks").bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
     for blocks in game.agent_blocks.values():
         with problems.survive():
             for what in blocks.what:
@@ -80,5 +80,5 @@ def _blocks(game: Composition, static: Static, problems: Problems) -> tuple[ir.B
                     help_ = "agents always block each other: no two are on one cell; name the shapes whose lanes end at an agent"
                     raise problems.fail(errors.WrongSort(what.span, name="agents", what="the agents", wanted="a shape", help=help_))
             test = None if blocks.condition is None else scope.condition(blocks.condition)
-            found += blocked(blocks, {"": test}, scope)
+            found += blocked(blocks, {ir.Sort("agent"): test}, scope)
     return tuple(found)

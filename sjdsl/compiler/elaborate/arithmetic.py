@@ -127,7 +127,7 @@ def is_share(left: ir.Expr, right: ir.Expr) -> bool:
     part, whole = left.domain, right.domain
     if whole.where is not None or whole.restriction is not None or whole.on is not None or part.on is not None:
         return False
-    return part.var.who == whole.var.who and set(part.var.kinds) <= set(whole.var.kinds)
+    return part.var.sort.what == whole.var.sort.what and set(part.var.sort.names) <= set(whole.var.sort.names)
 
 
 def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:

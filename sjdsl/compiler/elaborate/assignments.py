@@ -28,7 +28,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
 def _written_how(e: ir.Expr) -> str:
     """Returns how what is no field changes."""
     match e:
-        case ir.Attribute(name="row" | "col", owner=ir.Member(who="mover", kinds=(sort,))):
+        case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (sort,)))):
             return f"movers change their places by `move each {sort} ahead` and the like, and by `send {sort} to KIND`"
         case ir.Attribute(name="row" | "col"):
             return "agents change their places by `move` and by `send agent to KIND`"
@@ -42,15 +42,15 @@ def _written_how(e: ir.Expr) -> str:
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
     static = scope.static
-    match field.held_by:
+    match field.held_by.what:
         case "world":
             return static.fields[field.name]
         case "agent":
             return static.agent_fields[field.name]
         case "mover":
-            return static.mover_fields(field.kinds[0])[field.name]
+            return static.mover_fields(field.held_by.name)[field.name]
         case "cell":
-            return static.kinds[field.kinds[0]][field.name]
+            return static.kinds[field.held_by.names[0]][field.name]
 
 
 def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:

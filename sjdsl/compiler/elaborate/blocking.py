@@ -6,12 +6,13 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.sorts import AGENTS
 
 
-def blocked(blocks: ast.Blocks, tests: Mapping[str, ir.Expr | None], scope: Scope) -> list[ir.Block]:
+def blocked(blocks: ast.Blocks, tests: Mapping[ir.Sort, ir.Expr | None], scope: Scope) -> list[ir.Block]:
     """Returns what is stopped, the agents, sorts of movers or shapes by name, where a condition holds.
 
-    tests: the condition as it is asked about movers, by their sort; about all others, by no name.
+    tests: the condition as it is asked about movers of a sort; as it is asked about agents it is also asked about the others.
     """
     static, found = scope.static, []
     for what in blocks.what:
@@ -25,5 +26,5 @@ def blocked(blocks: ast.Blocks, tests: Mapping[str, ir.Expr | None], scope: Scop
         if what.text in static.shapes and static.shapes[what.text].see_through:
             problem = f"the shape `{what.text}` sees through everything"
             scope.problems.add(errors.NeverHappens(what.span, problem=problem))
-        found.append(ir.Block(what=what.text, condition=tests.get(what.text, tests.get("")), origin=blocks.span))
+        found.append(ir.Block(what=what.text, condition=tests.get(ir.Sort("mover", (what.text,)), tests.get(AGENTS)), origin=blocks.span))
     return found

@@ -12,7 +12,7 @@ from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import table_words
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.table_entries import entries_of
-from sjdsl.compiler.ir.sorts import Level, sort_of
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")
@@ -33,7 +33,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     by, value = _value(declared.value, unit, scope, level)
     if override is not None and declared.is_size:
         value = _overridden(declared, override, by, scope)
-    outside = [(keys, n) for keys, n in zip(product(*by), _flat(value), strict=True) if not low <= n <= high]
+    outside = [(keys, n) for keys, n in zip(product(*(each.names for each in by)), _flat(value), strict=True) if not low <= n <= high]
     if outside:
         _report_outside(declared, outside, (low, high), level, scope)
         if not isinstance(value, tuple):
@@ -123,7 +123,7 @@ def _value(
     if any(i[0] != inner[0][0] for i in inner):
         raise scope.problems.fail(errors.UnequalRows(tree.span))
     order = [names.index(w) for w in words]
-    return (words, *inner[0][0]), tuple(inner[i][1] for i in order)
+    return (Level("word", words), *inner[0][0]), tuple(inner[i][1] for i in order)
 
 
 def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
@@ -175,12 +175,12 @@ def _word(declared: ast.Constant, scope: Scope) -> None:
         by = (level_of(declared.by, scope),)
         entries = entries_of(declared.value, by[0], scope)
     elif isinstance(declared.value, ast.Table):
-        by = (_declared_words(declared.value, table_words(declared.value, scope), scope),)
+        by = (Level("word", _declared_words(declared.value, table_words(declared.value, scope), scope)),)
         order = {e.key.text: e.value for e in declared.value.entries}
-        entries = [order[w] for w in by[0]]
+        entries = [order[w] for w in by[0].names]
     known = {id(e): _one_word(e, scope) for e in {id(e): e for e in entries}.values()}
     values = [known[id(e)] for e in entries]
-    sets = [*(level for level in by if sort_of(level) == "word"), *scope.static.word_sets]
+    sets = [*(level.names for level in by if level.sort == "word"), *scope.static.word_sets]
     words = next((s for s in sets if set(values) <= set(s)), None)
     if words is None:
         raise scope.problems.fail(errors.NeverEqual(declared.value.span))
@@ -201,7 +201,7 @@ def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
 def _entry(value: ast.Expr | ast.Table, keys: tuple[str, ...], level: Level | None, scope: Scope) -> ast.Expr | ast.Table:
     """Returns the entry of a table that was read without mistakes, or the number itself. `level`: the first one, where it is declared."""
     if level is not None:
-        value, keys = entries_of(value, level, scope)[level.index(keys[0])], keys[1:]
+        value, keys = entries_of(value, level, scope)[level.names.index(keys[0])], keys[1:]
     for key in keys:
         assert isinstance(value, ast.Table)
         value = next(e.value for e in value.entries if e.key.text == key)

@@ -119,14 +119,14 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
                 static.event_levels[name] = level_of(event.by, scope)
     for kind in game.kinds.values():
         with problems.survive(static.broken, Symbol("name", kind.name.text)):
-            static.kinds[kind.name.text] = fields_of(kind.attributes, scope, "cell", kind.name.text)
+            static.kinds[kind.name.text] = fields_of(kind.attributes, scope, ir.Sort("cell", (kind.name.text,)))
             _glyphs(kind, scope)
     for group in game.groups.values():
         with problems.survive(static.broken, Symbol("name", group.name.text)):
             static.groups[group.name.text] = tuple(_kind(name, scope) for name in group.kinds)
     for declared in game.fields.values():
         with problems.survive(static.broken, Symbol("name", declared.name.text)):
-            made_field = one_field(declared, scope, "world", "")
+            made_field = one_field(declared, scope, ir.Sort("world"))
             static.fields[made_field.name] = made_field
     declare_agents(game, scope)
     declare_movers(game, scope)
@@ -191,15 +191,15 @@ def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[
 
 def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block]:
     static = scope.static
-    sorts = dict.fromkeys(what.text if what.text in static.movers else "" for what in attribute.what)
+    sorts = dict.fromkeys(ir.Sort("mover", (what.text,)) if what.text in static.movers else ir.Sort("agent") for what in attribute.what)
     tests = {sort: _blocks_when(attribute, kind, sort, scope) for sort in sorts}
     return blocked(attribute, tests, scope)
 
 
-def _blocks_when(attribute: ast.Blocks, kind: str, sort: str, scope: Scope) -> ir.Expr | None:
+def _blocks_when(attribute: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> ir.Expr | None:
     """Returns the condition of `blocks`, about the cell and about who moves: an agent (or the anchor of a shape), or a mover of a sort."""
     if attribute.condition is None:
         return None
-    who = ir.Member(name="agent", who="agent") if not sort else ir.Member(name=sort, who="mover", kinds=(sort,))
-    cell = ir.Member(name=kind, who="cell", kinds=(kind,))
+    who = ir.Member(name=sort.name, sort=sort)
+    cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
     return scope.bind(kind, cell).bind(who.name, who).condition(attribute.condition)

@@ -18,13 +18,13 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
     """Returns a domain and the scope inside it."""
     chosen = d.bind or d.kind
     if d.kind.text == "agent":
-        var = ir.Member(name=_own_name(chosen, scope), who="agent", origin=d.kind.span)
+        var = ir.Member(name=_own_name(chosen, scope), sort=ir.Sort("agent"), origin=d.kind.span)
     elif d.kind.text in scope.static.movers:
         scope.static.use(d.kind, Symbol("name", d.kind.text))
-        var = ir.Member(name=_own_name(chosen, scope), who="mover", kinds=(d.kind.text,), origin=d.kind.span)
+        var = ir.Member(name=_own_name(chosen, scope), sort=ir.Sort("mover", (d.kind.text,)), origin=d.kind.span)
     else:
         kinds = kinds_named(d.kind, scope)
-        var = ir.Member(name=_own_name(chosen, scope), who="cell", kinds=kinds, origin=d.kind.span)
+        var = ir.Member(name=_own_name(chosen, scope), sort=ir.Sort("cell", kinds), origin=d.kind.span)
     check_free(chosen, scope, d.bind is not None)
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
     inner = with_member(d.bind, d.kind, var, scope)
@@ -40,13 +40,13 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
 
 def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
     assert d.on is not None
-    if var.who == "cell":
+    if var.sort.what == "cell":
         raise scope.problems.fail(
             errors.WrongSort(d.kind.span, name=d.kind.text, what="a kind of cell", wanted="an agent (`agent on KIND`)")
         )
     name = d.on.bind or d.on.kind
     check_free(name, scope, d.on.bind is not None)
-    on = ir.Member(name=_own_name(name, scope), who="cell", kinds=kinds_named(d.on.kind, scope), origin=d.on.span)
+    on = ir.Member(name=_own_name(name, scope), sort=ir.Sort("cell", kinds_named(d.on.kind, scope)), origin=d.on.span)
     return on, with_member(d.on.bind, d.on.kind, on, scope)
 
 
@@ -91,16 +91,16 @@ def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member,
             return near(restriction.shape, restriction.anchor, scope)
         case ast.Members():
             members = tuple(_variable(name, scope) for name in restriction.names)
-            if any(m.who != var.who or (var.who == "mover" and m.kinds != var.kinds) for m in members):
+            if any(m.sort != var.sort and {m.sort.what, var.sort.what} != {"cell"} for m in members):
                 raise scope.problems.fail(errors.WrongType(restriction.span, wanted="variables of the same sort", given="a mixture"))
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
-            if var.who == "cell" and value.type.kind == "cell" and not value.type.by:
+            if var.sort.what == "cell" and value.type.kind == "cell" and not value.type.by:
                 if not set(var.kinds) & set(value.type.kinds):
                     raise scope.problems.fail(errors.NeverOneCell(restriction.span))
                 return ir.InCell(value=value, origin=restriction.span)
-            if var.who != "agent" or (value.type.kind != "agents" and not as_agent(value)):
+            if var.sort.what != "agent" or (value.type.kind != "agents" and not as_agent(value)):
                 raise wrong_type(scope, restriction, "a shape of something, or a field that holds agents or a cell", value.type)
             return ir.InAgents(value=value, origin=restriction.span)
 
@@ -109,9 +109,9 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
     shape = shapes.used(ref, scope)
     member = _variable(anchor, scope)
-    if member.who != "cell":
+    if member.sort.what != "cell":
         check_placed(member, ref.span, f"{shape.name} of {anchor.text}", scope)
-    if shape.directed and member.who == "cell":
+    if shape.directed and member.sort.what == "cell":
         raise scope.problems.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))
     return ir.Near(shape=shape.name, anchor=member, origin=ref.span)
 
@@ -131,13 +131,15 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
 def most_members(d: ir.Domain, scope: Scope) -> int:
     """Returns the most members a domain can have."""
     static = scope.static
-    match d.var.who:
+    match d.var.sort.what:
         case "agent":
             everywhere = static.num_agents
         case "mover":
-            everywhere = static.movers[d.var.kinds[0]].number
+            everywhere = static.movers[d.var.sort.name].number
         case "cell":
             everywhere = sum(static.cells.get(k, 0) for k in d.var.kinds)
+        case "world":
+            raise AssertionError(d)
     match d.restriction:
         case ir.Near():
             return min(everywhere, sum(map(len, static.shapes[d.restriction.shape].lanes)))
@@ -160,17 +162,17 @@ def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
     if d.where is not None or d.on is not None:
         return True
     match d.restriction:
-        case None if d.var.who == "cell":
+        case None if d.var.sort.what == "cell":
             return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
         case None:
             return static.can_be_away and not _somebody_is_here(d.var, scope)
         case ir.Among():
-            return d.var.who == "cell"
+            return d.var.sort.what == "cell"
         case _:
             return True
 
 
 def _somebody_is_here(var: ir.Member, scope: Scope) -> bool:
     """Returns whether a domain around has an agent (or such a mover); other parts of a game may speak of one that is away."""
-    agents = (v for v in scope.variables.values() if isinstance(v, ir.Member) and (v.who, v.kinds) == (var.who, var.kinds))
+    agents = (v for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort == var.sort)
     return scope.part in ("phase", "start", "metrics", "checks", "policy") and any(agents)

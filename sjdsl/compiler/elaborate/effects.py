@@ -13,7 +13,7 @@ from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import mover_sort
+from sjdsl.compiler.ir.queries import body_sort
 from sjdsl.runtime.actions import HEADINGS
 
 FACINGS = (*HEADINGS, "same")
@@ -23,7 +23,7 @@ LATER = "who is sent `after` some ticks finds its cell when it comes back: keep 
 def body(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns one agent, or one mover."""
     built = scope.expression(e)
-    if isinstance(built, ir.Member) and built.who == "mover":
+    if isinstance(built, ir.Member) and built.sort.what == "mover":
         return built
     if not as_agent(built):
         raise wrong_type(scope, e, "an agent or a mover" if scope.static.movers else "an agent", built.type)
@@ -36,7 +36,7 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
     built = scope.expression(e)
     if built.type.kind == "agents" and not built.type.by:
         return built
-    if isinstance(built, ir.Member) and built.who == "mover":
+    if isinstance(built, ir.Member) and built.sort.what == "mover":
         help_ = "a mover earns nothing; keep it in a field of the mover, such as `field fed : 0 .. 9 capped = 0`"
         raise scope.problems.fail(errors.WrongType(e.span, wanted="an agent or a set of agents", given="a mover", help=help_))
     if not as_agent(built):
@@ -51,7 +51,7 @@ def give(s: ast.Give, scope: Scope) -> ir.Stmt:
         but = None
         if s.receiver.but is not None:
             member = scope.expression(ast.Path(s.receiver.but.span, s.receiver.but, ()))
-            if not (isinstance(member, ir.Member) and member.who == "agent"):
+            if not (isinstance(member, ir.Member) and member.sort.what == "agent"):
                 raise wrong_type(scope, ast.Path(s.receiver.but.span, s.receiver.but, ()), "an agent", member.type)
             but = member
         return ir.Give(value=value, receiver=None, but=but, origin=s.span)
@@ -107,8 +107,8 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if held is not None and s.stay is None:
         raise scope.problems.fail(errors.TakenOrNowhere(s.span, place=text(held)))
     place = use.streams.header(s.domain.span, s.domain.span.end)
-    if mover_sort(who):  # each sort is placed by itself
-        place = f"{place} of {mover_sort(who)}"
+    if body_sort(who).what == "mover":  # each sort is placed by itself
+        place = f"{place} of {body_sort(who).name}"
     if held is not None and after is None:
         header = use.streams.header(s.span, s.span.end)
         stream, turned = use.streams.of_statement(header), use.streams.of_statement(f"heading of {header}")
@@ -145,7 +145,7 @@ def _cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
 def _destination(d: ast.Domain | ast.Path, scope: Scope) -> ir.Domain:
     assert isinstance(d, ast.Domain)
     built, _ = domain(d, without(scope, (d.bind or d.kind).text))
-    if built.var.who != "cell" or built.on is not None or built.restriction is not None:
+    if built.var.sort.what != "cell" or built.on is not None or built.restriction is not None:
         raise scope.problems.fail(errors.WrongType(d.span, wanted="a kind of cell, perhaps with `where`", given="another domain"))
     return built
 
@@ -155,5 +155,5 @@ def _only(cell: ir.Expr, span: Span) -> ir.Domain:
     kinds = kinds_of_cell(cell) or ()
     taken = {v.name for v in free_variables(cell)}
     name = next(n for n in ("cell", "cell_", "cell__") if n not in taken)
-    var = ir.Member(name=name, who="cell", kinds=kinds, origin=span)
+    var = ir.Member(name=name, sort=ir.Sort("cell", kinds), origin=span)
     return ir.Domain(var=var, where=ir.Same(left=var, right=cell, origin=span), origin=span)

@@ -13,12 +13,9 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import actions
 from sjdsl.compiler.elaborate.arithmetic import calculation, compare, join_types
-from sjdsl.compiler.elaborate.before import before
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.defines import use as use_define
-from sjdsl.compiler.elaborate.domains import domain, most_members
-from sjdsl.compiler.elaborate.extremes import extreme as over_domain
-from sjdsl.compiler.elaborate.extremes import written
+from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
     as_agent,
     check_known_word,
@@ -32,8 +29,10 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.row_functions import beyond_one, extreme_of_row, lowest, mix, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, Calculation, Function
+from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, REDUCTIONS, Calculation, Function
 from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
+
+WHERE_BEFORE_STANDS = "`before` stands in `always` and `once` of `checks`, not inside another; a rule keeps what it needs later in a field"
 
 
 def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -56,7 +55,7 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
         case ast.Total():
             return total(e, scope)
         case ast.Extreme():
-            return over_domain(e, scope)
+            return extreme(e, scope)
         case ast.Case():
             return case(e, scope)
         case ast.Unary():
@@ -140,10 +139,10 @@ def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.E
         return ir.Same(left=left, right=right, origin=e.span)
     if all(as_agent(x) for x in (left, right)):
         return ir.Same(left=left, right=right, origin=e.span)
-    if isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.who == right.who == "mover" and left.kinds == right.kinds:
+    if isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.sort.what == "mover" and left.sort == right.sort:
         return ir.Same(left=left, right=right, origin=e.span)
-    if isinstance(left, ir.Member) and left.who == "mover":
-        raise wrong_type(scope, e.right, f"a mover `{left.kinds[0]}`", right.type)
+    if isinstance(left, ir.Member) and left.sort.what == "mover":
+        raise wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
     help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
     wanted = "a word, an agent or a cell"
     single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None
@@ -161,7 +160,7 @@ def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope)
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.agent)
-    if not (isinstance(agent, ir.Member) and agent.who == "agent"):
+    if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
         raise not_named(agent, e.agent, scope)
     name = e.action.name.text
     bound = scope.variables.get(name)
@@ -178,14 +177,14 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
     if isinstance(e.who, ast.Nobody):
         cell = scope.variables.get(e.kind.text)
         scope.refer(e.kind)
-        if not (isinstance(cell, ir.Member) and cell.who == "cell"):
+        if not (isinstance(cell, ir.Member) and cell.sort.what == "cell"):
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
             raise scope.problems.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
-    if not (isinstance(agent, ir.Member) and agent.who != "cell"):
+    if not (isinstance(agent, ir.Member) and agent.sort.what != "cell"):
         raise not_named(agent, e.who, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)
@@ -291,6 +290,44 @@ def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 
 
 # What makes each class of node of a call.
+def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
+    """Returns the least or greatest value over a domain."""
+    reduction = REDUCTIONS.get(e.name.text)
+    if reduction is None or reduction.adds:  # a sum is `ast.Total`
+        raise scope.problems.unknown(e.name, REDUCTIONS, "what there is over a domain", guesses.FUNCTIONS | guesses.OVER_DOMAINS)
+    built, inner = domain(e.domain, scope)
+    value = inner.expression(e.value)
+    otherwise = None if e.if_none is None else scope.expression(e.if_none)
+    for tree, part in ((e.value, value), (e.if_none, otherwise)):
+        if tree is not None and part is not None and not is_number(part.type):
+            raise wrong_type(scope, tree, "a number", part.type)
+    if otherwise is None and can_be_empty(built, scope):
+        raise scope.problems.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope)))
+    types = [value.type] if otherwise is None else [value.type, otherwise.type]
+    type_ = join_types(types, scope, "compare", e)
+    return ir.Extreme(type=type_, fn=e.name.text, value=value, domain=built, otherwise=otherwise, origin=e.span)  # type: ignore[arg-type]
+
+
+def written(d: ast.Domain, scope: Scope) -> str:
+    """Returns a domain as its author wrote it."""
+    return " ".join(scope.static.sources[d.span.file].text[d.span.start : d.span.end].split())
+
+
+def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns `before(e)`; what is known of the state now, and who has a place now, says nothing of that state."""
+    if not scope.about_steps:
+        wrong = errors.WrongType(e.span, wanted="a value of one state", given="`before`, which is about a step", help=WHERE_BEFORE_STANDS)
+        raise scope.problems.fail(wrong)
+    (value,) = e.arguments
+    bodies = (
+        {v.name for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort.what != "cell"} if scope.static.can_be_away else ()
+    )
+    inner = replace(scope, about_steps=False, facts=(), elsewhere=frozenset(bodies)).expression(value)
+    if inner.type.kind in ("member", "mix"):
+        raise wrong_type(scope, value, "a value", inner.type)
+    return ir.Before(type=inner.type, value=inner, origin=e.span)
+
+
 BUILDERS: dict[type[ir.Node], Callable[[Function, ast.Call, Scope], ir.Expr]] = {
     ir.Arithmetic: calculated,
     ir.Lowest: lowest,

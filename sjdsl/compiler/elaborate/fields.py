@@ -1,7 +1,6 @@
 """Elaborates fields and timers: type, range and starting value."""
 
 from math import inf
-from typing import Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -13,39 +12,37 @@ from sjdsl.compiler.ir.types import describe, join_units, words
 
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "reward")
 
-Holder = Literal["agent", "cell", "mover", "world"]  # what has the field
 
-
-def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: Holder, kind: str) -> dict[str, ir.VarField]:
-    """Returns the fields and timers among the attributes of a kind, by name."""
+def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: ir.Sort) -> dict[str, ir.VarField]:
+    """Returns the fields and timers among the attributes of a kind of cell, or of movers, by name."""
     made: dict[str, ir.VarField] = {}
     for attribute in attributes:
         if isinstance(attribute, ast.Field | ast.Timer):
             if attribute.name.text in made:
                 scope.problems.add(errors.WrittenTwice(attribute.name.span, what=f"the field `{attribute.name.text}`"))
                 continue
-            with scope.problems.survive(scope.static.broken, Symbol("field", attribute.name.text, kind)):
-                made[attribute.name.text] = one_field(attribute, scope, held_by, kind)
+            with scope.problems.survive(scope.static.broken, Symbol("field", attribute.name.text, held_by.name)):
+                made[attribute.name.text] = one_field(attribute, scope, held_by)
     return made
 
 
-def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: Holder, kind: str) -> ir.VarField:
+def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -> ir.VarField:
     """Returns one field with its type and starting value."""
-    taken = {"agent": AGENT_ATTRIBUTES, "mover": AGENT_ATTRIBUTES, "cell": CELL_ATTRIBUTES, "world": ()}[held_by]
+    taken = {"agent": AGENT_ATTRIBUTES, "mover": AGENT_ATTRIBUTES, "cell": CELL_ATTRIBUTES, "world": ()}[held_by.what]
     if declared.name.text in taken:
-        what = {"agent": "a field of the agents", "mover": "a field of movers"}.get(held_by, "a field of a kind")
-        problem = f"every {held_by} has it already"
+        what = {"agent": "a field of the agents", "mover": "a field of movers"}.get(held_by.what, "a field of a kind")
+        problem = f"every {held_by.what} has it already"
         scope.problems.add(errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem))
     name, span = declared.name.text, declared.span
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
-        return ir.VarField(name=name, held_by=held_by, kind=kind, type=type_, timer=True, start=0, origin=span)
+        return ir.VarField(name=name, held_by=held_by, type=type_, timer=True, start=0, origin=span)
     type_ = field_type(declared.type, name, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
         type_ = type_.model_copy(update={"by": (level_of(declared.by, scope),)})
     capped = isinstance(declared.type, ast.Range) and declared.type.capped
-    return ir.VarField(name=name, held_by=held_by, kind=kind, type=type_, capped=capped, start=start, origin=span)
+    return ir.VarField(name=name, held_by=held_by, type=type_, capped=capped, start=start, origin=span)
 
 
 def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:

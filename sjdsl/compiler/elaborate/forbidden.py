@@ -16,7 +16,7 @@ from sjdsl.compiler.ir.printer import expression as text
 def forbids(game: Composition, static: Static, problems: Problems) -> tuple[ir.Forbid, ...]:
     """Returns the `forbid` lines, which may read the agent's own fields and the world's."""
     found = []
-    scope = Scope(static, problems, part="forbid").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, part="forbid").bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
     for forbid in game.forbids.values():
         with problems.survive():
             found.append(_forbid(forbid, scope))
@@ -72,7 +72,7 @@ def _new_name(tree: ast.Expr, argument: ir.ActionArgument, scope: Scope) -> ast.
 
 
 def _variable(name: str, argument: ir.ActionArgument) -> ir.Expr:
-    return ir.Member(name=name, who="agent") if argument.type.kind == "agent" else ir.Local(type=argument.type, name=name)
+    return ir.Member(name=name, sort=ir.Sort("agent")) if argument.type.kind == "agent" else ir.Local(type=argument.type, name=name)
 
 
 def _numbers(chosen: ast.Chosen, declared: ir.ActionWithArguments, bound: dict[int, ast.Name], scope: Scope) -> list[int]:
@@ -93,6 +93,6 @@ def _check_reads(test: ir.Expr, forbid: ast.Forbid, scope: Scope) -> None:
         if ir.is_expression(node) and (
             where
             or isinstance(node, ir.Count | ir.Sum | ir.Extreme | ir.StandsOn | ir.Chose | ir.ChoseWith)
-            or (isinstance(node, ir.FieldRead) and node.held_by == "agent" and not isinstance(node.owner, ir.Member))
+            or (isinstance(node, ir.FieldRead) and node.held_by.what == "agent" and not isinstance(node.owner, ir.Member))
         ):
             raise scope.problems.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))

@@ -1,8 +1,8 @@
 """Elaborates what rows and tables are indexed by: the sort after `by`, and the key in square brackets.
 
-by { raw, cut }   ->   ("raw", "cut")        row[agent.grade]   ->   a key of type word
-by agent          ->   ("agent 0", ...)      row[b]             ->   a key that is an agent
-by 0 .. 2         ->   ("0", "1", "2")       row[agent.turns]   ->   a key that is a number from 0 to 2
+by { raw, cut }   ->   raw, cut              row[agent.grade]   ->   a key of type word
+by agent          ->   agent 0, agent 1      row[b]             ->   a key that is an agent
+by 0 .. 2         ->   0, 1, 2               row[agent.turns]   ->   a key that is a number from 0 to 2
 """
 
 from sjdsl.compiler import ast, ir
@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_somebody, not_a_word
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
-from sjdsl.compiler.ir.sorts import Level, lowest_number, of_agents, of_numbers, sort_of
+from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
 from sjdsl.compiler.ir.types import describe
 
 SORTS = ("agent", "{ a, b }", "0 .. 4")
@@ -20,11 +20,11 @@ def level_of(by: ast.By, scope: Scope) -> Level:
     """Returns the entries that a row has."""
     match by:
         case ast.Words():
-            return tuple(dict.fromkeys(name.text for name in by.names))
+            return Level("word", tuple(dict.fromkeys(name.text for name in by.names)))
         case ast.Numbers():
             return _range(by, scope)
         case ast.Name(text="agent"):
-            return of_agents(scope.static.num_agents)
+            return level_of_agents(scope.static.num_agents)
         case ast.Name():
             raise scope.problems.unknown(by, SORTS, "what a row can be by", {by.text: _instead(by, scope)})
 
@@ -45,28 +45,27 @@ def _range(by: ast.Numbers, scope: Scope) -> Level:
         raise scope.problems.fail(errors.WrongType(by.span, wanted="a range of whole numbers, the smaller first", given=given))
     if high - low >= limits.MAX_WORDS:
         raise scope.problems.fail(errors.Unsupported(by.span, what=f"a row of more than {limits.MAX_WORDS} entries"))
-    return of_numbers(int(low), int(high))
+    return level_of_numbers(int(low), int(high))
 
 
 def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir.Expr:
     """Returns the key of an entry of a row (given as an expression, or by its name), of the sort that the row is by."""
-    sort = sort_of(level)
-    if sort == "word":
-        check_known_word(tree, row, level, scope)
+    if level.sort == "word":
+        check_known_word(tree, row, level.names, scope)
     key = narrow_word(scope.expression(tree), scope.facts)
     if key.type.by or (key.type.kind == "mix" and isinstance(row, str)):
         raise wrong_type(scope, tree, _wanted(level), key.type)
     if key.type.kind == "mix":
-        if key.type.words != level:
-            raise not_a_word(tree.span, "mix", row, level, scope)
+        if key.type.words != level.names:
+            raise not_a_word(tree.span, "mix", row, level.names, scope)
         return key
-    match sort:
+    match level.sort:
         case "word":
             if key.type.kind != "word":
                 raise wrong_type(scope, tree, _wanted(level), key.type)
-            outside = [w for w in key.type.words if w not in level]
+            outside = [w for w in key.type.words if w not in level.names]
             if outside:
-                raise not_a_word(tree.span, outside[0], row, level, scope)
+                raise not_a_word(tree.span, outside[0], row, level.names, scope)
         case "agent":
             _check_agent(tree, key, level, scope)
         case "number":
@@ -75,13 +74,13 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
 
 
 def _wanted(level: Level) -> str:
-    match sort_of(level):
+    match level.sort:
         case "word":
             return "a word"
         case "agent":
             return "an agent"
         case "number":
-            return f"a number from {level[0]} to {level[-1]}"
+            return f"a number from {level.names[0]} to {level.names[-1]}"
 
 
 def _check_agent(tree: ast.Expr, key: ir.Expr, level: Level, scope: Scope) -> None:
@@ -95,9 +94,8 @@ def _check_agent(tree: ast.Expr, key: ir.Expr, level: Level, scope: Scope) -> No
 def _check_number(tree: ast.Expr, key: ir.Expr, level: Level, scope: Scope) -> None:
     if key.type.kind != "int":
         raise wrong_type(scope, tree, _wanted(level), key.type)
-    first = lowest_number(level)
     low, high = narrowed(key, scope.facts_and_requires)
-    if low < first or high > first + len(level) - 1:
+    if low < level.first or high > level.first + len(level) - 1:
         reach = (
             f"{low:g}"
             if low == high

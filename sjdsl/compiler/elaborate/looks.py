@@ -72,7 +72,7 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     what: Literal["agent", "cell", "mover"] = "agent" if name == "agent" else "mover" if name in static.movers else "cell"
     test = None
     if look.where is not None:
-        inner = scope.bind(name, ir.Member(name=name, who=what, kinds=kinds))
+        inner = scope.bind(name, ir.Member(name=name, sort=ir.Sort(what, kinds)))
         test = inner.condition(look.where)
         _check_reads(test, look, scope.problems)
     body, badge = (None if paint is None else _paint(paint, scope.problems) for paint in (look.body, look.badge))

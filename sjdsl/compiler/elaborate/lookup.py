@@ -22,7 +22,7 @@ NOWHERE = "nowhere"  # the value of a field that holds no cell; a word where a f
 
 def as_agent(e: ir.Expr) -> bool:
     """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
-    return (isinstance(e, ir.Member) and e.who == "agent") or e.type.kind == "agent"
+    return (isinstance(e, ir.Member) and e.sort.what == "agent") or e.type.kind == "agent"
 
 
 def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
@@ -34,7 +34,7 @@ def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
 
 def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
     """Returns the kinds that a cell can be of: of a variable, or of a value of type cell; none of `nowhere`. None: it is no cell."""
-    if isinstance(e, ir.Member) and e.who == "cell":
+    if isinstance(e, ir.Member) and e.sort.what == "cell":
         return e.kinds
     return e.type.kinds if e.type.kind == "cell" and not e.type.by else None
 

@@ -5,10 +5,10 @@ require count(gate) >= count(agent)   ->   7 >= 7
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.printer import domain
-from sjdsl.compiler.ir.traverse import rewrite
 from sjdsl.compiler.ir.types import integer
 
 
@@ -31,8 +31,9 @@ def _number(count: ir.Count, static: Static) -> int | None:
     d = count.domain
     if d.on is not None or d.restriction is not None:
         return None
-    if d.var.who == "agent":
-        return static.num_agents if d.where is None else None
+    if d.var.sort.what != "cell":
+        everybody = static.num_agents if d.var.sort.what == "agent" else static.movers[d.var.sort.name].number
+        return everybody if d.where is None else None
     if d.where is not None and not _of_the_cell(d.where, d.var):
         return None
     if not static.rows:

@@ -65,7 +65,7 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
             raise scope.problems.fail(
                 errors.WrittenTwice(event.span, what=f"event `{event.name.text}` counted with and without `for`, so it")
             )
-        by = scope.static.event_levels.get(event.name.text, ())
+        by = scope.static.event_levels.get(event.name.text)
         found.append(ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span))
     return tuple(found)
 
@@ -149,7 +149,7 @@ def _expect(check: ast.Expect, game: Composition, scope: Scope) -> ir.Check:
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
     name = policy.name.text
     if policy.domain is not None:
-        seeker = scope.bind("agent", ir.Member(name="agent", who="agent"))
+        seeker = scope.bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
         built, _ = domain(policy.domain, seeker)
         return ir.Policy(name="seek", domain=built, origin=policy.span)
     if name in game.policies and not policy.actions:

@@ -24,10 +24,9 @@ def declare_movers(game: Composition, scope: Scope) -> None:
     for declared in game.movers.values():
         name = declared.name.text
         with scope.problems.survive(static.broken, Symbol("name", name)):
-            heading = ir.VarField(
-                name="heading", held_by="mover", kind=name, type=words(HEADINGS), start="north", origin=declared.name.span
-            )
-            fields = {"heading": heading} | fields_of(declared.attributes, scope, "mover", name)
+            sort = ir.Sort("mover", (name,))
+            heading = ir.VarField(name="heading", held_by=sort, type=words(HEADINGS), start="north", origin=declared.name.span)
+            fields = {"heading": heading} | fields_of(declared.attributes, scope, sort)
             _check_glyph(declared, scope)
             number = _number(declared, scope)
             static.movers[name] = ir.Movers(
@@ -58,15 +57,15 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     """Returns `move each agent`, or `move each SORT` with the way that movers go."""
     members, inner = domain(s.domain, scope)
     name, var = s.domain.kind.text, members.var
-    if var.who == "cell":
+    if var.sort.what == "cell":
         wanted = "`agent`, or a sort of movers" if scope.static.movers else "`agent`"
         raise scope.problems.fail(errors.WrongSort(s.domain.kind.span, name=name, what="a kind of cell", wanted=wanted))
     text = use.streams.header(s.span, s.span.end)
     course = None
-    if var.who == "agent" and s.course is not None:
+    if var.sort.what == "agent" and s.course is not None:
         help_ = "which way agents go, they choose: write `move each agent`"
         raise scope.problems.fail(errors.WrongType(s.course.span, wanted="no way to go", given="one", help=help_))
-    if var.who == "mover":
+    if var.sort.what == "mover":
         if s.course is None:
             help_ = f"write `move each {name} ahead`, or `at random`, `along h`, `toward D`, `away from D`"
             raise scope.problems.fail(errors.WrongType(s.span, wanted="the way that movers go", given="none", help=help_))
@@ -83,7 +82,7 @@ def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wand
         case ast.AtRandom():
             return ir.Wander(avoided=_avoided(c.avoided, scope), stream=stream, origin=c.span)
         case ast.Ahead():
-            own = ir.FieldRead(type=words(HEADINGS), owner=var, held_by="mover", kinds=var.kinds, name="heading", origin=c.span)
+            own = ir.FieldRead(type=words(HEADINGS), owner=var, held_by=var.sort, name="heading", origin=c.span)
             return ir.Along(heading=own, origin=c.span)
         case ast.Along():
             heading = narrow_word(scope.expression(c.heading), scope.facts)

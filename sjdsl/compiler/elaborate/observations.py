@@ -19,7 +19,6 @@ from sjdsl.compiler.elaborate.paths import attribute_types
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.elaborate.seen_conditions import check_places, joined, observer_scope
 from sjdsl.compiler.ir.implications import facts, narrowed
-from sjdsl.compiler.ir.sorts import sort_of
 from sjdsl.compiler.ir.types import element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -102,9 +101,9 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     if not observable.type.by:
         return [observable]
     one = element(observable.type)
-    if observable.labels and sort_of(observable.type.by[0]) != "word":
+    if observable.labels and observable.type.by[0].sort != "word":
         return [observable.model_copy(update={"type": one})]
-    return [observable.model_copy(update={"type": one, "word": word}) for word in observable.type.by[0]]
+    return [observable.model_copy(update={"type": one, "word": entry}) for entry in observable.type.by[0].entries]
 
 
 def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems) -> list[Seen]:
@@ -143,7 +142,7 @@ def _computed(path: ast.Path, static: Static, problems: Problems) -> Seen:
         raise wrong_type(scope, path, "a single value", value.type)
     low, high = narrowed(value, scope.facts)
     type_ = words(("no", "yes")) if value.type.kind == "condition" else value.type.model_copy(update={"low": low, "high": high})
-    return Seen(("world", "", name), ir.VarField(name=name, held_by="world", type=type_), value=value)
+    return Seen(("world", "", name), ir.VarField(name=name, held_by=ir.Sort("world"), type=type_), value=value)
 
 
 def _of_owner(head: str, name: ast.Name, path: ast.Path, static: Static, problems: Problems) -> list[Seen]:
@@ -188,7 +187,7 @@ def _attribute(head: str, name: ast.Name, static: Static, problems: Problems) ->
     if name.text == "away" and head != "everyone":
         raise attribute_unseen(head, name, problems)
     type_ = attribute_types(static)[name.text]
-    return ir.VarField(name=name.text, held_by="agent", type=words(("no", "yes")) if type_.kind == "condition" else type_)
+    return ir.VarField(name=name.text, held_by=ir.Sort("agent"), type=words(("no", "yes")) if type_.kind == "condition" else type_)
 
 
 def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], static: Static, problems: Problems) -> None:
@@ -242,15 +241,10 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, static: Static, prob
 def _whose(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     """Returns how an agent that a field holds is seen: as nobody, the observer itself, or another agent."""
     what, kind, name = key
-    owner: ir.Member | None = None
-    if what == "cell":
-        owner = ir.Member(name=kind, who="cell", kinds=(kind,))
-    elif what == "mover":
-        owner = ir.Member(name=kind, who="mover", kinds=(kind,))
-    elif what != "world":
-        owner = ir.Member(name=next(n for n, w in OWNERS.items() if w == what), who="agent")
-    held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, kinds=(kind,) if kind else (), name=name)
-    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", who="agent")), None)
+    called = kind or next((n for n, w in OWNERS.items() if w == what), "")
+    owner = None if what == "world" else ir.Member(name=called, sort=field.held_by)
+    held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, name=name)
+    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", sort=ir.Sort("agent"))), None)
     return tuple(ir.Label(name=label, condition=test) for label, test in zip(WHOSE, tests, strict=True))
 
 

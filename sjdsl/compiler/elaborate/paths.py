@@ -24,7 +24,6 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.sorts import place_of
 from sjdsl.compiler.ir.types import describe, element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -70,7 +69,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         return use_define(e.name, (), scope)
     if name in static.fields:
         static.use(e.name, Symbol("name", name))
-        return ir.FieldRead(type=static.fields[name].type, owner=None, held_by="world", name=name, origin=e.span)
+        return ir.FieldRead(type=static.fields[name].type, owner=None, held_by=ir.Sort("world"), name=name, origin=e.span)
     if scope.events_readable and name in static.events:
         return event_total(e, scope)
     if static.is_word(name):
@@ -93,9 +92,9 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     """Returns `owner.name`: a field or a read-only attribute of an agent or a cell."""
     if kinds_of_cell(owner) is not None:
         return cell_member(owner, name, scope)
-    if isinstance(owner, ir.Member) and owner.who == "mover":
+    if isinstance(owner, ir.Member) and owner.sort.what == "mover":
         return mover_member(owner, name, scope)
-    if (isinstance(owner, ir.Member) and owner.who == "agent") or owner.type.kind == "agent":
+    if (isinstance(owner, ir.Member) and owner.sort.what == "agent") or owner.type.kind == "agent":
         return agent_member(owner, name, scope)
     raise scope.problems.fail(errors.WrongType(name.span, wanted="an agent or a cell before the point", given=describe(owner.type)))
 
@@ -106,7 +105,7 @@ def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if name.text in static.agent_fields:
         static.use(name, Symbol("field", name.text, "agent"))
         type_ = static.agent_fields[name.text].type
-        return ir.FieldRead(type=type_, owner=owner, held_by="agent", name=name.text, origin=name.span)
+        return ir.FieldRead(type=type_, owner=owner, held_by=ir.Sort("agent"), name=name.text, origin=name.span)
     types = attribute_types(static)
     if name.text in ("row", "col") and not isinstance(owner, ir.Member):
         raise _perhaps_away(owner, name.span, "row or column", f"x.{name.text}", scope)
@@ -133,11 +132,11 @@ def attribute_types(static: Static) -> dict[str, ir.Type]:
 
 def mover_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
     """Returns a field or a read-only attribute of a mover; its heading is a field."""
-    static, sort = scope.static, owner.kinds[0]
+    static, sort = scope.static, owner.sort.name
     fields = static.mover_fields(sort)
     if name.text in fields:
         static.use(name, Symbol("field", name.text, sort))
-        return ir.FieldRead(type=fields[name.text].type, owner=owner, held_by="mover", kinds=owner.kinds, name=name.text, origin=name.span)
+        return ir.FieldRead(type=fields[name.text].type, owner=owner, held_by=owner.sort, name=name.text, origin=name.span)
     if name.text in ("row", "col"):
         check_placed(owner, name.span, f"{text(owner)}.{name.text}", scope)
     types = attribute_types(static) | {"index": integer(0, static.movers[sort].number - 1, "number")}
@@ -179,7 +178,7 @@ def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Expr:
         raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
     if not isinstance(place, ir.Member):
         raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
-    if place.who != "cell":
+    if place.sort.what != "cell":
         check_placed(place, tree.span, said, scope)
     return place
 
@@ -207,7 +206,7 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         static.use(name, Symbol("field", name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
         raise scope.problems.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
-    return ir.FieldRead(type=found[0].type, owner=owner, held_by="cell", kinds=kinds, name=name.text, origin=name.span)
+    return ir.FieldRead(type=found[0].type, owner=owner, held_by=ir.Sort("cell", kinds), name=name.text, origin=name.span)
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
@@ -219,7 +218,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
             raise scope.problems.fail(errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type)))
-        return row.model_copy(update={"word": level[place_of(level, key.value)], "type": element(row.type)})  # type: ignore[arg-type]
+        return row.model_copy(update={"word": level.keys[level.place_of(key.value)], "type": element(row.type)})  # type: ignore[arg-type]
     type_ = element(row.type)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):

@@ -24,7 +24,7 @@ OF_EXPECT = ("never", "seek")
 
 def policies(game: Composition, static: Static, problems: Problems) -> tuple[ir.ScriptedPolicy, ...]:
     """Returns the policies of a game, their rules typed."""
-    scope = Scope(static, problems, part="policy").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, part="policy").bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
     found = []
     for policy in game.policies.values():
         with problems.survive():

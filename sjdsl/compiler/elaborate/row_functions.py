@@ -7,7 +7,6 @@ from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.sorts import lowest_number, sort_of
 from sjdsl.compiler.ir.types import describe, element, hull, integer, is_number, join_units, words
 
 NO_ORDER = "agents have no order: ask for one with `where`"
@@ -43,11 +42,10 @@ def _row_of_numbers(e: ast.Call, scope: Scope) -> ir.Expr:
 def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `lowest(row)` or `highest(row)`."""
     row = _row_of_numbers(e, scope)
-    names = row.type.by[0]
-    if sort_of(names) == "agent":
+    level = row.type.by[0]
+    if level.sort == "agent":
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
-    first = lowest_number(names)
-    type_ = words(names) if sort_of(names) == "word" else integer(first, first + len(names) - 1)
+    type_ = words(level.names) if level.sort == "word" else integer(level.first, level.first + len(level) - 1)
     return ir.Lowest(type=type_, row=row, last=function.last, origin=e.span)
 
 
@@ -59,7 +57,7 @@ def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     entries = sum_of_row(row)
     if not compares(entries, ">", 0, scope.facts) and not narrowed(entries, scope.facts)[0] > 0:
         raise scope.problems.fail(errors.EmptyMix(e.span, row=text(row)))
-    return ir.Mix(type=ir.Type(kind="mix", words=row.type.by[0]), row=row, origin=e.span)
+    return ir.Mix(type=ir.Type(kind="mix", words=row.type.by[0].names), row=row, origin=e.span)
 
 
 def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
@@ -67,7 +65,7 @@ def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     row = scope.expression(e.arguments[0])
     if len(row.type.by) != 1:
         raise wrong_type(scope, e.arguments[0], "a row", row.type)
-    if sort_of(row.type.by[0]) == "agent":
+    if row.type.by[0].sort == "agent":
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
     by = scope.fixed(e.arguments[1], "by how many places a row is shifted")
     if by != int(by):

@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
-from sjdsl.compiler.ast.traverse import walk
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.implications import Fact, facts
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import describe, is_number
@@ -219,5 +219,5 @@ def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str
     bound = scope.variables.get(e.name.text) if isinstance(e, ast.Path) and given.kind == "member" else None
     told = told or describe(given)
     if isinstance(bound, ir.Member):
-        told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{' '.join(bound.kinds)}`"}[bound.who]
+        told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{bound.sort.name}`"}[bound.sort.what]
     return scope.problems.fail(errors.WrongType(e.span, wanted=wanted, given=told, help=help))

@@ -11,16 +11,16 @@ from sjdsl.compiler.ir.implications import Fact, facts, is_known
 
 def observer_scope(what: str, kind: str, named: str, static: Static, problems: Problems) -> Scope:
     """Returns what conditions may name: `agent`, the observer, and the cell or agent that is seen. `named`: a group that a cell is called by."""
-    scope = Scope(static, problems, facts=static.of_observed, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
+    scope = Scope(static, problems, facts=static.of_observed, part="observe").bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
     if what == "cell":
-        cell = ir.Member(name=kind, who="cell", kinds=(kind,))
+        cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
         return scope.bind(kind, cell).bind(named, cell)
     if what == "mover":
-        return scope.bind(kind, ir.Member(name=kind, who="mover", kinds=(kind,)))
+        return scope.bind(kind, ir.Member(name=kind, sort=ir.Sort("mover", (kind,))))
     if what in ("other", "heading"):
-        return scope.bind("other", ir.Member(name="other", who="agent"))
+        return scope.bind("other", ir.Member(name="other", sort=ir.Sort("agent")))
     if what == "everyone":
-        return scope.bind("everyone", ir.Member(name="everyone", who="agent"))
+        return scope.bind("everyone", ir.Member(name="everyone", sort=ir.Sort("agent")))
     return scope
 
 
@@ -34,7 +34,7 @@ def check_places(what: str, test: ir.Expr | None, known: Iterable[Fact], static:
     if test is None or what != "everyone" or not static.can_be_away:
         return
     asked = next((node for node in ir.walk(test) if _asks_place(node)), None)
-    everyone = ir.Member(name="everyone", who="agent")
+    everyone = ir.Member(name="everyone", sort=ir.Sort("agent"))
     away = ir.Attribute(type=ir.CONDITION, owner=everyone, name="away")
     first = test.args[0] if isinstance(test, ir.Logic) and test.fn == "and" else None
     sure = (*known, *(facts(first) if first is not None and not any(map(_asks_place, ir.walk(first))) else ()))

@@ -55,8 +55,8 @@ def _direction(d: ast.Direction, who: ir.Expr, scope: Scope) -> dict[str, Any]:
     name = d.path.name.text
     if not d.path.steps and name in TURNED and name not in scope.variables:
         look: ir.Expr = ir.Attribute(type=words(HEADINGS), owner=who, name="heading", origin=d.path.span)
-        if isinstance(who, ir.Member) and who.who == "mover":
-            look = ir.FieldRead(type=words(HEADINGS), owner=who, held_by="mover", kinds=who.kinds, name="heading", origin=d.path.span)
+        if isinstance(who, ir.Member) and who.sort.what == "mover":
+            look = ir.FieldRead(type=words(HEADINGS), owner=who, held_by=who.sort, name="heading", origin=d.path.span)
         return {"heading": look, "quarters": TURNED[name]}
     heading = scope.expression(d.path)
     if heading.type.kind != "word" or heading.type.by or not set(heading.type.words) <= set(HEADINGS):

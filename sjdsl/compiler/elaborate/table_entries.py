@@ -10,7 +10,7 @@ from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate.lookup import not_a_word
 from sjdsl.compiler.elaborate.scope import Scope
-from sjdsl.compiler.ir.sorts import Level, lowest_number, sort_of
+from sjdsl.compiler.ir.sorts import Level
 
 Tree = ast.Expr | ast.Table
 OTHERWISE = "otherwise"
@@ -32,9 +32,9 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
             found[place] = entry.value
     if rest is not None and rest is not tree.entries[-1]:
         raise scope.problems.fail(errors.OtherwiseNotLast(rest.span))
-    if rest is not None and len(found) == len(level) and sort_of(level) != "agent":
+    if rest is not None and len(found) == len(level) and level.sort != "agent":
         raise scope.problems.fail(errors.NothingForOtherwise(rest.span))
-    lacking = tuple(name for place, name in enumerate(level) if place not in found)
+    lacking = tuple(name for place, name in enumerate(level.names) if place not in found)
     if rest is None and lacking:
         raise scope.problems.fail(errors.TableLacks(tree.span, words=lacking))
     return [found[place] if place in found or rest is None else rest.value for place in range(len(level))]
@@ -42,23 +42,23 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
 
 def _is_key(text: str, level: Level) -> bool:
     """Returns whether a key can only be one of this level, be it right or wrong."""
-    return text == OTHERWISE or (text in level if sort_of(level) == "word" else text[0].isdigit())
+    return text == OTHERWISE or (text in level.names if level.sort == "word" else text[0].isdigit())
 
 
 def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
     """Yields the places in a level that a key stands for."""
-    text, first = entry.key.text, lowest_number(level)
-    if sort_of(level) == "word":
-        if text not in level:
-            raise not_a_word(entry.key.span, text, "this table", level, scope)
+    text, first = entry.key.text, level.first
+    if level.sort == "word":
+        if text not in level.names:
+            raise not_a_word(entry.key.span, text, "this table", level.names, scope)
         scope.static.refer(entry.key, Symbol("word", text))
-        yield level.index(text)
+        yield level.names.index(text)
         return
     if not text[0].isdigit():
         raise scope.problems.fail(errors.WordForNumber(entry.key.span, name=text))
     ends = [int(part) for part in text.replace("..", " ").split()]
     last = first + len(level) - 1 if text.endswith("..") else ends[-1]
-    if sort_of(level) == "agent" and ends[0] <= ends[-1]:  # a table fits variants with fewer agents
+    if level.sort == "agent" and ends[0] <= ends[-1]:  # a table fits variants with fewer agents
         if last >= len(level) and scope.static.own_number:
             scope.problems.add(errors.NeverHappens(entry.key.span, problem=f"the agents are 0 .. {len(level) - 1}"))
         last = min(last, len(level) - 1)

@@ -14,7 +14,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
     plain = next((w for w in game.windows if w.condition is None), None)
     usual = SIDES if plain is None else _sides(plain, SIDES, scope)
     origin = game.windows[0].span if game.windows else None
-    observer = Scope(scope.static, scope.problems, part="observe").bind("agent", ir.Member(name="agent", who="agent"))
+    observer = Scope(scope.static, scope.problems, part="observe").bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
     views = []
     for tree in game.windows:
         if tree.condition is not None:

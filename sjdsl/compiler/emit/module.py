@@ -7,13 +7,14 @@ from importlib.resources import files
 
 import jinja2
 
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.emit.escaping import remark
 from sjdsl.compiler.emit.expressions import pieces
 from sjdsl.compiler.emit.layout import WIDTH
 from sjdsl.compiler.emit.statements import assignment, constant_lines, function_lines
 from sjdsl.compiler.ir.names import KERNELS
 from sjdsl.compiler.program import Field, Number, Program
-from sjdsl.compiler.program.expressions import Literal, Name, call, constant, walk
+from sjdsl.compiler.program.expressions import Literal, Name, call, constant
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.version import __version__
 
@@ -69,8 +70,7 @@ def body(program: Program) -> str:
 
 def kernels(program: Program) -> dict[str, list[str]]:
     """Returns the kernels that a program calls, by the modules of the runtime they are imported from."""
-    parts = (program.facts, *(f.body for f in program.functions), *(c.value for c in program.constants))
-    used = {node.identifier for part in parts for node in walk(part) if isinstance(node, Name)} | {"TokenPlane"}
+    used = {node.identifier for node in walk(program) if isinstance(node, Name)} | {"TokenPlane"}
     found = {module: [name for name in names if name in used] for module, names in KERNELS.items()}
     return {module: names for module, names in found.items() if names}
 

@@ -5,8 +5,12 @@ the text; an inner one never has the name of an outer one. All nodes are frozen 
 only part that two equal programs may differ in.
 """
 
+from sjdsl.compiler.diagnostics.tree import children as children
+from sjdsl.compiler.diagnostics.tree import walk as walk
 from sjdsl.compiler.ir.expressions import *
 from sjdsl.compiler.ir.game import *
 from sjdsl.compiler.ir.node import *
+from sjdsl.compiler.ir.sorts import Entry as Entry
+from sjdsl.compiler.ir.sorts import Level as Level
+from sjdsl.compiler.ir.sorts import Sort as Sort
 from sjdsl.compiler.ir.statements import *
-from sjdsl.compiler.ir.traverse import *

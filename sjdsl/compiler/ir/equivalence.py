@@ -51,7 +51,7 @@ def _domain(d: Domain, names: Names) -> tuple[Form, Names]:
         inner[d.on.name] = len(names) + 1
     restriction = None if d.restriction is None else form(d.restriction, names)
     where = None if d.where is None else form(d.where, inner)
-    return (d.var.who, d.var.kinds, None if d.on is None else d.on.kinds, restriction, where), inner
+    return (d.var.sort, None if d.on is None else d.on.kinds, restriction, where), inner
 
 
 @cache

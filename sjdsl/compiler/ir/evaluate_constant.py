@@ -6,7 +6,6 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, PAYOFF_CLASSES, REDUCTIONS
-from sjdsl.compiler.ir.sorts import lowest_number, place_of
 
 TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
@@ -29,13 +28,13 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
         case ir.At() if e.key.type.kind == "mix":
             return sum(map(mul, _value(e.key, params), _value(e.row, params)))
         case ir.At():
-            return _value(e.row, params)[place_of(e.row.type.by[0], _value(e.key, params))]
+            return _value(e.row, params)[e.row.type.by[0].place_of(_value(e.key, params))]
         case ir.SumRow():
             return REDUCTIONS[e.fn].fold(_value(e.row, params))
         case ir.Lowest():
             level, row = e.row.type.by[0], _value(e.row, params)
             place = ([place for place, entry in enumerate(row) if entry > 0] or range(len(row)))[-1 if e.last else 0]
-            return level[place] if e.type.kind == "word" else lowest_number(level) + place
+            return level.names[place] if e.type.kind == "word" else level.first + place
         case ir.Mix():
             row = _value(e.row, params)
             return tuple(entry / sum(row) for entry in row)

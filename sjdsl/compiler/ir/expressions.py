@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
 from sjdsl.compiler.ir.node import AGENT, CELL, CONDITION, INSTANCE, Expression, Node, RestrictionNode, Type
+from sjdsl.compiler.ir.sorts import Sort
 
 # Pydantic checks that a child is *some* expression; with the closed union each schema would hold all others: half a second at import.
 if TYPE_CHECKING:
@@ -60,12 +61,17 @@ class ParamRef(Expression):
 
 
 class Member(Expression):
-    """A variable bound by a domain: an agent (`who` agent), a cell of one of `kinds`, or a mover of the one sort in `kinds`."""
+    """A variable bound by a domain: an agent, a cell or a mover."""
 
     type: Type = Type(kind="member")
     name: str
-    who: Literal["agent", "cell", "mover"]
-    kinds: tuple[str, ...] = ()
+    sort: Annotated[Sort, INSTANCE]
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds that the cell may be of."""
+        assert self.sort.what == "cell", self
+        return self.sort.names
 
 
 class Local(Expression):
@@ -78,13 +84,12 @@ class Local(Expression):
 class FieldRead(Expression):
     """A field at the start of the phase. `owner` is a Member, an expression of type agent or cell, or None for a world field.
 
-    `kinds`: the kinds of the owner, for a cell's field, or the sort of the mover. A whole row if `type.by`.
+    `held_by`: the sort of the owner. A whole row if `type.by`.
     """
 
     type: Type
     owner: Expr | None
-    held_by: Literal["agent", "cell", "mover", "world"]
-    kinds: tuple[str, ...] = ()
+    held_by: Annotated[Sort, INSTANCE]
     name: str
 
 

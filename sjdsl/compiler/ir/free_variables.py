@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any, TypeVar
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.traverse import rewrite
+from sjdsl.compiler.diagnostics.tree import rewrite
 
 N = TypeVar("N", bound=ir.Node)
 Variable = ir.Member | ir.Local

@@ -3,8 +3,9 @@
 from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Shape
+from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Member, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
+from sjdsl.compiler.ir.sorts import AGENTS, Entry, Level, Sort
 from sjdsl.compiler.ir.statements import Stmt
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
@@ -30,11 +31,10 @@ class Param(Node):
 
 
 class VarField(Node):
-    """A variable of each cell of `kind`, each agent, each mover of the sort `kind`, or the world. `start`: number, word, or None for nobody."""
+    """A variable of each cell of a kind, each agent, each mover of a sort, or the world. `start`: number, word, or None for nobody."""
 
     name: str
-    held_by: Literal["agent", "cell", "mover", "world"]
-    kind: str = ""
+    held_by: Annotated[Sort, INSTANCE]
     type: Type
     capped: bool = False
     timer: bool = False
@@ -120,6 +120,10 @@ class Movers(Node):
     glyph: str
     fields: tuple[VarField, ...] = ()
 
+    @property
+    def sort(self) -> Sort:
+        return Sort("mover", (self.name,))
+
 
 class Phase(TurnNode):
     """One use of a phase. `label` as in the schedule (`sprout(red)`); `name` a Python identifier, unique in the game.
@@ -141,7 +145,7 @@ class Event(Node):
     """`per_agent`: every tally of it names a receiver."""
 
     name: str
-    by: tuple[str, ...] = ()
+    by: Annotated[Level, INSTANCE] | None = None
     per_agent: bool
 
 
@@ -175,12 +179,29 @@ class Observable(Node):
     what: Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
     kind: str = ""
     field: str = ""
-    word: str | None = None
+    word: Annotated[Entry, INSTANCE] | None = None
     type: Type
     value: Expr | None = None
     labels: tuple[Label, ...] = ()
     hidden_when: Expr | None = None
     shown_when: Expr | None = None
+
+    @property
+    def sort(self) -> Sort:
+        """The sort of what is seen."""
+        match self.what:
+            case "cell" | "mover":
+                return Sort(self.what, (self.kind,))
+            case "world":
+                return Sort("world")
+            case _:
+                return AGENTS
+
+    @property
+    def owner(self) -> Member | None:
+        """What is seen, by the name that its conditions give it; None for the world."""
+        name = "agent" if self.what == "own" else self.kind or self.what
+        return None if self.what == "world" else Member(name=name, sort=self.sort)
 
 
 class Paint(Node):

@@ -5,13 +5,14 @@ What is hashed is JSON: a node of the IR is a list, its tag and then what the ru
     set soil.fruit = ripe   ->   ["set", {"target": ["read", {"name": "fruit", "owner": …}], "value": ["word", {"value": "ripe"}]}]
 
 Tags and names stand in `SAID`, so that classes and fields of the IR can be renamed: then the left side of a line changes, or `name=field`
-says what the field is called now. Types that are inferred, their intervals among them, are not hashed. Of an optional field only what is
+says what the field is called now, `name=field.part` which part of it is said. Types that are inferred, their intervals among them, are not hashed. Of an optional field only what is
 not its default is: a new one leaves the hashes of games without it as they are.
 """
 
 import json
 from functools import cache
 from hashlib import sha256
+from operator import attrgetter
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -25,7 +26,7 @@ SAID: dict[type[ir.Node | ir.Type], str] = {
     ir.Nobody: "nobody",
     ir.Nowhere: "nowhere",
     ir.ParamRef: "param name",
-    ir.Member: "member name who kinds",
+    ir.Member: "member name who=sort.what kinds=sort.names",
     ir.Local: "local name",
     ir.FieldRead: "read name owner",
     ir.Attribute: "attribute name owner",
@@ -157,8 +158,12 @@ def _said(value: object) -> Any:
             return _said(value.value)
         case ir.Node() | ir.Type():
             tag, fields = _form(type(value))
-            said = ((name, getattr(value, field), default) for name, field, default in fields)
+            said = ((name, attrgetter(field)(value), default) for name, field, default in fields)
             return [tag, {name: _said(found) for name, found, default in said if found != default}]
+        case ir.Entry():
+            return value.name
+        case ir.Level():
+            return list(value.names)
         case tuple():
             return [_said(item) for item in value]
         case _:
@@ -170,7 +175,12 @@ def _form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, str, obj
     """Returns the tag of a class, and what is said of it: by which name, the field, and the default that need not be said."""
     tag, *names = SAID[kind].split()
     pairs = [(name.partition("=")[0], name.rpartition("=")[2]) for name in names]
-    return tag, tuple((name, field, kind.model_fields[field].default) for name, field in pairs)
+    return tag, tuple((name, field, _default(kind, field)) for name, field in pairs)
+
+
+def _default(kind: type[ir.Node | ir.Type], field: str) -> object:
+    name, _, part = field.partition(".")
+    return () if part == "names" else kind.model_fields[name].default
 
 
 def _text(said: object) -> str:

@@ -105,17 +105,16 @@ def phase_function(name: str) -> str:
 
 def attribute_name(field: ir.VarField) -> str:
     """Returns the name of a field in State: `soil_fruit`, `agent_bag`, `world_trials`."""
-    prefix = field.kind if field.held_by in ("cell", "mover") else field.held_by
-    return identifier(f"{prefix}_{field.name}")
+    return identifier(f"{field.held_by.name}_{field.name}")
 
 
-def attribute_of(name: str, sort: str) -> str:
+def attribute_of(name: str, sort: ir.Sort) -> str:
     """Returns the attribute of State for a fact about all agents (`position`), or about all movers of a sort (`deer_position`)."""
-    return identifier(f"{sort}_{name}") if sort else name
+    return identifier(f"{sort.name}_{name}") if sort.what == "mover" else name
 
 
 def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
     """Returns every attribute of State that comes from a name of the game, with its declaration."""
     fields: list[tuple[str, ir.Node]] = [(attribute_name(field), field) for field in all_fields(game)]
-    fields += [(attribute_of(name, sort.name), sort) for sort in game.movers for name in POSE]
+    fields += [(attribute_of(name, movers.sort), movers) for movers in game.movers for name in POSE]
     return fields + [(f"mark_{phase.name}", phase) for phase in marking_phases(game)]

@@ -6,6 +6,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import CoreSchema, core_schema
 
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.diagnostics.tree import TreeNode
+from sjdsl.compiler.ir.sorts import Level
 
 Unit = Literal["count", "steps", "cells", "reward", "probability", "fraction", "number"]
 
@@ -24,7 +26,7 @@ class InstanceCheck:
 INSTANCE = InstanceCheck()
 
 
-class Node(BaseModel):
+class Node(BaseModel, TreeNode["Node"]):
     """A frozen part of the IR. `origin` is where the author wrote it."""
 
     # what checks a node's fields is built when the first one is made: no game has nodes of all classes
@@ -68,7 +70,7 @@ class Type(BaseModel):
     kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent` (one or nobody),
       `agents` (a set), `cell` (one of `kinds`, or nowhere), `mix` (shares over `words`), `member` (a variable of a domain: an agent or
       a cell).
-    by: word sets of the table or row levels, outermost first; empty for a single value.
+    by: the levels of a row or table, outermost first; empty for a single value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -78,7 +80,7 @@ class Type(BaseModel):
     unit: Unit = "number"
     low: float = float("-inf")
     high: float = float("inf")
-    by: tuple[tuple[str, ...], ...] = ()
+    by: tuple[Annotated[Level, INSTANCE], ...] = ()
 
 
 CONDITION = Type(kind="condition")

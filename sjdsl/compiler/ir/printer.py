@@ -5,7 +5,6 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import CALCULATIONS
-from sjdsl.compiler.ir.sorts import entry_name, level_text
 
 
 def number_text(value: float) -> str:
@@ -65,7 +64,7 @@ def expression(e: ir.Expr) -> str:
         case ir.Named() | ir.Narrowed() | ir.Before():
             return f"before({expression(e.value)})" if isinstance(e, ir.Before) else expression(e.value)
         case ir.EventTotal():
-            return e.name if e.word is None else f"{e.name}[{entry_name(e.word)}]"
+            return e.name if e.word is None else f"{e.name}[{e.word}]"
         case ir.MatrixClass():
             return f"{e.name}({expression(e.table)})"
         case _:
@@ -135,7 +134,7 @@ def _arm(arm: ir.Arm) -> str:
 
 def domain(d: ir.Domain) -> str:
     """Returns a domain in the syntax of the language; a group shows as its kinds."""
-    parts = ["agent" if d.var.who == "agent" else " | ".join(d.var.kinds), f"as {d.var.name}"]
+    parts = [d.var.sort.name, f"as {d.var.name}"]
     if d.on is not None:
         parts.append(f"on {' | '.join(d.on.kinds)} as {d.on.name}")
     match d.restriction:
@@ -176,6 +175,13 @@ def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[s
                     yield from _lines(getattr(value, name), name, depth + 1, positions)
         case ir.Type():
             yield f"{pad}{label}: {_type(value)}"
+        case ir.Entry():
+            yield f"{pad}{label}: {value.name!r}"
+        case ir.Level():
+            yield f"{pad}{label}: {value.names!r}"
+        case ir.Sort():
+            yield f"{pad}{label}: {value.what!r}"
+            yield from (f"{pad}kind: {name!r}" for name in value.names)
         case tuple() if any(isinstance(v, ir.Node) for v in value):
             for index, item in enumerate(value):
                 yield from _lines(item, f"{label}[{index}]", depth, positions)
@@ -186,7 +192,7 @@ def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[s
 
 
 def _type(type_: ir.Type) -> str:
-    by = "".join(f" by {level_text(level)}" for level in type_.by)
+    by = "".join(f" by {level}" for level in type_.by)
     match type_.kind:
         case "word" | "mix":
             return f"{type_.kind} {{ {', '.join(type_.words)} }}{by}"

@@ -3,12 +3,12 @@
 They say what a game declares and where, never what its rules mean: the interpreter may ask them and stays an oracle.
 """
 
-from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Member, Shape
+from sjdsl.compiler.diagnostics.tree import walk
+from sjdsl.compiler.ir.expressions import Among, At, Domain, Expr, FieldRead, InAgents, InCell, Member, Near, Shape
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
-from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.compiler.ir.statements import Remove, Send
-from sjdsl.compiler.ir.traverse import walk
 
 Start = int | float | str | None
 
@@ -24,10 +24,16 @@ def all_fields(game: Game) -> tuple[VarField, ...]:
     return (*of_cells, *game.agents.fields, *(field for sort in game.movers for field in sort.fields), *game.fields)
 
 
-def declared_field(game: Game, read: FieldRead, kind: str = "") -> VarField:
+def declared_field(game: Game, read: FieldRead, kind: str | None = None) -> VarField:
     """Returns the declaration of the variable that is read or written. `kind`: which of the kinds it may be of, instead of the first."""
-    owner = (kind or next(iter(read.kinds), "")) if read.held_by in ("cell", "mover") else ""
-    return next(f for f in all_fields(game) if (f.held_by, f.kind, f.name) == (read.held_by, owner, read.name))
+    names = read.held_by.names[:1] if kind is None else (kind,)
+    owner = Sort(read.held_by.what, names)
+    return next(f for f in all_fields(game) if (f.held_by, f.name) == (owner, read.name))
+
+
+def can_be(read: FieldRead, declared: VarField) -> bool:
+    """Returns whether the variable that is read or written may be one of those declared."""
+    return read.name == declared.name and read.held_by.overlaps(declared.held_by)
 
 
 def written_field(target: Expr) -> FieldRead:
@@ -47,11 +53,8 @@ def shows_attribute(observable: Observable) -> bool:
 
 
 def shown_field(game: Game, observable: Observable) -> VarField:
-    """Returns the declaration of the variable, of agents, of movers or of the world, that an observation shows."""
-    fields = game.fields if observable.what == "world" else game.agents.fields
-    if observable.what == "mover":
-        fields = movers_named(game, observable.kind).fields
-    return next(f for f in fields if f.name == observable.field)
+    """Returns the declaration of the variable that an observation shows."""
+    return next(f for f in all_fields(game) if (f.held_by, f.name) == (observable.sort, observable.field))
 
 
 def kind_named(game: Game, name: str) -> Kind:
@@ -75,8 +78,8 @@ def action_named(game: Game, name: str) -> ActionWithArguments:
 
 
 def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
-    """Returns what is counted of an event, each with the name it is reported by: `(word, "eaten[red]")`, or `(None, "eaten")`."""
-    return tuple((word, f"{event.name}[{entry_name(word)}]") for word in event.by) or ((None, event.name),)
+    """Returns what is counted of an event, each with the name it is reported by: `("red", "eaten[red]")`, or `(None, "eaten")`."""
+    return ((None, event.name),) if event.by is None else tuple((key, f"{event.name}[{key}]") for key in event.by.keys)
 
 
 def phases_of(game: Game) -> tuple[Phase, ...]:
@@ -119,18 +122,60 @@ def movers_named(game: Game, name: str) -> Movers:
     return next(sort for sort in game.movers if sort.name == name)
 
 
-def mover_sort(who: Expr) -> str:
-    """Returns the sort of movers that a variable is one of; nothing for an agent."""
-    return who.kinds[0] if isinstance(who, Member) and who.who == "mover" else ""
+def body_sort(who: Expr) -> Sort:
+    """Returns the sort of what a variable stands for; what another expression gives is an agent."""
+    return who.sort if isinstance(who, Member) else AGENTS
 
 
-def can_be_away(game: Game, sort: str = "") -> bool:
+def can_be_away(game: Game, sort: Sort = AGENTS) -> bool:
     """Returns whether an agent, or a mover of a sort, can be off the map: sent away for some ticks, or removed."""
     leaving = (node for node in walk(game) if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None))
-    return any(mover_sort(node.who) == sort for node in leaving)
+    return any(body_sort(node.who) == sort for node in leaving)
+
+
+def body_sorts(game: Game) -> tuple[Sort, ...]:
+    """Returns the sorts of all who stand on cells: the agents, then each sort of movers."""
+    return (AGENTS, *(movers.sort for movers in game.movers))
 
 
 def view_size(game: Game) -> tuple[int, int]:
     """Returns the rows and columns of a window."""
     window = game.window
     return window.ahead + 1 + window.behind, window.left + 1 + window.right
+
+
+def most_members(domain: Domain, game: Game) -> int:
+    """Returns the most members that a domain can have, its condition aside."""
+    match domain.var.sort.what:
+        case "agent":
+            everybody = game.agents.number
+        case "mover":
+            everybody = movers_named(game, domain.var.sort.name).number
+        case "cell":
+            everybody = num_cells(game, domain.var.kinds)
+        case "world":
+            raise AssertionError(domain)
+    if domain.on is not None:
+        everybody = min(everybody, num_cells(game, domain.on.kinds))
+    match domain.restriction:
+        case Near():
+            return min(everybody, sum(map(len, lanes_of(domain.restriction, game))))
+        case Among():
+            return min(everybody, len(domain.restriction.members))
+        case InAgents() if domain.restriction.value.type.kind != "agents":
+            return min(everybody, 1)
+        case InCell():
+            return min(everybody, 1)
+        case _:
+            return everybody
+
+
+def num_cells(game: Game, kinds: tuple[str, ...]) -> int:
+    """Returns how many cells of these kinds the map has."""
+    glyphs = glyphs_of(game, kinds)
+    return sum(row.count(glyph) for row in game.rows for glyph in glyphs)
+
+
+def lanes_of(near: Near, game: Game) -> tuple[tuple[tuple[int, int], ...], ...]:
+    """Returns the lanes of the shape in which members are looked for; policies have shapes of their own."""
+    return next(shape.lanes for shape in (*game.shapes, *game.policy_shapes) if shape.name == near.shape)

@@ -16,7 +16,7 @@ def range_of(e: ir.Expr) -> Range:
     match e:
         case ir.Number():
             return replace(given(ir.Type(kind=e.type.kind, low=e.value, high=e.value)), literal=True)
-        case ir.Count(domain=ir.Domain(var=ir.Member(who="cell"), restriction=None, where=None)):
+        case ir.Count(domain=ir.Domain(var=ir.Member(sort=ir.Sort(what="cell")), restriction=None, where=None)):
             return given(e.type.model_copy(update={"low": e.type.high}))
         case ir.Named() | ir.Narrowed() | ir.Before():
             return range_of(e.value)

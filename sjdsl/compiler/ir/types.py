@@ -3,7 +3,6 @@
 from math import inf
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import level_text
 
 SLACK = 1e-5  # by how much reals may pass the ends of their intervals, relative: the interpreter allows as much
 INTEGER_UNITS = ("count", "steps", "cells")
@@ -45,7 +44,7 @@ def is_number(type_: ir.Type) -> bool:
 def describe(type_: ir.Type) -> str:
     """Returns what an author would call values of this type."""
     if type_.by:
-        return f"a row of {describe_plural(type_)} by {level_text(type_.by[0])}"
+        return f"a row of {describe_plural(type_)} by {type_.by[0]}"
     match type_.kind:
         case "word":
             return f"a word of {{ {', '.join(type_.words)} }}" if len(type_.words) > 1 else f"the word `{type_.words[0]}`"

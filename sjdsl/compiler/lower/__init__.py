@@ -12,9 +12,10 @@ from typing import get_args
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.queries import all_fields, marking_phases, view_size
+from sjdsl.compiler.ir.queries import all_fields, body_sorts, marking_phases, view_size
 from sjdsl.compiler.lower import expressions
 from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_actions
 from sjdsl.compiler.lower.assignments import finish as finish_writes
@@ -126,7 +127,7 @@ def _described(field: StateField) -> array.Expression:
 
 def _used(functions: tuple[Function, ...], module: Module) -> tuple[tuple[Constant, ...], tuple[Number, ...]]:
     """Returns the constants and numbers of the module that its functions use, in the order in which they were met."""
-    nodes = [node for function in functions for node in array.walk(function.body)]
+    nodes = [node for function in functions for node in walk(function)]
     names = {n.identifier for n in nodes if isinstance(n, array.Name)} | {n.name for n in nodes if isinstance(n, array.Literal)}
     constants = tuple(c for c in module.constants.values() if c.name in names)
     groups = get_args(Group)
@@ -219,14 +220,14 @@ def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
             w.origin = field.origin
             w.assign(attribute_name(field), array.Binary("-", array.call("jnp.maximum", old, array.Literal(1)), array.Literal(1)))
     w.origin = None
-    away = [sort for sort in module.sorts if module.stores_away(sort)]
+    away = [sort for sort in body_sorts(module.game) if module.stores_away(sort)]
     if away:
         if w.changed:
             w.set(STATE, replaced("state", w.changed))
             w.changed.clear()
         bring_back(pools, away, w)
     w.give_back(replaced("state", w.changed), OUT)
-    who = " and ".join(sort or "agents" for sort in away)
+    who = " and ".join(sort.plural for sort in away)
     doc = f"All timers fall by one; {who} whose time away is over return." if away else "All timers fall by one."
     return _function(w, "tick", PHASE, "tuple[State, Outcome]", doc)
 

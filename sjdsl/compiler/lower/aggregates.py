@@ -85,7 +85,7 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     """`count(K as other in disc(r) of k where …)` whose condition is about `other` alone: bits and popcount."""
     d = e.domain
-    if not isinstance(d.restriction, ir.Near) or d.var.who != "cell":
+    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell":
         return None
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:

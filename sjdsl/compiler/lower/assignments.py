@@ -159,7 +159,7 @@ def _entries(before: Value, mask: Value | None, key: Value | None, target: Targe
 
 def _is_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> array.Expression:
     """Returns which entries of the rows are those of a word that is computed."""
-    words: array.Expression = array.Arange(w.module.num_words(target.read.type.by[0]), key.dtype)
+    words: array.Expression = array.Arange(w.module.num_entries(target.read.type.by[0]), key.dtype)
     words = array.Index(words, (*[array.NEW_AXIS] * len(axes), array.ALL)) if axes else words
     return array.Binary("==", _for_each_word(key, axes), words)
 
@@ -185,7 +185,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     if target.who is None:
         assert key is not None
         index, name, rest = as_dtype(key, "i32"), "to_entry", None
-        past = Value(w.module.num_words(target.read.type.by[0]), "i32")
+        past = Value(w.module.num_entries(target.read.type.by[0]), "i32")
     else:
         index, name, rest, past = target.who.number, _place(target.who), key, past_the_end(target.who, w)
     axes = union(index.axes, *(x.axes for x in (scope.mask, rest, value) if x is not None))
@@ -236,7 +236,7 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     axes = union(index.axes, masked.axes)
     total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
     extent = state_reads.total_extent(target.who, w)
-    zeros = array.call("jnp.zeros", array.shape_of((extent, *map(w.module.num_words, target.read.type.by))), array.DTYPES[total.dtype])
+    zeros = array.call("jnp.zeros", array.shape_of((extent, *map(w.module.num_entries, target.read.type.by))), array.DTYPES[total.dtype])
     amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
     sets = array.Update(zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True)
@@ -273,7 +273,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     dtype, words = w.module.set_dtype, w.module.set_words
     keys = [x for x in (target.key(w),) if x is not None]
     mask_axes = () if scope.mask is None else scope.mask.axes
-    sizes = [w.module.num_words(target.read.type.by[0]) for _ in keys]
+    sizes = [w.module.num_entries(target.read.type.by[0]) for _ in keys]
     sets: array.Expression
     if who is None:  # those who are not added are numbers past the end
         axes = union(member.axes, *(k.axes for k in keys), mask_axes)

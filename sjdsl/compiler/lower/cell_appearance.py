@@ -4,8 +4,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.queries import heading_observable, kinds_by_glyph, marking_phases, shown_field, shows_attribute
-from sjdsl.compiler.ir.sorts import entry_name
+from sjdsl.compiler.ir.queries import can_be, heading_observable, kinds_by_glyph, marking_phases, shown_field, shows_attribute
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.compiler.program import expressions as array
@@ -126,7 +125,7 @@ def _painted(kind: ir.Kind, observables: tuple[ir.Observable, ...], game: ir.Gam
     conditions = [c for s in observables for c in (*(label.condition for label in s.labels), s.hidden_when)]
     conditions += [hidden.when for hidden in game.hidden if kind.name in hidden.kinds]
     for node in (n for c in conditions if c is not None and read for n in ir.walk(c)):
-        if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and kind.name in node.owner.kinds:
+        if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member) and kind.name in node.held_by.names:
             wanted.add(node.name)
     return [f for f in kind.fields if f.name in wanted and _values(f, game)]
 
@@ -197,7 +196,7 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
 def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> TokenPlane:
     if observable.what == "mover":
         prefix = f"{observable.kind}." if observable.field else observable.kind
-    name = f"{prefix}{observable.field}" + (f"[{entry_name(observable.word)}]" if observable.word else "")
+    name = f"{prefix}{observable.field}" + (f"[{observable.word.key}]" if observable.word else "")
     words = shown_words(observable)
     if words:
         nobody = {"other": ("nobody",), "mover": ("none",)}.get(observable.what, ())
@@ -228,9 +227,8 @@ def number_bound(observable: ir.Observable, game: ir.Game) -> float:
         return field.type.high
     bound = 0.0
     for node in ir.walk(game):
-        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead):
-            if node.target.name == field.name and node.target.held_by == field.held_by and field.kind in (*node.target.kinds, ""):
-                bound = max(bound, largest(node.value, game))
+        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and can_be(node.target, field):
+            bound = max(bound, largest(node.value, game))
     return bound
 
 

@@ -58,15 +58,15 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
 def _is_ahead(course: ir.Course) -> bool:
     """Whether movers go where they look, and so keep their headings."""
     match course:
-        case ir.Along(heading=ir.FieldRead(held_by="mover", name="heading")):
+        case ir.Along(heading=ir.FieldRead(held_by=ir.Sort("mover"), name="heading")):
             return True
         case _:
             return False
 
 
-def _next_table(sort: str, w: Writer) -> Name:
-    comment = f"where a step leads {sort}, by cell and direction; the cell itself if blocked"
-    return w.module.constant(f"next_cell_of_{sort}", w.module.layout.next_table(sort), comment)
+def _next_table(sort: ir.Sort, w: Writer) -> Name:
+    comment = f"where a step leads {sort.name}, by cell and direction; the cell itself if blocked"
+    return w.module.constant(f"next_cell_of_{sort.name}", w.module.layout.next_table(sort.name), comment)
 
 
 def _open_way(course: ir.Wander, scope: IterationScope, mover: AgentVar, w: Writer) -> tuple[Value, Value]:

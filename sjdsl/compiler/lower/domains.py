@@ -5,7 +5,6 @@ from itertools import combinations
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.axes import Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
@@ -36,7 +35,7 @@ class Swept(Record):
 
 def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """Returns the scope inside a domain: one more axis unless the member is determined, its mask and its variables."""
-    inner = _cells(d, scope, w) if d.var.who == "cell" else _bodies(d, scope, w)
+    inner = _cells(d, scope, w) if d.var.sort.what == "cell" else _bodies(d, scope, w)
     if d.on is not None:
         agent = inner.variables[d.var.name]
         assert isinstance(agent, AgentVar)
@@ -49,7 +48,7 @@ def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
 
 def is_empty(d: ir.Domain, w: Writer) -> bool:
     """Returns whether nobody can ever be a member, because the map has no cell of a kind; tables of such cells have no entries."""
-    kinds = ([d.var.kinds] if d.var.who == "cell" else []) + ([d.on.kinds] if d.on is not None else [])
+    kinds = ([d.var.kinds] if d.var.sort.what == "cell" else []) + ([d.on.kinds] if d.on is not None else [])
     return not all(map(w.module.layout.num_cells, kinds))
 
 
@@ -76,8 +75,7 @@ def extended(scope: IterationScope, axis: Axis | None, d: ir.Domain, variable: V
 
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
-    sort = mover_sort(d.var)
-    n = w.module.extent(sort)
+    n = w.module.extent(d.var.sort)
     match d.restriction:
         case ir.InAgents() if d.restriction.value.type.kind in ("agent", "member"):
             index = w.keep(d.var.name, w.value(d.restriction.value, scope))
@@ -89,7 +87,7 @@ def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         case _:
             pass
     axis = w.axis(d.var.name, n)
-    variable = AgentVar(iota(axis), axis, sort)
+    variable = AgentVar(iota(axis), axis, d.var.sort)
     inner = extended(scope, axis, d, variable, variable.index, n).when(state_reads.present(variable, w))
     match d.restriction:
         case ir.Near():
@@ -108,11 +106,11 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
     index = w.keep(d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis)))
     variable: Variable
-    if d.var.who == "cell":
+    if d.var.sort.what == "cell":
         variable = CellVar(index, d.var.kinds)
         inner = extended(scope, axis, d, variable, index, w.module.num_cells(d.var.kinds)).when(state_reads.is_site(index, d.var.kinds, w))
     else:
-        variable = AgentVar(index, sort=mover_sort(d.var))
+        variable = AgentVar(index, sort=d.var.sort)
         inner = extended(scope, axis, d, variable, index, w.module.extent(variable.sort)).when(state_reads.present(variable, w))
     for earlier, later in sorted(combinations(range(len(indices)), 2), key=lambda pair: pair[::-1]):
         same = binary("==", indices[later], indices[earlier], "bool")
@@ -286,12 +284,12 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
 def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: AgentVar | None = None) -> Value:
     """Returns which of the cells are of a kind and block, by the state of the snapshot."""
     site = state_reads.site_at(cells, (kind.name,), w)
-    if agent is None and any(isinstance(n, ir.Member) and n.who == "agent" for n in ir.walk(block)):
+    if agent is None and any(isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(block)):
         what = "a shape blocked by a condition on the agent"
         raise NotSupported(what, block.origin, "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone")
     variables: dict[str, Variable] = {kind.name: CellVar(site, (kind.name,))}
     if agent is not None:
-        variables[agent.sort or "agent"] = agent
+        variables[agent.sort.name] = agent
     assert block.condition is not None
     test = w.value(block.condition, IterationScope(axes=cells.axes, variables=variables))
     blocks = both(state_reads.is_site(site, (kind.name,), w), test)

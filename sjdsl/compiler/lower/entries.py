@@ -6,7 +6,7 @@ agent.trust[b] of two axes is the stored table itself, one side of it being the 
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level, lowest_number, place_of, sort_of
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, literal, select, taken, union
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
@@ -38,14 +38,14 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
     """Returns the place of an entry in its row: of a word in the row's own set, of a number from the first one, of an agent its number."""
-    if isinstance(e, ir.Word) and sort_of(level) != "word":
-        return literal(place_of(level, e.value), "i32")
+    if isinstance(e, ir.Word) and level.sort != "word":
+        return literal(level.place_of(e.value), "i32")
     key = w.value(e, scope)
-    match sort_of(level):
+    match level.sort:
         case "word":
-            return to_words(key, e.type.words, level, w)
+            return to_words(key, e.type.words, level.names, w)
         case "number":
-            return binary("-", as_dtype(key, "i32"), literal(lowest_number(level), "i32"), "i32")
+            return binary("-", as_dtype(key, "i32"), literal(level.first, "i32"), "i32")
         case "agent":
             return key
 

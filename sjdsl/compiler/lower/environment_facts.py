@@ -23,8 +23,8 @@ def state_fields(game: ir.Game) -> tuple[StateField, ...]:
     """Returns every declared variable: those of cells, of agents, of movers, each sort after where its members are, and of the world."""
     found: list[StateField] = []
     for field in all_fields(game):
-        if (field.held_by, field.name) == ("mover", "heading"):
-            found.append(StateField(attribute_of("position", field.kind), "place"))
+        if (field.held_by.what, field.name) == ("mover", "heading"):
+            found.append(StateField(attribute_of("position", field.held_by), "place"))
         found.append(_state_field(attribute_name(field), field.type))
     return tuple(found)
 
@@ -50,4 +50,4 @@ def role_attribute(game: ir.Game) -> str | None:
 def _writes_role(turn: ir.Node) -> bool:
     """Whether a turn sets the field `role` of an agent."""
     written = (written_field(node.target) for node in ir.walk(turn) if isinstance(node, ir.Set))
-    return any((field.held_by, field.name) == ("agent", ROLE) for field in written)
+    return any((field.held_by.what, field.name) == ("agent", ROLE) for field in written)

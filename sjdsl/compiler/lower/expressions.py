@@ -6,6 +6,7 @@ from typing import Literal as OneOf
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
 from sjdsl.compiler.lower import cell_values, chosen, state_reads
@@ -119,7 +120,7 @@ def logic(e: ir.Logic, scope: IterationScope, w: Writer) -> Value:
 def named(e: ir.Named, scope: IterationScope, w: Writer) -> Value:
     """Returns the value of a `define`, kept under its name for all who read it; short conditions are written out instead."""
     value = lower(e.value, scope, w)
-    return value if value.dtype == "bool" and len(list(array.walk(value.node))) < LARGE else w.keep(e.name, value)
+    return value if value.dtype == "bool" and len(list(walk(value.node))) < LARGE else w.keep(e.name, value)
 
 
 def before(e: ir.Before, scope: IterationScope, w: Writer) -> Value:
@@ -188,7 +189,7 @@ def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
 
 def is_cell(e: ir.Expr) -> bool:
     """Returns whether an expression is a cell: a variable, or a value."""
-    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.who == "cell")
+    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.sort.what == "cell")
 
 
 def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:

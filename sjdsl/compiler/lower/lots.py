@@ -13,7 +13,7 @@ from sjdsl.compiler.program import expressions as array
 def fields_of_several_lots(phase: ir.Phase) -> frozenset[tuple[str, str]]:
     """Returns the fields, by holder and name, that several statements of a phase set by lot."""
     sets = [written_field(s.target) for s in ir.walk(phase) if isinstance(s, ir.Set) and s.lot is not None]
-    named = [(read.held_by, read.name) for read in sets]
+    named = [(read.held_by.what, read.name) for read in sets]
     return frozenset(field for field in named if named.count(field) > 1)
 
 
@@ -38,7 +38,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
         drawn = array.Index(_values(value, target, axes, w), (here,))
         w.assign(target.attribute, array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)))
         return
-    past = w.module.num_words(target.read.type.by[0]) if target.who is None else past_the_end(target.who, w).node
+    past = w.module.num_entries(target.read.type.by[0]) if target.who is None else past_the_end(target.who, w).node
     mine = place if target.who is None or entry is None else at
     keys = (array.Where(won, mine, array.scalar(past, "i32")), *([entry] if target.who is not None and entry is not None else []))
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
@@ -50,7 +50,7 @@ def _place(target: Target, at: array.Expression, entry: array.Expression | None,
     extent: array.Expression = array.Literal(1) if target.who is None else state_reads.total_extent(target.who, w)
     if entry is None:
         return at, extent
-    words = w.module.num_words(target.read.type.by[0])
+    words = w.module.num_entries(target.read.type.by[0])
     if target.who is None:
         return entry, words
     return array.Binary("+", array.Binary("*", at, words), entry), array.Binary("*", extent, words)
@@ -60,7 +60,7 @@ def _ranked(
     target: Target, place: array.Expression, rank: array.Expression, extent: array.Expression, w: Writer
 ) -> tuple[array.Expression, array.Expression]:
     """Returns the targets and ranks; of a field that several statements set by lot, only ranks above those drawn by the earlier ones."""
-    if (target.read.held_by, target.read.name) not in w.several_lots:
+    if (target.read.held_by.what, target.read.name) not in w.several_lots:
         return place, rank
     place, rank = w.bind("place", place), w.bind("rank", rank)
     earlier = w.best_ranks.get(target.attribute)
@@ -74,7 +74,7 @@ def _ranked(
 def _values(value: Value, target: Target, axes: tuple[Axis, ...], w: Writer, along_row: bool = False) -> array.Expression:
     """Returns the value of each instance; one value that a whole row is set to stands beside a new axis."""
     type_ = target.read.type if not target.keys else target.read.type.model_copy(update={"by": ()})
-    words = [w.module.num_words(level) for level in type_.by]
+    words = [w.module.num_entries(level) for level in type_.by]
     large = [array.Literal(w.module.set_words)] * (w.module.levels(type_) - len(words))
     flat = _flat(value, axes, value.dtype, tuple([*words, *large] if value.levels > len(large) else large))
     return array.Index(flat, (array.ALL, array.NEW_AXIS)) if along_row and words and value.levels == len(large) else flat

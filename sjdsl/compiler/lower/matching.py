@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, binary, both, iota, spread
 from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.draws import KEY
@@ -24,25 +23,20 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
         raise NotSupported("`match` of one certain agent", s.origin, instead)
     var = s.right.var
     partner = w.keep(var.name, _partners(s, left, w))
-    size = _all_of(var, w)
+    size = w.module.extent(var.sort)
     matched = binary("<", partner, Value(size, "i32"), "bool")
-    right: Variable = CellVar(partner, var.kinds) if var.who == "cell" else AgentVar(partner, sort=mover_sort(var))
+    right: Variable = CellVar(partner, var.kinds) if var.sort.what == "cell" else AgentVar(partner, sort=var.sort)
     inner = left.always().binding(**{var.name: right}, **under(s.right, right, w))
     return inner.when(scope.mask).when(w.keep("matched", matched))
-
-
-def _all_of(var: ir.Member, w: Writer) -> Literal:
-    """Returns how many there are of what a variable is."""
-    return w.module.num_cells(var.kinds) if var.who == "cell" else w.module.extent(mover_sort(var))
 
 
 def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     """Returns the partner of each left member, past the end for those who have none."""
     right, rows = s.right, left.axes[-1]
-    alike = (s.left.var.who, s.left.var.kinds) == (right.var.who, right.var.kinds)
-    if not alike and set(s.left.var.kinds) & set(right.var.kinds):
+    alike = s.left.var.sort == right.var.sort
+    if not alike and s.left.var.sort.overlaps(right.var.sort):
         raise NotSupported("a `match` of two groups that have cells in common", s.origin, "match a group with itself, or with other kinds")
-    size = _all_of(right.var, w)
+    size = w.module.extent(right.var.sort)
     if s.first:
         inner, lanes, found = nearest(right, left.always(), w)
         mask = both(left.mask, found)

@@ -2,7 +2,7 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import mover_sort
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, binary
 from sjdsl.compiler.lower.domains import blocked_by, enter
@@ -38,18 +38,18 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     stays = Binary("==", stride, w.module.number("no_step", NO_STEP))
     target = w.bind("target", Where(stays, POSITION, next_cell))
     conditional_blocks(agent, target, w)
-    settle(s, "", target, w)
+    settle(s, AGENTS, target, w)
 
 
 def nobody_moves(s: ir.Move, w: Writer) -> None:
     """Writes a movement phase of a domain that has no members on this map."""
-    sort = mover_sort(s.domain.var)
+    sort = s.domain.var.sort
     if w.module.stores_moved(sort):
         attribute = attribute_of("moved", sort)
         w.assign(attribute, call("jnp.zeros_like", path(f"state.{attribute}")))
 
 
-def settle(s: ir.Move, sort: str, target: Name, w: Writer) -> None:
+def settle(s: ir.Move, sort: ir.Sort, target: Name, w: Writer) -> None:
     """Writes where agents, or the movers of a sort, stand after all of them have wanted their targets."""
     position = state_reads.positions(w, sort)
     others = state_reads.all_positions(w, but=sort)
@@ -64,7 +64,7 @@ def settle(s: ir.Move, sort: str, target: Name, w: Writer) -> None:
 def conditional_blocks(body: AgentVar, target: Name, w: Writer) -> None:
     """Cells that block only in some states: who wants to enter stays."""
     position = state_reads.positions(w, body.sort)
-    for block, kind in blocks_of(body.sort or "agents", w):
+    for block, kind in blocks_of(body.sort, w):
         if body.axis is None:
             raise NotSupported("`move each` of agents named one by one where cells block under a condition", w.origin)
         blocked = blocked_by(block, kind, Value(target, "i32", (body.axis,)), w, body)
@@ -73,7 +73,7 @@ def conditional_blocks(body: AgentVar, target: Name, w: Writer) -> None:
         w.forget()
 
 
-def blocks_of(what: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
+def blocks_of(sort: ir.Sort, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
     """Returns what blocks agents or a sort of movers under conditions, each with the kind of the cells."""
     kinds = [kind for kind in w.module.game.kinds if w.module.layout.num_cells((kind.name,))]
-    return [(block, kind) for kind in kinds for block in kind.blocks if block.what == what and block.condition is not None]
+    return [(block, kind) for kind in kinds for block in kind.blocks if block.what == sort.plural and block.condition is not None]

@@ -35,7 +35,7 @@ _PLAIN = (
 def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w: Writer) -> bool:
     """Returns whether a domain is the cells of a small shape around each cell, and what is asked about them is plain."""
     d = e.domain
-    if not isinstance(d.restriction, ir.Near) or d.var.who != "cell" or len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
+    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell" or len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
         return False
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.painted is not None or len(scope.axes) != 1 or anchor.site.axes != scope.axes:

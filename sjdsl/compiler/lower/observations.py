@@ -272,12 +272,10 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     if observable.value is not None:
         return as_dtype(w.value(observable.value, place), "u8")
     declared = shown_field(w.module.game, observable)
-    kinds = (declared.kind,) if declared.kind else ()
-    read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, kinds=kinds, name=observable.field)
+    read = ir.FieldRead(type=declared.type, owner=None, held_by=declared.held_by, name=observable.field)
     stored = state_reads.field(read, who, w)
     if observable.word is not None:
-        by = declared.type.by[0]
-        stored = taken(stored, w.module.word(observable.word, by).node)
+        stored = taken(stored, w.module.entry(observable.word).node)
     if declared.type.kind == "agent":  # one up, 0 is nobody
         return as_dtype(binary("+", stored, literal(1, "i32"), "i32"), "u8")
     if stored.dtype == "u8":
@@ -291,11 +289,11 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
 
 def _attribute(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
     """Returns what an agent has of itself as a byte; of one that is away the row and column are 0."""
-    name = "agent" if observable.what == "own" else observable.what
-    owner = ir.Member(name=name, who="agent")
+    owner = observable.owner
+    assert owner is not None, observable
     value = w.value(ir.Attribute(type=observable.type, owner=owner, name=observable.field), place)  # type: ignore[arg-type]
     if observable.field in ("row", "col"):
-        agent = place.variables[name]
+        agent = place.variables[owner.name]
         assert isinstance(agent, AgentVar)
         value = select(state_reads.present(agent, w), value, literal(0, "i32"))
     return as_dtype(value, "u8")
@@ -315,7 +313,7 @@ def _mover_plane(observable: ir.Observable, painted: Value, axes: tuple[Axis, ..
     there = binary("!=", painted, literal(0, "u8"), "bool")
     who = array.Binary("-", array.Cast(painted.node, "i32"), array.Literal(1))
     number = w.keep(f"which_{observable.kind}", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes))
-    mover, observer = AgentVar(number, sort=observable.kind), AgentVar(iota(axes[0]), axes[0])
+    mover, observer = AgentVar(number, sort=observable.sort), AgentVar(iota(axes[0]), axes[0])
     place = IterationScope(axes=axes, variables={"agent": observer, observable.kind: mover})
     if not observable.field:
         value = as_dtype(there, "u8")

@@ -44,7 +44,7 @@ def shown_movers(sort: ir.Movers, game: ir.Game) -> int:
     """Returns how many movers of a sort are told apart: 1 if only their presence is seen, 0 if nothing is."""
     shown = [s for s in game.observables if s.what == "mover" and s.kind == sort.name]
     conditions = [c for s in shown for c in (s.hidden_when, s.shown_when) if c is not None]
-    asked = any(isinstance(n, ir.Member) and n.who == "mover" for c in conditions for n in ir.walk(c))
+    asked = any(isinstance(n, ir.Member) and n.sort.what == "mover" for c in conditions for n in ir.walk(c))
     return sort.number if asked or any(s.field for s in shown) else min(len(shown), 1)
 
 
@@ -98,11 +98,11 @@ def _paint_movers(sort: ir.Movers, parts: tuple[Part, ...], planes: list[Name], 
     w.origin = sort.origin
     part = next(p for p in parts if p.name == sort.name)
     if shown_movers(sort, w.module.game) > 1:
-        number = binary("+", Value(Arange(w.module.extent(sort.name), "u8"), "u8"), literal(1, "u8"), "u8")
+        number = binary("+", Value(Arange(w.module.extent(sort.sort), "u8"), "u8"), literal(1, "u8"), "u8")
     else:
-        number = Value(call("jnp.ones", w.module.extent(sort.name), path("jnp.uint8")), "u8")
+        number = Value(call("jnp.ones", w.module.extent(sort.sort), path("jnp.uint8")), "u8")
     shifted = binary("<<", number, shift_of(part, w), "u8")
-    w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(w, sort.name), shifted.node))
+    w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(w, sort.sort), shifted.node))
 
 
 def first_look(look: Look, w: Writer) -> Value:

@@ -17,7 +17,7 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         hit = reduce("any", mask, tuple(a for a in scope.axes if a != who.axis))
         return hit if hit.axes else Value(array.call("jnp.full", w.module.extent(who.sort), hit.node), "bool")
     extent = w.module.extent(who.sort)
-    at = w.keep(f"to_{who.sort or 'agent'}", select(scope.mask, who.index, Value(extent, "i32")))
+    at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
     nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
     return Value(array.Update(nobody, (at.node,), "set", array.Literal(True), drop=True), "bool")
 
@@ -33,7 +33,7 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
         extent = w.module.extent(who.sort)
         at = select(scope.mask, who.index, Value(extent, "i32"))
         axes = union(at.axes, value.axes)
-        places = w.keep(f"to_{who.sort or 'agent'}", Value(spread(at, axes), "i32", axes)).node
+        places = w.keep(f"to_{who.sort.name}", Value(spread(at, axes), "i32", axes)).node
         zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
         return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
     over = tuple(a for a in value.axes if a != who.axis)

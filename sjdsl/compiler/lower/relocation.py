@@ -7,7 +7,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import mover_sort
+from sjdsl.compiler.ir.queries import body_sort, body_sorts
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, both, iota, reduce, select, spread, union
 from sjdsl.compiler.lower.draws import KEY
@@ -32,9 +32,9 @@ class Pool(Record):
         return self.send.domain.var.kinds
 
     @property
-    def sort(self) -> str:
-        """The sort of the movers that are sent; nothing for agents."""
-        return mover_sort(self.send.who)
+    def sort(self) -> ir.Sort:
+        """The sort of those who are sent."""
+        return body_sort(self.send.who)
 
 
 class Sent(Record):
@@ -61,7 +61,7 @@ class Sends:
     pools: tuple[Pool, ...]
     now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
-    removed: list[tuple[str, array.Expression]] = field(default_factory=list)
+    removed: list[tuple[ir.Sort, array.Expression]] = field(default_factory=list)
     shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
@@ -84,7 +84,7 @@ class Sends:
         self.shifted.append(shifted(s, scope, w))
 
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
-        self.removed.append((mover_sort(s.who), w.keep("removed", per_agent(s.who, scope, w)).node))
+        self.removed.append((body_sort(s.who), w.keep("removed", per_agent(s.who, scope, w)).node))
 
 
 def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression | None:
@@ -102,7 +102,7 @@ def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression
         return w.keep("fitting", Value(spread(fits, (who.axis, axis)), "bool")).node
     axes = union(who.index.axes, () if scope.mask is None else scope.mask.axes, tuple(a for a in fits.axes if a != axis))
     extent = w.module.extent(who.sort)
-    at = w.keep(f"to_{who.sort or 'agent'}", Value(spread(select(scope.mask, who.index, Value(extent, "i32")), axes), "i32"))
+    at = w.keep(f"to_{who.sort.name}", Value(spread(select(scope.mask, who.index, Value(extent, "i32")), axes), "i32"))
     rows = spread(fits, (*axes, axis))
     table = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
     return w.keep("fitting", Value(array.Update(table, (at.node,), "set", rows, drop=True), "bool")).node
@@ -181,15 +181,15 @@ def _fitting(parts: list[Sent]) -> array.Expression | None:
     return _any_of(list(rows))
 
 
-def _put(name: str, sort: str, who: array.Expression, value: array.Expression, w: Writer) -> None:
+def _put(name: str, sort: ir.Sort, who: array.Expression, value: array.Expression, w: Writer) -> None:
     """Gives a fact about some agents, or some movers of a sort, a new value."""
     attribute = attribute_of(name, sort)
     w.assign(attribute, array.Where(who, value, w.current(attribute)))
 
 
-def _put_heading(sort: str, who: array.Expression, heading: array.Expression, w: Writer) -> None:
+def _put_heading(sort: ir.Sort, who: array.Expression, heading: array.Expression, w: Writer) -> None:
     """Turns some agents or movers; the heading of a mover is a field, and so a byte."""
-    if sort:
+    if sort.what == "mover":
         heading = array.scalar(heading, "u8") if isinstance(heading, array.Literal) else array.Cast(heading, "u8")
     _put("heading", sort, who, heading, w)
 
@@ -275,7 +275,7 @@ def _free_cells(
 def _sites(pool: Pool, leaving: array.Expression | None, w: Writer) -> array.Expression:
     """Returns which cells of the destination somebody stands on, by their numbers: those of the pool's own sort first."""
     found: list[array.Expression] = []
-    for sort in sorted(w.module.sorts, key=lambda sort: sort != pool.sort):
+    for sort in sorted(body_sorts(w.module.game), key=lambda sort: sort != pool.sort):
         site, _ = state_reads.site_under(state_reads.everybody(w, sort), pool.kinds, w)
         stays = leaving is None or sort != pool.sort
         found.append(site.node if stays else array.Where(leaving, w.module.num_cells(pool.kinds), site.node))  # type: ignore[arg-type]
@@ -297,12 +297,12 @@ def _headings(pool: Pool, parts: list[Sent], placed: array.Name, w: Writer) -> N
         _put_heading(pool.sort, who, _any_heading(pool, w) if facing is None else heading_number(facing, w), w)
 
 
-def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[str], w: Writer) -> None:
+def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writer) -> None:
     """Writes the part of `tick` in which respawn delays count down and those return whose delay is over.
 
     They return pool by pool, each on the map as it then is. sorts: of those who can be sent away.
     """
-    due: dict[str, array.Expression] = {}
+    due: dict[ir.Sort, array.Expression] = {}
     left: dict[str, array.Expression] = {}
     for sort in sorts:
         away = array.path(f"state.{attribute_of('away', sort)}")
@@ -345,7 +345,7 @@ def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:
     named = variables_around(s.domain)
     if not named:
         return None
-    agents = w.axis(pool.sort or "agent", w.module.extent(pool.sort))
+    agents = w.axis(pool.sort.name, w.module.extent(pool.sort))
     axis = w.axis("destination", w.module.num_cells(s.domain.var.kinds))
     everybody = AgentVar(iota(agents), agents, pool.sort)
     scope = IterationScope(axes=(agents,), variables={variable.name: everybody for variable in named})

@@ -42,18 +42,19 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     if s.word is None:
         _count(s, attribute, None, amount, scope, w)
         return
+    assert event.by is not None, event
     key = row_key(s.word, event.by, scope.always(), w)
     if key.literal:
         _count(s, attribute, key.node, amount, scope, w)
         return
     agents = _one_each(s.receiver, scope)
     if agents is not None and s.receiver is not None:  # all columns at once: one sum instead of an update for each
-        column = w.axis("word", w.module.num_words(event.by))
+        column = w.axis("word", w.module.num_entries(event.by))
         here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
         got = per_agent(s.receiver, amount, here, w, s.event)
         deliver(attribute, (), replace(got, node=aligned(got, (agents, column))), w)  # the word may be the same for all agents
         return
-    for word in (as_dtype(w.module.word(name, event.by), key.dtype) for name in event.by):  # it differs: one column at a time
+    for word in (as_dtype(w.module.entry(entry), key.dtype) for entry in event.by.entries):  # it differs: one column at a time
         here = scope.when(binary("==", key, word, "bool"))
         _count(s, attribute, word.node, amount, here, w)
 

@@ -4,6 +4,7 @@ from dataclasses import field, replace
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.compiler.lower.axes import Axis, Value, both
 from sjdsl.compiler.program.expressions import Literal
 
@@ -24,11 +25,11 @@ class SetOfOne(Record):
 
 
 class AgentVar(Record):
-    """An agent, or a mover of a `sort`: its number along `axis` (each once), or computed numbers `index`; `alone`: as a set, if known."""
+    """An agent or a mover: its number along `axis` (each once), or computed numbers `index`; `alone`: as a set, if known."""
 
     index: Value
     axis: Axis | None = None
-    sort: str = ""
+    sort: Sort = AGENTS
     alone: SetOfOne | None = None
 
     @property
@@ -50,6 +51,10 @@ class CellVar(Record):
     painted: tuple[tuple[str, Value], ...] | None = None
     seen: tuple[Axis, ...] = ()
     beside: bool = False
+
+    @property
+    def sort(self) -> Sort:
+        return Sort("cell", self.kinds)
 
     @property
     def number(self) -> Value:

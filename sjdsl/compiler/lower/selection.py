@@ -4,7 +4,6 @@ from dataclasses import replace
 from math import prod
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import mover_sort
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
@@ -194,15 +193,14 @@ def _nearest_in_lanes(shape: ir.Shape, ok: Value, numbers: array.Expression, nam
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:
     """Returns who is on each cell of the shape, whether somebody is, and the shape's axis."""
     assert isinstance(d.restriction, ir.Near)
-    if d.var.who == "cell":
+    if d.var.sort.what == "cell":
         site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return CellVar(site, d.var.kinds), ok, axis
     swept = sweep(d.restriction, scope, w)
     cells = swept.cells
-    sort = mover_sort(d.var)
-    standing = w.keep("standing", Value(stand_on(cells, state_reads.positions(w, sort)), "bool"))
+    standing = w.keep("standing", Value(stand_on(cells, state_reads.positions(w, d.var.sort)), "bool"))
     first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
     anybody = w.keep("anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes))
     reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else None
-    return AgentVar(who, sort=sort), both(anybody, reached) or TRUE, swept.axis
+    return AgentVar(who, sort=d.var.sort), both(anybody, reached) or TRUE, swept.axis

@@ -6,6 +6,7 @@ from itertools import groupby
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import RESERVED, Names, phase_function
 from sjdsl.compiler.lower.writer import replaced
 from sjdsl.compiler.program import Function
@@ -118,7 +119,7 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     if any(len(one) != len(parameters) for one in given):
         parameters = ()
     first = uses[0][1]
-    taken = {node.identifier for node in array.walk(first.body) if isinstance(node, array.Name)}
+    taken = {node.identifier for node in walk(first) if isinstance(node, array.Name)}
     together = Together(parameters, given, Names(RESERVED | taken))
     marks = [f"mark_{phase.name}" for phase, _ in uses]
     try:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import mover_sort
+from sjdsl.compiler.ir.queries import body_sort, body_sorts
 from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, binary, both, indexed, invert, iota, literal, reduce, select, union
 from sjdsl.compiler.lower.domains import blocked_by, stand_on
@@ -158,7 +158,7 @@ def _is_free(s: ir.Shift, who: AgentVar, ahead: _Ahead, steps: Value, w: Writer)
 
 def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     """Returns which cells of the frame are on the map and do not block an agent, or a mover of a sort."""
-    what = who.sort or "agents"
+    what = who.sort.plural
     layout = w.module.layout
     inside = w.module.constant("inside", layout.inside_table, "cells of the map in the frame")
     clear = Value(indexed(inside, (cells.node,)), "bool", cells.axes)
@@ -177,14 +177,15 @@ def settle(moves: list[Shifted], w: Writer) -> None:
 
     Each sort of movers in turn, then the agents: they find the others where these then are.
     """
-    for sort in (*w.module.sorts[1:], ""):
-        own = [move for move in moves if mover_sort(move.statement.who) == sort]
+    agents, *movers = body_sorts(w.module.game)
+    for sort in (*movers, agents):
+        own = [move for move in moves if body_sort(move.statement.who) == sort]
         if own:
             _settle_sort(own, sort, w)
     w.origin = None
 
 
-def _settle_sort(moves: list[Shifted], sort: str, w: Writer) -> None:
+def _settle_sort(moves: list[Shifted], sort: ir.Sort, w: Writer) -> None:
     position, extent = attribute_of("position", sort), w.module.extent(sort)
     before = w.bind("before", w.current(position))
     targets: array.Expression = before
@@ -194,7 +195,7 @@ def _settle_sort(moves: list[Shifted], sort: str, w: Writer) -> None:
         bits = array.call("random_bits", KEY, w.stream(move.statement.stream), extent)
         targets = array.Where(move.who, move.target, targets)
         words = bits if len(moves) == 1 else array.Where(move.who, bits, words)
-    for other in (other for other in w.module.sorts if other != sort):  # who stands on a cell keeps it
+    for other in (other for other in body_sorts(w.module.game) if other != sort):  # who stands on a cell keeps it
         taken = array.call("is_one_of", targets, w.current(attribute_of("position", other)))
         targets = array.Where(taken, before, targets)
     w.assign(position, array.call("resolve", before, targets, words, exchange=array.Literal(True)))
@@ -208,9 +209,9 @@ def _settle_sort(moves: list[Shifted], sort: str, w: Writer) -> None:
             assert move.statement.heading_stream is not None
             drawn = array.call("random_bits", KEY, w.stream(move.statement.heading_stream), extent)
             number = array.call("below", drawn, array.Literal(4))
-            number = array.Cast(number, "u8") if sort else number
+            number = array.Cast(number, "u8") if sort.what == "mover" else number
         else:
             number = w.module.number(facing, HEADINGS.index(facing))
-            number = array.scalar(number, "u8") if sort else number
+            number = array.scalar(number, "u8") if sort.what == "mover" else number
         heading = attribute_of("heading", sort)
         w.assign(heading, array.Where(array.Binary("&", move.who, came), number, w.current(heading)))

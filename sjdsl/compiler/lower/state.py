@@ -2,8 +2,8 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
-from sjdsl.compiler.ir.queries import all_fields, marking_phases
-from sjdsl.compiler.ir.sorts import Level, level_text, sort_of
+from sjdsl.compiler.ir.queries import all_fields, body_sorts, marking_phases
+from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.lower import cell_values, state_reads
 from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.statements import mark_size
@@ -19,7 +19,7 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
 
     found = [Field("step", "[]", "int32", "finished steps of this episode", array.call("jnp.int32", array.Literal(0)))]
-    for sort in w.module.sorts:
+    for sort in body_sorts(game):
         found += _pose_fields(sort, w)
     found += [_field(field, game, w) for field in all_fields(game)]
     for phase in marking_phases(game):
@@ -29,21 +29,21 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     return found
 
 
-def _pose_fields(sort: str, w: Writer) -> list[Field]:
+def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
     """Returns where agents, or the movers of a sort, are; the heading of a mover is a field of its own."""
-    extent, one = w.module.extent(sort), sort or "agent"
+    extent, is_agent = w.module.extent(sort), sort.what == "agent"
 
     def of_each(name: str, comment: str, dtype: str = "int32") -> Field:
         zeros = array.call("jnp.zeros", extent, INT32 if dtype == "int32" else array.Name("bool"))
-        return Field(attribute_of(name, sort), f"[{extent.size}]" if sort else "[N]", dtype, comment, zeros)
+        return Field(attribute_of(name, sort), "[N]" if is_agent else f"[{extent.size}]", dtype, comment, zeros)
 
-    found = [of_each("position", f"cell of each {one} in the padded frame; 0: nowhere")]
-    if not sort:
+    found = [of_each("position", f"cell of each {sort.name} in the padded frame; 0: nowhere")]
+    if is_agent:
         found.append(of_each("heading", "0 north, 1 east, 2 south, 3 west"))
     if w.module.stores_moved(sort):
         found.append(of_each("moved", "did the last movement change the cell", "bool_"))
     if w.module.stores_away(sort):
-        who = f"ticks until {'a' if sort else 'an'} {one} that is nowhere returns; 0: never"
+        who = f"ticks until {'an' if is_agent else 'a'} {sort.name} that is nowhere returns; 0: never"
         found.append(of_each("away", who))
         found.append(of_each("away_pool", "where it was sent"))
         found.append(of_each("away_facing", "heading it will have; 4: any, 5: the same"))
@@ -52,28 +52,30 @@ def _pose_fields(sort: str, w: Writer) -> list[Field]:
 
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     dtype = STORED[state_reads.storage(field, w)]
-    sort = field.kind if field.held_by == "mover" else ""
-    dims = {"cell": "S", "agent": "N", "world": ""}.get(field.held_by) or (str(w.module.extent(sort).size) if sort else "")
+    extent = None if field.held_by.what == "world" else w.module.extent(field.held_by)
+    dims = {"cell": "S", "agent": "N"}.get(field.held_by.what) or ("" if extent is None else str(extent.size))
     words = (array.Literal(w.module.set_words),) if field.type.kind == "agents" and w.module.set_words else ()
     shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by] + [str(number.size) for number in words])
     layout = w.module.layout
-    starts = layout.starts(field.kind, field) if field.held_by == "cell" else {field.start}
+    kind = field.held_by.name
+    starts = layout.starts(kind, field) if field.held_by.what == "cell" else {field.start}
     if len(starts) <= 1:
-        extent = {"cell": w.module.num_cells((field.kind,)), "agent": w.module.agents}.get(field.held_by)
-        extent = w.module.extent(sort) if sort else extent
-        size = (*([] if extent is None else [extent]), *map(w.module.num_words, field.type.by), *words)
+        size = (*([] if extent is None else [extent]), *map(w.module.num_entries, field.type.by), *words)
         first = _start(next(iter(starts), field.start), field, w)
         default: array.Expression = array.call(
             "jnp.full", array.shape_of(size) if size else array.Sequence(()), first, array.path(f"jnp.{dtype}")
         )
     else:
-        given = {s for g in game.glyphs if g.kind == field.kind for n, s in g.starts if n == field.name}
+        given = {s for g in game.glyphs if g.kind == kind for n, s in g.starts if n == field.name}
         encode = {s: _start(s, field, w).value for s in given | starts | {field.start}}
-        table = layout.starts_table(field.kind, field, encode, dtype)  # type: ignore[arg-type]
-        default = w.module.constant(f"{attribute_name(field)}_start", table, f"{field.name} of {field.kind} as on the map")
+        table = layout.starts_table(kind, field, encode, dtype)  # type: ignore[arg-type]
+        default = w.module.constant(f"{attribute_name(field)}_start", table, f"{field.name} of {kind} as on the map")
         if field.type.by:
             default = array.call(
-                "jnp.repeat", array.Index(default, (array.ALL, array.NEW_AXIS)), w.module.num_words(field.type.by[0]), axis=array.Literal(1)
+                "jnp.repeat",
+                array.Index(default, (array.ALL, array.NEW_AXIS)),
+                w.module.num_entries(field.type.by[0]),
+                axis=array.Literal(1),
             )
     meaning = f"{field.name}: {_meaning(field)}" + (f"; by {_level(field.type.by[0])}" if field.type.by else "")
     return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
@@ -81,7 +83,7 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
 
 def _level(level: Level) -> str:
     """Returns what the entries of a row are, for a comment."""
-    return ", ".join(level) if sort_of(level) == "word" else level_text(level)
+    return ", ".join(level.names) if level.sort == "word" else str(level)
 
 
 def _meaning(field: ir.VarField) -> str:
@@ -125,7 +127,7 @@ def params_fields(game: ir.Game) -> list[Field]:
     for param in game.params:
         dtype = {"int": "int32", "real": "float32", "word": "uint8"}[param.type.kind]
         shape = "[" + ", ".join(str(len(by)) for by in param.type.by) + "]"
-        by = "".join(f" by {level_text(level)}" for level in param.type.by)
+        by = "".join(f" by {level}" for level in param.type.by)
         unit = "word" if param.type.kind == "word" else param.type.unit
         default = array.call("jnp.asarray", array.constant(param_value(param.value, param.type)), array.path(f"jnp.{dtype}"))
         found.append(Field(param_attribute(param.name), shape, dtype, f"{unit}{by}", default))
@@ -146,7 +148,7 @@ def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
         Field("ended", "[]", "bool_", "whether an `end` was performed", array.call("jnp.zeros", array.Sequence(()), array.Name("bool"))),
     ]
     for event in game.events:
-        size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_words(event.by)] if event.by else []))
+        size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_entries(event.by)] if event.by else []))
         shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
         comment = "counts of this step" + (f", by {_level(event.by)}" if event.by else "")
         zeros = array.call("jnp.zeros", array.shape_of(size) if size else array.Sequence(()), INT32)

@@ -6,6 +6,8 @@ from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
+from sjdsl.compiler.ir.queries import body_sorts, can_be
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, literal
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, Variable
 from sjdsl.compiler.lower.writer import Writer
@@ -93,7 +95,7 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
     """
     type_ = declared.type
     match type_.kind:
-        case "word" | "int" if declared.held_by == "world" and not type_.by:
+        case "word" | "int" if declared.held_by.what == "world" and not type_.by:
             return "i32"
         case "word":
             return "u8"
@@ -119,11 +121,10 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     """Returns the largest value a timer begins with or any statement sets it to. `nodes`: all of the game."""
     bound = 0.0
     for node in nodes:
-        if isinstance(node, ir.GlyphMeaning) and node.kind == declared.kind:
+        if isinstance(node, ir.GlyphMeaning) and declared.held_by == ir.Sort("cell", (node.kind,)):
             bound = max([bound, *(value for name, value in node.starts if name == declared.name and isinstance(value, int))])
-        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and node.target.name == declared.name:
-            if node.target.held_by == declared.held_by and (not declared.kind or declared.kind in node.target.kinds):
-                bound = max(bound, node.value.type.high)
+        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and can_be(node.target, declared):
+            bound = max(bound, node.value.type.high)
     return bound
 
 
@@ -135,7 +136,7 @@ def position(owner: AgentVar, w: Writer) -> Value:
 
 def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
-    if owner.sort:  # a field, and so a byte
+    if owner.sort.what == "mover":  # a field, and so a byte
         return as_dtype(_of(owner, Value(w.stored(attribute_of("heading", owner.sort)), "u8")), "i32")
     return _of(owner, Value(w.stored("heading"), "i32"))
 
@@ -157,21 +158,21 @@ def nowhere(w: Writer) -> Value:
     return Value(w.module.number("nowhere", 0, "the cell of agents that are not on the map"), "i32")
 
 
-def positions(w: Writer, sort: str = "") -> Expression:
+def positions(w: Writer, sort: ir.Sort = AGENTS) -> Expression:
     """Returns the cells of all agents, or of all movers of a sort."""
     return w.stored(attribute_of("position", sort))
 
 
-def everybody(w: Writer, sort: str = "") -> AgentVar:
+def everybody(w: Writer, sort: ir.Sort) -> AgentVar:
     """Returns all agents, or all movers of a sort, where their numbers are not asked for."""
     extent = w.module.extent(sort)
     axis = Axis("", extent.size, 0, extent.name)
-    return AgentVar(Value(Name(sort or "agents"), "i32"), axis, sort)
+    return AgentVar(Value(Name(sort.plural), "i32"), axis, sort)
 
 
-def all_positions(w: Writer, but: str | None = None) -> Expression | None:
+def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression | None:
     """Returns the cells of all agents and movers; `but`: without those of one sort. None: there is nobody."""
-    sorts = [sort for sort in w.module.sorts if sort != but]
+    sorts = [sort for sort in body_sorts(w.module.game) if sort != but]
     if len(sorts) <= 1:
         return positions(w, sorts[0]) if sorts else None
     together = call("jnp.concatenate", Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True))
@@ -241,7 +242,7 @@ def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Valu
 
 def total_extent(owner: Variable, w: Writer) -> Literal:
     """Returns how many members there are."""
-    return w.module.extent(owner.sort) if isinstance(owner, AgentVar) else w.module.num_cells(owner.kinds)
+    return w.module.extent(owner.sort)
 
 
 def occupied(owner: CellVar, w: Writer) -> Value:

@@ -7,9 +7,10 @@ from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
-from sjdsl.compiler.ir.queries import all_fields, can_be_away, declared_field, mover_sort, movers_named, shape_named, shows_attribute
-from sjdsl.compiler.ir.sorts import sort_of
+from sjdsl.compiler.ir.queries import all_fields, body_sort, can_be_away, declared_field, movers_named, shape_named, shows_attribute
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.scope import IterationScope, Variable
@@ -26,7 +27,6 @@ from sjdsl.compiler.program.expressions import (
     Statement,
     as_array,
     path,
-    walk,
 )
 from sjdsl.runtime.actions import HEADINGS
 
@@ -50,7 +50,7 @@ class Module:
     writer: "Writer | None" = None  # the last one, whose statement is at fault where nothing else is known
     _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
-    _can_be_away: dict[str, bool] = field(default_factory=dict)
+    _can_be_away: dict[ir.Sort, bool] = field(default_factory=dict)
 
     def constant(self, name: str, table: Expression, comment: str, dtype: DType | None = None) -> Name:
         """Returns the name of a module-level array; what is made in the same way is kept once. `dtype`: of written numbers."""
@@ -87,20 +87,24 @@ class Module:
     def word(self, word: str, words: tuple[str, ...], declared: ir.VarField | None = None) -> Value:
         """Returns the number of a word among others. `declared`: the field it is a value of, after which it is named."""
         if declared is not None and declared.type.words == words:
-            owner: str | None = declared.kind or declared.held_by
+            owner: str | None = declared.held_by.name
         else:
             owner, _ = self._word_sets.get(words, (None, ""))
         number = words.index(word)
-        if owner is None or sort_of(words) != "word":
+        if owner is None:
             return literal(number, "u8")
         return Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
 
-    def num_words(self, words: tuple[str, ...]) -> Literal:
-        """Returns how many words a set, or entries a row has."""
-        if sort_of(words) == "agent":
+    def entry(self, entry: ir.Entry) -> Value:
+        """Returns the place of an entry in its row."""
+        return self.word(entry.name, entry.level.names) if entry.level.sort == "word" else literal(entry.place, "u8")
+
+    def num_entries(self, level: ir.Level) -> Literal:
+        """Returns how many entries a row has."""
+        if level.sort == "agent":
             return self.agents
-        _, declared = self._word_sets[words]
-        return self.number(f"num_{declared}", len(words), ", ".join(words), "size")
+        _, declared = self._word_sets[level.names]
+        return self.number(f"num_{declared}", len(level), ", ".join(level.names), "size")
 
     @cached_property
     def _word_sets(self) -> dict[tuple[str, ...], tuple[str, str]]:
@@ -108,11 +112,11 @@ class Module:
         game, fields = self.game, all_fields(self.game)
         found: dict[tuple[str, ...], tuple[str, str]] = {HEADINGS: ("", "headings")}
         for declared in fields:
-            found.setdefault(declared.type.words, (declared.kind or declared.held_by, attribute_name(declared)))
-        rows = [(by, attribute_name(declared)) for declared in fields for by in declared.type.by]
-        rows += [(by, param.name) for param in game.params for by in (param.type.words, *param.type.by)]
+            found.setdefault(declared.type.words, (declared.held_by.name, attribute_name(declared)))
+        rows = [(by.names, attribute_name(declared)) for declared in fields for by in declared.type.by]
+        rows += [(by, param.name) for param in game.params for by in (param.type.words, *(level.names for level in param.type.by))]
         arguments = [(argument.type.words, action.name) for action in game.agents.with_arguments for argument in action.arguments]
-        for by, name in (*rows, *((event.by, event.name) for event in game.events), *arguments):
+        for by, name in (*rows, *((event.by.names, event.name) for event in game.events if event.by is not None), *arguments):
             found.setdefault(by, (name, name))
         return found
 
@@ -125,16 +129,17 @@ class Module:
         """How many agents there are."""
         return Literal(self.num_agents, "NUM_AGENTS")
 
-    def extent(self, sort: str = "") -> Literal:
-        """Returns how many agents there are, or how many movers of a sort."""
-        if not sort:
-            return self.agents
-        return self.number(f"num_{sort}", movers_named(self.game, sort).number, f"movers {sort}", "size")
-
-    @property
-    def sorts(self) -> tuple[str, ...]:
-        """The agents, by no name, and all sorts of movers."""
-        return ("", *(movers.name for movers in self.game.movers))
+    def extent(self, sort: ir.Sort) -> Literal:
+        """Returns how many agents there are, or movers or cells of a sort."""
+        match sort.what:
+            case "agent":
+                return self.agents
+            case "mover":
+                return self.number(f"num_{sort.name}", movers_named(self.game, sort.name).number, f"movers {sort.name}", "size")
+            case "cell":
+                return self.num_cells(sort.names)
+            case "world":
+                raise AssertionError(sort)
 
     @property
     def set_dtype(self) -> DType:
@@ -150,32 +155,32 @@ class Module:
         """Returns how many axes one value has: those of rows and tables, and that of the words of a large set."""
         return len(type_.by) + (type_.kind == "agents" and self.set_words > 0)
 
-    def can_be_away(self, sort: str = "") -> bool:
+    def can_be_away(self, sort: ir.Sort = AGENTS) -> bool:
         """Returns whether agents, or movers of a sort, can be off the map during a step."""
         if sort not in self._can_be_away:
             self._can_be_away[sort] = can_be_away(self.game, sort)
         return self._can_be_away[sort]
 
-    def stores_away(self, sort: str = "") -> bool:
+    def stores_away(self, sort: ir.Sort = AGENTS) -> bool:
         """Returns whether an agent, or a mover of a sort, can be sent away for some ticks."""
-        return any(s.after is not None and mover_sort(s.who) == sort for s in self.sends)
+        return any(s.after is not None and body_sort(s.who) == sort for s in self.sends)
 
     @cached_property
     def sends(self) -> tuple[ir.Send, ...]:
         """All statements that send agents somewhere, in the order of the game."""
         return tuple(n for n in self.nodes if isinstance(n, ir.Send))
 
-    def stores_moved(self, sort: str = "") -> bool:
+    def stores_moved(self, sort: ir.Sort) -> bool:
         """Returns whether any rule reads `moved` of agents, or of movers of a sort, or it is seen of agents."""
-        shown = not sort and any(shows_attribute(s) and s.field == "moved" for s in self.game.observables)
-        return shown or any(isinstance(n, ir.Attribute) and n.name == "moved" and mover_sort(n.owner) == sort for n in self.nodes)
+        shown = sort.what == "agent" and any(shows_attribute(s) and s.field == "moved" for s in self.game.observables)
+        return shown or any(isinstance(n, ir.Attribute) and n.name == "moved" and body_sort(n.owner) == sort for n in self.nodes)
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:
         """All nodes of the game."""
         return tuple(ir.walk(self.game))
 
-    def field(self, read: ir.FieldRead, kind: str = "") -> ir.VarField:
+    def field(self, read: ir.FieldRead, kind: str | None = None) -> ir.VarField:
         """Returns the declaration of a field."""
         return declared_field(self.game, read, kind)
 

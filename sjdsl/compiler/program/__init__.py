@@ -2,12 +2,11 @@
 
 from typing import Literal
 
-from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.program.expressions import Expression, Statement
+from sjdsl.compiler.program.expressions import Expression, Node, Statement
 from sjdsl.runtime.planes import TokenPlane
 
 
-class Fact(Record):
+class Fact(Node):
     """A constant by which the environment around a module knows the game."""
 
     name: str
@@ -18,7 +17,7 @@ class Fact(Record):
 Group = Literal["size", "action", "word", "other", "stream"]
 
 
-class Number(Record):
+class Number(Node):
     """A module-level number, such as how many cells of a kind there are. Those of one group stand together."""
 
     name: str
@@ -27,7 +26,7 @@ class Number(Record):
     group: Group = "other"
 
 
-class Constant(Record):
+class Constant(Node):
     """A module-level array, as what makes it when the module is loaded: from the map, or from numbers that are written out."""
 
     name: str
@@ -35,7 +34,7 @@ class Constant(Record):
     comment: str
 
 
-class Field(Record):
+class Field(Node):
     """One attribute of State, Params or Outcome: `shape` as text, `dtype` as jax.numpy names it, its default."""
 
     name: str
@@ -45,7 +44,7 @@ class Field(Record):
     default: Expression
 
 
-class Function(Record):
+class Function(Node):
     """A function of the module. `parameters`: (name, type); `returns`: the type."""
 
     name: str
@@ -55,7 +54,7 @@ class Function(Record):
     body: tuple[Statement, ...]
 
 
-class Program(Record):
+class Program(Node):
     """A whole module.
 
     facts: what the module says of itself (NAME, NUM_AGENTS, …). map: its rows. planes: what an observation holds.

@@ -5,26 +5,28 @@ Two expressions are equal if they compute the same; the name that a literal is p
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import fields, is_dataclass
-from functools import cache
 from types import EllipsisType
-from typing import Any, TypeAlias
 from typing import Literal as OneOf
+from typing import TypeAlias
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.diagnostics.tree import TreeNode, walk
 
 DType: TypeAlias = OneOf["f32", "i32", "u32", "u8", "bool"]
 
 
-class Name(Record):
+class Node(Record, TreeNode["Node"]):
+    """A part of a program."""
+
+
+class Name(Node):
     """A variable of a function, a constant of the module, a kernel, or what is imported."""
 
     identifier: str
 
 
-class Literal(Record):
+class Literal(Node):
     """A number, truth, text, None (in an index: a new axis) or `...`. `name`: the module's constant that has this value."""
 
     value: bool | int | float | str | EllipsisType | None
@@ -43,14 +45,14 @@ class Literal(Record):
         return hash((type(self.value), self.value))
 
 
-class Attribute(Record):
+class Attribute(Node):
     """`value.name`."""
 
     value: Expression
     name: str
 
 
-class Call(Record):
+class Call(Node):
     """`function(arguments, keyword=argument, …)`."""
 
     function: Expression
@@ -58,28 +60,28 @@ class Call(Record):
     keywords: tuple[tuple[str, Expression], ...] = ()
 
 
-class Slice(Record):
+class Slice(Node):
     """`start:stop` in an index."""
 
     start: Expression | None = None
     stop: Expression | None = None
 
 
-class Index(Record):
+class Index(Node):
     """`value[keys]`."""
 
     value: Expression
     keys: tuple[Expression | Slice, ...]
 
 
-class Unary(Record):
+class Unary(Node):
     """`~operand` or `-operand`."""
 
     op: str
     operand: Expression
 
 
-class Binary(Record):
+class Binary(Node):
     """An operation or comparison of two arrays, entry by entry."""
 
     op: str
@@ -87,7 +89,7 @@ class Binary(Record):
     right: Expression
 
 
-class Where(Record):
+class Where(Node):
     """`then` where the condition holds, else `otherwise`."""
 
     condition: Expression
@@ -95,7 +97,7 @@ class Where(Record):
     otherwise: Expression
 
 
-class Cast(Record):
+class Cast(Node):
     """An array in another dtype. `source`: what it was, if that is known."""
 
     value: Expression
@@ -103,7 +105,7 @@ class Cast(Record):
     source: DType | None = None
 
 
-class Reduce(Record):
+class Reduce(Node):
     """`any`, `all`, `sum`, `min` or `max` over some axes, all of them if there are none named. `dtype`: of a sum."""
 
     fn: OneOf["any", "all", "sum", "min", "max"]
@@ -112,21 +114,21 @@ class Reduce(Record):
     dtype: DType | None = None
 
 
-class Broadcast(Record):
+class Broadcast(Node):
     """An array spread out to a shape."""
 
     value: Expression
     shape: tuple[Expression, ...]
 
 
-class Arange(Record):
+class Arange(Node):
     """0, 1, … along an axis."""
 
     size: Expression
     dtype: DType | None = None
 
 
-class Update(Record):
+class Update(Node):
     """An array with new values at some keys, or with values added to them; `drop`: keys past the end change nothing."""
 
     target: Expression
@@ -136,20 +138,20 @@ class Update(Record):
     drop: bool = False
 
 
-class Sequence(Record):
+class Sequence(Node):
     """A tuple, or a list."""
 
     items: tuple[Expression, ...]
     is_list: bool = False
 
 
-class Mapping(Record):
+class Mapping(Node):
     """A dictionary with texts for keys."""
 
     entries: tuple[tuple[str, Expression], ...]
 
 
-class Lambda(Record):
+class Lambda(Node):
     """A function of its parameters."""
 
     parameters: tuple[str, ...]
@@ -176,7 +178,7 @@ Expression: TypeAlias = (
 )
 
 
-class Assign(Record):
+class Assign(Node):
     """Gives names to a value; several take it apart. `origin`: the line of the `.sj` file it comes from."""
 
     names: tuple[str, ...]
@@ -184,7 +186,7 @@ class Assign(Record):
     origin: Span | None = None
 
 
-class Return(Record):
+class Return(Node):
     """Ends a function; several values are a tuple."""
 
     values: tuple[Expression, ...]
@@ -244,24 +246,6 @@ def constant(value: object) -> Expression:
 def shape_of(sizes: tuple[Expression, ...]) -> Expression:
     """Returns a shape as an argument: a number for one axis, else a tuple."""
     return sizes[0] if len(sizes) == 1 else Sequence(sizes)
-
-
-def walk(node: object) -> Iterator[object]:
-    """Yields a node and all nodes below it, outermost first."""
-    waiting: list[Any] = [node]
-    while waiting:
-        following = waiting.pop()
-        if isinstance(following, tuple):
-            waiting += reversed(following)
-        elif (parts := _parts(following.__class__)) is not None:
-            yield following
-            waiting += [getattr(following, name) for name in reversed(parts)]
-
-
-@cache
-def _parts(kind: type) -> tuple[str, ...] | None:
-    """Returns the fields of a class of nodes that can hold nodes, None for what is no node."""
-    return tuple(f.name for f in fields(kind) if f.name != "origin") if is_dataclass(kind) else None
 
 
 def live(body: list[Statement]) -> tuple[Statement, ...]:

@@ -1,0 +1,70 @@
+"""Trees: the nodes in a node, all below it, and bottom-up replacement, alike for the syntax, the typed IR and array programs."""
+
+from collections.abc import Callable, Iterator
+from copy import copy
+from functools import cache
+from typing import Any, Generic, TypeVar
+
+N = TypeVar("N")
+T = TypeVar("T")
+
+
+class TreeNode(Generic[N]):
+    """A part of a tree of nodes N: what its fields hold, perhaps in tuples, are the nodes directly inside it."""
+
+
+def children(node: TreeNode[N]) -> list[N]:
+    """Returns the nodes directly inside `node`, in field order."""
+    found: list[N] = []
+    for value in vars(node).values():
+        _gather(value, found)
+    return found
+
+
+def walk(node: TreeNode[N]) -> Iterator[N]:
+    """Yields `node` and every node below it, outermost first."""
+    waiting: list[Any] = [node]
+    while waiting:
+        following = waiting.pop()
+        yield following
+        waiting += reversed(children(following))
+
+
+def _gather(value: Any, found: list[Any]) -> None:
+    kind = value.__class__
+    if kind is tuple:
+        for item in value:
+            _gather(item, found)
+    elif _is_node(kind):
+        found.append(value)
+
+
+@cache
+def _is_node(kind: type) -> bool:
+    """Whether values of a type are nodes; kept, for pydantic's own `isinstance` takes a hundred times as long."""
+    return issubclass(kind, TreeNode)
+
+
+def rewrite(node: T, rule: Callable[[Any], Any]) -> T:
+    """Returns `node` with `rule` applied to every node below it, inner ones first, then to itself.
+
+    A rule returns a node, or for a statement a tuple of statements to stand in its place.
+    """
+    update = {name: new for name, value in vars(node).items() if (new := _rewritten(value, rule)) is not value}
+    if update:
+        node = copy(node)
+        vars(node).update(update)
+    result: T = rule(node)
+    return result
+
+
+def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
+    if _is_node(value.__class__):
+        return rewrite(value, rule)
+    if value.__class__ is not tuple:
+        return value
+    items: list[Any] = []
+    for item in value:
+        new = _rewritten(item, rule)
+        items.extend(new if isinstance(new, tuple) and _is_node(item.__class__) else (new,))
+    return value if len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True)) else tuple(items)
