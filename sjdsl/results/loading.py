@@ -28,8 +28,8 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.files import read_json
 from sjdsl.extras import needs
+from sjdsl.files import read_json
 from sjdsl.results.bundled import is_usual, other_numbers, variant_now
 from sjdsl.results.presets import preset_of
 from sjdsl.results.refusals import ResultsError, ResultsWarning
