@@ -93,7 +93,7 @@ class Calculation(Function):
     # the type of its result
     unit: Callable[..., ir.Unit | None] = _joined  # from the units of its arguments; None if they do not mix
     keeps_unit: bool = False  # also where the result leaves the limits of that unit; otherwise it becomes a bare number there
-    kind: Literal["joined", "whole", "real"] = "joined"  # joined: whole if all arguments are
+    kind: Literal["joined", "whole", "real"] = "joined"  # joined: whole if all arguments are; whole: the result of `array` becomes int32
     unchanged: bool = False  # a whole argument is the result itself
     share: bool = False  # `count(some of them) / count(them)` is a fraction
 
