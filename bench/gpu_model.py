@@ -14,6 +14,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -27,7 +28,7 @@ import jax
 jax.config.update("jax_platforms", "cpu")  # the plug-in is known, and nothing is placed on it
 import jax.numpy as jnp
 import socialjax_original
-from gpu_cost import GPUS, Gpu, cost_of
+from gpu_cost import GPUS, Gpu, Kernel, cost_of
 from jax.experimental import topologies
 
 import sjdsl
@@ -129,12 +130,13 @@ def main() -> None:
     parser.add_argument("--update", default="", help="networks (mlp, cnn) of one update of IPPO with the preset `paper`, instead of steps")
     parser.add_argument("--json", type=Path, required=True, help="where rows are kept")
     parser.add_argument("--hlo", type=Path, help="a folder for the compiled programs")
+    parser.add_argument("--kernels", action="store_true", help="list the kernels of each program, and the functions that they come from")
     parser.add_argument("--markdown", type=Path, help="a page whose section is written anew from all rows")
     asked = parser.parse_args()
     rows = read_rows(asked.json)
     target = target_of(GPUS[asked.gpu])
     for program in programs(asked, target):
-        row = compiled(program, asked.gpu, rows, asked.hlo)
+        row = compiled(program, asked.gpu, rows, asked.hlo, asked.kernels)
         rows = read_rows(asked.json) | {row.key: row}  # another process may have added some
         write_rows(asked.json, rows)
         print(line_of(row), flush=True)
@@ -236,13 +238,13 @@ def update_of(name: str, network: str, target: Any) -> Program:
     )
 
 
-def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None) -> Row:
-    """Returns the row of a program: the one that is known, if XLA would be given the same."""
+def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None, kernels: bool) -> Row:
+    """Returns the row of a program: the one that is known, if XLA would be given the same and its kernels aren't to be listed."""
     with forced("gpu"):
         lowered = jax.jit(program.function, donate_argnums=0).lower(*program.shapes)
     digest = hashlib.sha256(f"{jax.__version__} {lowered.as_text()}".encode()).hexdigest()[:16]
     known = rows.get((program.of, program.name, program.observation, program.envs, gpu))
-    if known is not None and known.program == digest:
+    if known is not None and known.program == digest and not kernels and hlo is None:
         return known
     began = time.perf_counter()
     made = lowered.compile()
@@ -252,6 +254,8 @@ def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None)
         hlo.mkdir(parents=True, exist_ok=True)
         (hlo / f"{program.of}_{program.name}_{program.observation}_{program.envs}_{gpu}.hlo".replace(" ", "_")).write_text(text)
     cost = cost_of(text)
+    if kernels:
+        print("\n".join(map(line_of_kernel, cost.kernels)))
     moved = [*jax.tree.leaves(program.shapes), *jax.tree.leaves(jax.eval_shape(program.function, *program.shapes))]
     least = sum(
         math.prod(leaf.shape) * jnp.dtype(leaf.dtype).itemsize for leaf in moved if not jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
@@ -281,6 +285,12 @@ def write_rows(path: Path, rows: dict[Any, Row]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     ordered = [dataclasses.asdict(rows[key]) for key in sorted(rows)]
     path.write_text("[\n" + ",\n".join(json.dumps(row) for row in ordered) + "\n]\n", encoding="utf-8")
+
+
+def line_of_kernel(kernel: Kernel) -> str:
+    times = f"{kernel.times} times " if kernel.times > 1 else ""
+    size = f"{kernel.bytes / 1e6:.2f} MB, {kernel.operations / 1e6:.1f} M operations"
+    return f"{times}{kernel.name}: {re.sub(r'{.*?}', '', kernel.shape)}, {size}; {', '.join(kernel.made_by)}"
 
 
 def line_of(row: Row) -> str:
