@@ -20,7 +20,7 @@ import numpy as np
 from jax import Array, lax
 from jax.extend import core, source_info_util
 
-from sjdsl.runtime.forms import by_platform, forced
+from sjdsl.runtime.forms import by_platform
 
 WARP = 32  # lanes of a GPU that work together: of a reduction of 2, 4, 8, 16 or 32 entries, or of more than 32, XLA makes a kernel
 MOST = 8192  # comparisons of a place with a writer up to which these cost less than a scatter
@@ -44,10 +44,8 @@ def rewritten(function: Callable[..., Any]) -> Callable[..., Any]:
 
     def called(*arguments: Any) -> Any:
         leaves, tree = jax.tree.flatten(arguments)
-        with forced("gpu"):
-            program, shapes = jax.make_jaxpr(lambda *flat: function(*jax.tree.unflatten(tree, flat)), return_shape=True)(*leaves)
-            results = _evaluated(program, leaves, {})
-        return jax.tree.unflatten(jax.tree.structure(shapes), results)
+        program, shapes = jax.make_jaxpr(lambda *flat: function(*jax.tree.unflatten(tree, flat)), return_shape=True)(*leaves)
+        return jax.tree.unflatten(jax.tree.structure(shapes), _evaluated(program, leaves, {}))
 
     return called
 
@@ -64,7 +62,7 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[int, Any]
                 results = _function(params["jaxpr"], functions)(*given)
             elif name in ("scatter", "scatter-add") and _is_comparable(params, *given):
                 scalar = given[2] if jnp.ndim(given[2]) == 0 else alike.get(equation.invars[2])
-                results = [_compared(name, params, *given, scalar)]
+                results = [_compared(name, params, scalar, *given)]
             else:
                 given = _longer(name, params, given) if name in IDENTITIES else given
                 results = equation.primitive.bind(*given, **params)
@@ -82,11 +80,11 @@ def _function(program: Any, functions: dict[int, Any]) -> Any:
 
 
 def _lowest(dtype: Any) -> Any:
-    return -np.inf if jnp.issubdtype(dtype, jnp.floating) else jnp.iinfo(dtype).min
+    return False if dtype.kind == "b" else -np.inf if jnp.issubdtype(dtype, jnp.floating) else np.iinfo(dtype).min
 
 
 def _highest(dtype: Any) -> Any:
-    return np.inf if jnp.issubdtype(dtype, jnp.floating) else jnp.iinfo(dtype).max
+    return True if dtype.kind == "b" else np.inf if jnp.issubdtype(dtype, jnp.floating) else np.iinfo(dtype).max
 
 
 IDENTITIES: dict[str, Callable[[Any], Any]] = {  # reductions, and what an entry is that changes nothing
@@ -127,7 +125,7 @@ def _is_comparable(params: dict[str, Any], operand: Array, indices: Array, updat
     )
 
 
-def _compared(name: str, params: dict[str, Any], operand: Array, indices: Array, updates: Array, scalar: Any) -> Array:
+def _compared(name: str, params: dict[str, Any], scalar: Any, operand: Array, indices: Array, updates: Array) -> Array:
     """Returns what a scatter does, writer by writer. scalar: what all of them write; None if they differ."""
     written = params["dimension_numbers"].scatter_dims_to_operand_dims
     places = [lax.broadcasted_iota(jnp.int32, operand.shape, dim) for dim in written]

@@ -7,8 +7,10 @@ CPUs and in that for GPUs, to be written anew by `--update-golden`.
 from functools import cache
 from pathlib import Path
 
+import jax
 import pytest
 
+import sjdsl
 from sjdsl.bench.compilation import COUNTED, count_operations, lower_step
 from sjdsl.runtime.forms import forced
 from tests.games.environments import NINE, environment
@@ -72,6 +74,18 @@ def test_a_step_for_a_gpu_waits_for_nothing(game: str) -> None:
     """The host would wait for the predicate of each turn of a loop, and of each branch."""
     found = figures_of(game, "gpu")
     assert found["while"] + found["case"] == 0
+
+
+@pytest.mark.parametrize(("platform", "form"), [("cpu", "cpu"), ("cuda", "gpu")])
+def test_the_platform_chooses_the_form(platform: str, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where JAX has a GPU, a program for either has its form alone."""
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    env = sjdsl.make("coins")
+    key = jax.random.key(0)
+    traced = env.step.trace(key, jax.eval_shape(env.reset, key)[1], jax.ShapeDtypeStruct((env.num_agents,), "int32"))
+    found = count_operations(traced.lower(lowering_platforms=(platform,)).as_text())
+    choice = {"case": 2}  # by a constant, once for the whole step: XLA takes one side
+    assert found == {name: number + choice.get(name, 0) for name, number in count_operations(step_of("coins", form)).items()}
 
 
 def test_operations_are_counted_once_each() -> None:

@@ -15,6 +15,8 @@ REDUCTIONS = {
     "sum": lambda x: jnp.sum(x, axis=1, dtype=x.dtype),
     "any": lambda x: jnp.any(x > 0, axis=1),
     "all": lambda x: jnp.all(x > 0, axis=1),
+    "most of bools": lambda x: jnp.max(x > 0, axis=1),
+    "least of bools": lambda x: jnp.min(x > 0, axis=1),
     "max": lambda x: jnp.max(x, axis=1),
     "min": lambda x: jnp.min(x, axis=1),
     "argmax": lambda x: jnp.argmax(x, axis=1),
