@@ -45,6 +45,7 @@ test: .venv/ready
 # The long tests that `make test` leaves out: whole runs, sweeps, pages of code, chances of the games.
 test-thorough: .venv/ready
 	$(PYTEST) --thorough
+	$(PYTEST) --gpu-forms tests/differential tests/laws
 
 # Also every variant and crowd, with XLA's optimisations: takes much longer.
 test-all: .venv/ready

@@ -89,13 +89,15 @@ class Instruction:
 
 @dataclass(frozen=True)
 class Kernel:
-    """What is launched, `times` in all: bytes and operations of one launch."""
+    """What is launched, `times` in all: bytes and operations of one launch. made_by: the functions that its instructions come from."""
 
     name: str
     op: str
     bytes: int
     operations: int
     times: int
+    shape: str = ""
+    made_by: tuple[str, ...] = ()
 
     def seconds(self, gpu: Gpu, launch: float) -> float:
         moving = self.bytes / (REACHED * gpu.bandwidth) + FIXED
@@ -152,6 +154,7 @@ class _Module:
     def __init__(self, text: str) -> None:
         self.computations: dict[str, list[Instruction]] = {}
         self.entry = ""
+        self.callers = _callers(text)
         current: list[Instruction] = []
         for line in text.splitlines():
             if head := _HEAD.match(line):
@@ -169,7 +172,8 @@ class _Module:
             if instruction.op in ("while", "conditional"):
                 waits += times
             else:
-                kernels.append(Kernel(instruction.name, instruction.op, *self._kernel(instruction, computation), times))
+                origin = (instruction.shape, self._made_by(instruction))
+                kernels.append(Kernel(instruction.name, instruction.op, *self._kernel(instruction, computation), times, *origin))
         return Cost(tuple(kernels), waits)
 
     def _launched(self, computation: str, times: int) -> Iterator[tuple[Instruction, str, int]]:
@@ -184,6 +188,12 @@ class _Module:
             elif instruction.op not in FREE:
                 yield instruction, computation, times
 
+    def _made_by(self, instruction: Instruction) -> tuple[str, ...]:
+        fused = re.search(r"calls=%([\w.\-]+)", instruction.rest)
+        inside = self.computations[fused[1]] if fused else [instruction]
+        frames = [frame[1] for one in inside if (frame := re.search(r"stack_frame_id=(\d+)", one.rest))]
+        return tuple(dict.fromkeys(self.callers[frame] for frame in frames if self.callers.get(frame)))
+
     def _kernel(self, instruction: Instruction, computation: str) -> tuple[int, int]:
         """Returns the bytes and operations of one launch."""
         shapes = {one.name: one for one in self.computations[computation]}
@@ -195,6 +205,23 @@ class _Module:
         parameters = {int(one.rest.split(")")[0]): one for one in inside if one.op == "parameter"}
         read = sum(_read(parameters[number], inside) for number in range(len(operands)) if number in parameters)
         return read + _written(inside), _operations(inside)
+
+
+def _callers(text: str) -> dict[str, str]:
+    """Returns the last functions of each stack of calls that a module names, such as `scrub > times_in`, without those of JAX."""
+    tables = {
+        name: dict(re.findall(r"^(\d+) (.*)$", body, re.MULTILINE))
+        for name, body in re.findall(r"^(FileNames|FunctionNames|FileLocations|StackFrames)\n((?:\d+ .*\n)*)", text, re.MULTILINE)
+    }
+    callers: dict[str, str] = {}
+    for frame, said in tables.get("StackFrames", {}).items():
+        place, parent = re.findall(r"(?:file_location|parent_frame)_id=(\d+)", said)
+        file, function = re.findall(r"(?:file_name|function_name)_id=(\d+)", tables["FileLocations"][place])
+        before = callers.get(str(int(parent) - 1), "")  # it's written one too high
+        ours = "site-packages" not in tables["FileNames"][file]
+        name = tables["FunctionNames"][function].strip('"').split(".")[-1]
+        callers[frame] = " > ".join([*before.split(" > ")[-3:], name] if before else [name]) if ours else before
+    return callers
 
 
 def _alone(instruction: Instruction, operands: list[Instruction]) -> int:

@@ -14,7 +14,7 @@ import hashlib
 import json
 import math
 import os
-import time
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -27,7 +27,7 @@ import jax
 jax.config.update("jax_platforms", "cpu")  # the plug-in is known, and nothing is placed on it
 import jax.numpy as jnp
 import socialjax_original
-from gpu_cost import GPUS, Gpu, cost_of
+from gpu_cost import GPUS, Gpu, Kernel, cost_of
 from jax.experimental import topologies
 from paper import published  # bench/paper, beside this script
 
@@ -79,7 +79,7 @@ class Row:
     """One compiled program. `of`: `ours`, `suite`, or `update` of a trainer; bytes and operations are those of one environment step.
 
     program: a digest of what XLA was given. kernels, waits: of one step of all environments (of an update: of all of it). steps_per_s:
-    the estimate, low and high. memory: bytes that the program needs on the card.
+    the estimate, low and high. memory: bytes that the program needs on the card. compile_seconds: of processor time.
     """
 
     of: str
@@ -129,12 +129,13 @@ def main() -> None:
     parser.add_argument("--update", default="", help="networks (mlp, cnn) of one update of IPPO with the preset `paper`, instead of steps")
     parser.add_argument("--json", type=Path, required=True, help="where rows are kept")
     parser.add_argument("--hlo", type=Path, help="a folder for the compiled programs")
+    parser.add_argument("--kernels", action="store_true", help="list the kernels of each program, and the functions that they come from")
     parser.add_argument("--markdown", type=Path, help="a page whose section is written anew from all rows")
     asked = parser.parse_args()
     rows = read_rows(asked.json)
     target = target_of(GPUS[asked.gpu])
     for program in programs(asked, target):
-        row = compiled(program, asked.gpu, rows, asked.hlo)
+        row = compiled(program, asked.gpu, rows, asked.hlo, asked.kernels)
         rows = read_rows(asked.json) | {row.key: row}  # another process may have added some
         write_rows(asked.json, rows)
         print(line_of(row), flush=True)
@@ -236,22 +237,24 @@ def update_of(name: str, network: str, target: Any) -> Program:
     )
 
 
-def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None) -> Row:
-    """Returns the row of a program: the one that is known, if XLA would be given the same."""
+def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None, kernels: bool) -> Row:
+    """Returns the row of a program: the one that is known, if XLA would be given the same and its kernels aren't to be listed."""
     with forced("gpu"):
         lowered = jax.jit(program.function, donate_argnums=0).lower(*program.shapes)
     digest = hashlib.sha256(f"{jax.__version__} {lowered.as_text()}".encode()).hexdigest()[:16]
     known = rows.get((program.of, program.name, program.observation, program.envs, gpu))
-    if known is not None and known.program == digest:
+    if known is not None and known.program == digest and not kernels and hlo is None:
         return known
-    began = time.perf_counter()
+    began = processor_time()
     made = lowered.compile()
-    seconds = time.perf_counter() - began
+    seconds = processor_time() - began
     text = made.as_text()
     if hlo is not None:
         hlo.mkdir(parents=True, exist_ok=True)
         (hlo / f"{program.of}_{program.name}_{program.observation}_{program.envs}_{gpu}.hlo".replace(" ", "_")).write_text(text)
     cost = cost_of(text)
+    if kernels:
+        print("\n".join(map(line_of_kernel, cost.kernels)))
     moved = [*jax.tree.leaves(program.shapes), *jax.tree.leaves(jax.eval_shape(program.function, *program.shapes))]
     least = sum(
         math.prod(leaf.shape) * jnp.dtype(leaf.dtype).itemsize for leaf in moved if not jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
@@ -270,6 +273,11 @@ def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None)
     )
 
 
+def processor_time() -> float:
+    """Returns the seconds that processors have spent on this process and on those that XLA has started, which it compiles with."""
+    return sum(os.times()[:4])
+
+
 def read_rows(path: Path) -> dict[Any, Row]:
     if not path.exists():
         return {}
@@ -283,11 +291,17 @@ def write_rows(path: Path, rows: dict[Any, Row]) -> None:
     path.write_text("[\n" + ",\n".join(json.dumps(row) for row in ordered) + "\n]\n", encoding="utf-8")
 
 
+def line_of_kernel(kernel: Kernel) -> str:
+    times = f"{kernel.times} times " if kernel.times > 1 else ""
+    size = f"{kernel.bytes / 1e6:.2f} MB, {kernel.operations / 1e6:.1f} M operations"
+    return f"{times}{kernel.name}: {re.sub(r'{.*?}', '', kernel.shape)}, {size}; {', '.join(kernel.made_by)}"
+
+
 def line_of(row: Row) -> str:
     return (
         f"{row.of} {row.name} {row.observation}, {row.envs} envs, {row.gpu}: {row.kernels} kernels, {row.waits} wait, {row.bytes / 1e3:.1f} kB "
         f"({row.bytes / row.least_bytes:.1f} times the least), {row.operations / 1e3:.0f}k operations, {millions(row)} M steps/s, "
-        f"{row.memory / 1e9:.2f} GB, compiled in {row.compile_seconds:.0f} s"
+        f"{row.memory / 1e9:.2f} GB, compiled in {row.compile_seconds:.0f} s of processor time"
     )
 
 

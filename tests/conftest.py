@@ -60,6 +60,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--thorough", action="store_true", help="the tests marked thorough, and no others: long ones of what other tests see in parts"
     )
+    parser.addoption("--gpu-forms", action="store_true", help="programs as a GPU would have them, on this machine: the same values, slowly")
     parser.addoption("--all", action="store_true", help="also the tests marked slow and thorough, and everything compiled as users have it")
 
 
@@ -133,6 +134,15 @@ def _resident_bytes() -> int:
     except OSError:
         return 0
     return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+@pytest.fixture(autouse=True)
+def form_for_gpus(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Forces the forms of kernels for GPUs if `--gpu-forms` is given."""
+    from sjdsl.runtime.forms import forced  # not before JAX has its settings
+
+    with forced("gpu" if request.config.getoption("--gpu-forms") else forced.value):
+        yield
 
 
 @pytest.fixture(autouse=True)

@@ -1,8 +1,12 @@
 """Sets as bits of 32-bit integers: packing, and selecting the n-th member without a scan."""
 
+from collections.abc import Sequence
+
 import jax
 import jax.numpy as jnp
 from jax import Array, lax
+
+from sjdsl.runtime.forms import by_platform
 
 WIDTH = 32
 
@@ -65,9 +69,19 @@ def nth_bit(word: Array, n: Array) -> Array:
 
 def nth(words: Array, n: Array) -> Array:
     """Returns which member is the n-th, n from 0: `[..., W]` uint32 and `[...]` int32 -> `[...]` int32. Anything if there are fewer."""
-    if words.shape[-1] == 1:
-        only: Array = nth_bit(words[..., 0], n)
-        return only
+    result: Array = nth_bit(words[..., 0], n) if words.shape[-1] == 1 else by_platform(_nth_by_sums, _nth_in_turn, words, n)
+    return result
+
+
+def _nth_in_turn(words: Array, n: Array) -> Array:
+    """The form for GPUs."""
+    number, bit = nth_of([jnp.broadcast_to(word, n.shape) for word in apart(words)], n)
+    result: Array = number * WIDTH + bit
+    return result
+
+
+def _nth_by_sums(words: Array, n: Array) -> Array:
+    """The form for CPUs."""
     index = jnp.arange(words.shape[-1], dtype=jnp.int32)
     counts = lax.population_count(words).astype(jnp.int32)
     earlier = (index[None] < index[:, None]).reshape((1,) * n.ndim + (index.size, index.size))
@@ -83,6 +97,34 @@ def nth(words: Array, n: Array) -> Array:
 
 def _added(left: tuple[Array, ...], right: tuple[Array, ...]) -> tuple[Array, ...]:
     return tuple(a + b for a, b in zip(left, right, strict=True))
+
+
+def apart(words: Array) -> list[Array]:
+    """Returns the words of sets one by one, for work on a GPU of which nothing is written to memory: `[..., W]` -> W of `[...]`."""
+    return [lax.index_in_dim(words, place, words.ndim - 1, keepdims=False) for place in range(words.shape[-1])]
+
+
+def nth_of(words: Sequence[Array], n: Array) -> tuple[Array, Array]:
+    """Returns in which of some words the n-th member is, and which bit of it: W uint32 and an int32 of one shape -> two int32 of it."""
+    word, before, number, passed = words[0], jnp.zeros_like(n), jnp.zeros_like(n), _ones(words[0])
+    for place, other in enumerate(words[1:], 1):
+        later = lax.ge(n, passed)
+        word, before = lax.select(later, other, word), lax.select(later, passed, before)
+        number, passed = lax.select(later, lax.full_like(number, place), number), lax.add(passed, _ones(other))
+    return number, nth_bit(word, n - before)
+
+
+def _ones(word: Array) -> Array:
+    return lax.population_count(word).astype(jnp.int32)
+
+
+def set_of(numbers: Array, size: int) -> Array:
+    """Returns the members of some numbers as bits, in a form for GPUs: `[..., M]` int32, -1 for none -> `[..., W]` uint32."""
+    word = jnp.arange(-(-size // WIDTH), dtype=jnp.int32).reshape((1,) * (numbers.ndim - 1) + (-1, 1))
+    bit = jnp.uint32(1) << (numbers & (WIDTH - 1)).astype(jnp.uint32)
+    mine = jnp.where((numbers >> 5)[..., None, :] == word, bit[..., None, :], jnp.uint32(0))
+    words: Array = lax.optimization_barrier(lax.reduce(mine, jnp.uint32(0), lax.bitwise_or, (numbers.ndim,)))
+    return words
 
 
 def without(words: Array, member: Array) -> Array:

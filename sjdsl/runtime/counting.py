@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from sjdsl.runtime.bits import count, pack
+from sjdsl.runtime.forms import by_platform
 
 
 def count_near(member: Array, masks: Array) -> Array:
@@ -36,24 +37,36 @@ def size_of_large_set(words: Array) -> Array:
 def times_in(sets: Array, agents: int) -> Array:
     """Returns how many of the sets each agent is in.
 
-    The sets are put into rows of 32. A few rows at a time are added row by row, then along the last row, all in bytes: XLA compiles this
-    to vector instructions of 32 bytes, a sum along all sets to none, and a sum of bytes as int32 to shorter ones (docs/performance.md).
-
     Args:
       sets: any shape, unsigned; bit i for agent i.
       agents: at most as many as the sets have bits.
     Returns:
       `[agents]` int32.
     """
-    flat = sets.reshape(-1)
-    agent = jnp.arange(agents, dtype=flat.dtype)[:, None]
+    result: Array = by_platform(partial(_added_in_rows, agents=agents), partial(_added_at_once, agents=agents), sets.reshape(-1))
+    return result
+
+
+def _added_at_once(sets: Array, agents: int) -> Array:
+    """The form for GPUs."""
+    agent = jnp.arange(agents, dtype=sets.dtype)[:, None]
+    return jnp.sum(((sets[None] >> agent) & 1).astype(jnp.int32), axis=1, dtype=jnp.int32)
+
+
+def _added_in_rows(sets: Array, agents: int) -> Array:
+    """The form for CPUs: the sets are put into rows of 32, a few of which are added row by row, then along the last row, all in bytes.
+
+    XLA compiles this to vector instructions of 32 bytes, a sum along all sets to none, and a sum of bytes as int32 to shorter ones
+    (docs/performance.md).
+    """
+    agent = jnp.arange(agents, dtype=sets.dtype)[:, None]
 
     def members(some: Array) -> Array:
-        result: Array = ((some[None] >> agent) & flat.dtype.type(1)).astype(jnp.uint8)
+        result: Array = ((some[None] >> agent) & sets.dtype.type(1)).astype(jnp.uint8)
         return result
 
-    rows = in_rows(flat)
-    full = flat.size // LANES
+    rows = in_rows(sets)
+    full = sets.size // LANES
     parts = [rows[first : min(first + _ROWS_AT_ONCE, full)] for first in range(0, full, _ROWS_AT_ONCE)] + [[row] for row in rows[full:]]
     counts = jnp.zeros(agents, jnp.int32)
     for part in parts:
@@ -74,4 +87,15 @@ _ROWS_AT_ONCE = 4  # at most 7: a byte holds 7 * 32; 6 are as fast, 2 and 7 slow
 @partial(jax.jit, static_argnums=1)  # as above
 def occupied(site: Array, size: int) -> Array:
     """Returns which cells have an agent on them: `[size]` bool, from `[N]` cell numbers (`size` for elsewhere)."""
+    result: Array = by_platform(partial(_marked, size=size), partial(_compared, size=size), site)
+    return result
+
+
+def _compared(site: Array, size: int) -> Array:
+    """The form for GPUs: each cell compares itself with all of them, wherever it is asked for."""
+    return jnp.any(site[None] == jnp.arange(size, dtype=jnp.int32)[:, None], axis=1)
+
+
+def _marked(site: Array, size: int) -> Array:
+    """The form for CPUs: a scatter."""
     return jnp.zeros(size, bool).at[site].set(True, mode="drop", wrap_negative_indices=False)

@@ -14,7 +14,7 @@ import numpy as np
 from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
-from sjdsl.runtime.bits import WIDTH, unpack
+from sjdsl.runtime.bits import set_of, unpack
 from sjdsl.runtime.forms import by_platform
 
 
@@ -154,10 +154,7 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
 def _painted_as_bits(plane: Array, cells: Array, bits: Array) -> Array:
     """The form for GPUs of one value for all: which cells there are is kept as bits, as one word for 32 cells."""
     size = plane.shape[0]
-    number = jnp.arange(-(-size // WIDTH), dtype=jnp.int32)
-    mine = jnp.where((cells >> 5)[None] == number[:, None], jnp.uint32(1) << (cells & 31).astype(jnp.uint32)[None], jnp.uint32(0))
-    words = lax.optimization_barrier(lax.reduce(mine, jnp.uint32(0), lax.bitwise_or, (1,)))
-    return plane | jnp.where(unpack(words, size), bits, jnp.uint8(0))
+    return plane | jnp.where(unpack(set_of(cells, size), size), bits, jnp.uint8(0))
 
 
 def _painted_by_comparing(plane: Array, cells: Array, bits: Array) -> Array:

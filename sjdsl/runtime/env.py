@@ -10,6 +10,7 @@ from jax import Array
 
 from sjdsl.runtime.arguments import check_params, check_state, checked_actions
 from sjdsl.runtime.auto_reset import reset_where
+from sjdsl.runtime.gpu_program import in_its_form
 from sjdsl.runtime.module import GameModule
 from sjdsl.runtime.param_arrays import check_arrays
 from sjdsl.runtime.planes import TokenPlane, channel_names
@@ -50,10 +51,10 @@ class Environment:
         self.observation = observation
         self.game = game
         self._admit = admit
-        self.reset: Callable[..., tuple[Array, State]] = jax.jit(self._reset)
-        self.step: Step = jax.jit(self._step)
-        self.step_env: Step = jax.jit(self._step_env)
-        self.observe: Callable[..., Array] = jax.jit(self._observe)
+        self.reset: Callable[..., tuple[Array, State]] = jax.jit(in_its_form(self._reset))
+        self.step: Step = jax.jit(in_its_form(self._step))
+        self.step_env: Step = jax.jit(in_its_form(self._step_env))
+        self.observe: Callable[..., Array] = jax.jit(in_its_form(self._observe))
         self._tokens: Callable[..., Array] = jax.jit(module.observe)  # one function of the program, however often a step observes
 
     @property

@@ -21,4 +21,14 @@ def by_platform(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: An
     chosen = forced.value or ("cpu" if jax.default_backend() == "cpu" else None)
     if chosen is not None:
         return {"cpu": cpu, "gpu": gpu}[chosen](*arguments)
-    return lax.platform_dependent(*arguments, cpu=cpu, default=gpu)
+    return lax.platform_dependent(*arguments, cpu=_all_in("cpu", cpu), default=_all_in("gpu", gpu))
+
+
+def _all_in(form: str, kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """Returns a kernel in a form, with those that it calls."""
+
+    def called(*arguments: Any) -> Any:
+        with forced(form):
+            return kernel(*arguments)
+
+    return called

@@ -1,7 +1,7 @@
 """Random choices: picks members, places agents on free cells (spawn and respawn), brings back who was away, and forms pairs."""
 
 from collections.abc import Callable
-from functools import reduce
+from functools import partial, reduce
 
 import jax
 import jax.numpy as jnp
@@ -107,6 +107,30 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     """
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
+    form = _chosen_turn_by_turn if words.shape[-1] > MOST_TURNS else partial(by_platform, _chosen_turn_by_turn, _chosen_backwards)
+    result: Array = form(member, words, number)
+    return result
+
+
+MOST_TURNS = 32  # that are unrolled
+
+
+def _chosen_backwards(member: Array, words: Array, number: Array) -> Array:
+    """The form for GPUs: a turn's number among those left becomes one among all, turn by turn backwards; all turns do so at once."""
+    size, turns = member.shape[-1], words.shape[-1]
+    packed = bits.pack(member)
+    total = reduce(lax.add, map(size_of_set, bits.apart(packed)))
+    turn = jnp.arange(turns, dtype=jnp.int32).reshape((1,) * number.ndim + (-1,))
+    drawn = lax.optimization_barrier(below(words, total[..., None] - turn))
+    place = drawn
+    for earlier in reversed(range(turns - 1)):
+        place = place + ((turn > earlier) & (place >= drawn[..., earlier : earlier + 1])).astype(jnp.int32)
+    chosen = jnp.where(turn < jnp.minimum(number, total)[..., None], bits.nth(packed[..., None, :], place), -1)
+    return bits.unpack(bits.set_of(lax.optimization_barrier(chosen), size), size)
+
+
+def _chosen_turn_by_turn(member: Array, words: Array, number: Array) -> Array:
+    """The form for CPUs: as many turns as are taken."""
     packed = bits.pack(member)
     total = bits.count(packed)
     wanted = jnp.minimum(number, total)  # a turn takes one: after `turn` of them, total - turn are left
@@ -226,20 +250,13 @@ def _unrolled(cells: Array, free: Array, fitting: Array | None, words: Array, po
     """Places agents as `place` does. fitting: `[N, W]` uint32, the cells that fit each agent as bits; None: all fit all."""
     agents = position.shape[0]
     index = jnp.arange(agents, dtype=jnp.int32)
-    left = _scalars(lax.optimization_barrier(bits.pack(free)))
-    going = lax.optimization_barrier(bits.as_bits(sent, jnp.uint32))
+    left = bits.apart(bits.pack(free))
+    going = bits.as_bits(sent, jnp.uint32)
     site, placed = jnp.zeros_like(position), jnp.zeros_like(sent)
     for who in range(agents):
-        among = left if fitting is None else [one & fit for one, fit in zip(left, _scalars(fitting[who]), strict=True)]
-        counts = [lax.population_count(one).astype(jnp.int32) for one in among]
-        total = reduce(lax.add, counts)
-        rank = below(words[who], total)
-        chosen, before, number, passed = among[0], jnp.zeros_like(rank), jnp.zeros_like(rank), counts[0]
-        for place, (one, count) in enumerate(zip(among[1:], counts[1:], strict=True), 1):
-            later = lax.ge(rank, passed)
-            chosen, before = lax.select(later, one, chosen), lax.select(later, passed, before)
-            number, passed = lax.select(later, np.int32(place), number), lax.add(passed, count)
-        bit = bits.nth_bit(chosen, rank - before)
+        among = left if fitting is None else [one & fit for one, fit in zip(left, bits.apart(fitting[who]), strict=True)]
+        total = reduce(lax.add, map(size_of_set, among))
+        number, bit = bits.nth_of(among, below(words[who], total))
         there = (((going >> who) & 1) != 0) & (total > 0)
         taken = jnp.where(there, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
         kept = lax.bitwise_not(taken)
@@ -247,10 +264,6 @@ def _unrolled(cells: Array, free: Array, fitting: Array | None, words: Array, po
         here = (index == who) & there
         site, placed = jnp.where(here, number * bits.WIDTH + bit, site), placed | here
     return jnp.where(placed, _entry(cells, site), position), placed
-
-
-def _scalars(words: Array) -> list[Array]:
-    return [lax.index_in_dim(words, place, keepdims=False) for place in range(words.shape[0])]
 
 
 def come_back(
@@ -301,6 +314,64 @@ def pair(ranks: Array, alike: bool) -> Array:
     left, right = ranks.shape
     if left == 0 or right == 0:
         return jnp.full(left, right, jnp.int32)
+    most = left // 2 if alike else min(left, right)
+    in_turn = partial(_paired_in_turn, alike=alike, most=most)
+    if most > MOST_PAIRS:
+        return in_turn(ranks)
+    result: Array = by_platform(in_turn, partial(_all_paired_unrolled, alike=alike, most=most), ranks)
+    return result
+
+
+MOST_PAIRS = 16  # whose turns are unrolled
+FEW_PAIRS = 64  # pairs times turns up to which a GPU takes up each pair by itself
+
+
+def _all_paired_unrolled(ranks: Array, alike: bool, most: int) -> Array:
+    """The form of `pair` for GPUs: of `pair_reached`, whose left members all reach everybody."""
+    right = ranks.shape[1]
+    everybody = jnp.broadcast_to(jnp.arange(right, dtype=jnp.int32)[None], ranks.shape)
+    return _paired_unrolled(everybody, ranks, right, alike, most)
+
+
+def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most: int) -> Array:
+    """The form of `pair_reached` for GPUs: as many turns as there may be pairs; of few pairs all on scalars, none of which is stored."""
+    left = ranks.shape[0]
+    rows = jnp.arange(left, dtype=jnp.int32)
+    arrays = lax.optimization_barrier(ranks), jnp.broadcast_to(rows[:, None], ranks.shape), reached
+    few = ranks.size * most <= FEW_PAIRS
+    live, lefts, rights = (bits.apart(array.reshape(-1)) if few else [array] for array in arrays)
+    partner = jnp.full(left, right, jnp.int32)
+    for _ in range(most):
+        numbered = list(zip(live, (a * right + b for a, b in zip(lefts, rights, strict=True)), strict=True))
+        rank, number = reduce(_better, numbered) if few else lax.optimization_barrier(_first(*numbered[0], left * right))
+        a, b = number // right, number % right
+        partner = jnp.where((rows == a) & (rank > 0), b, partner)
+        gone = (_gone(one, other, a, b, alike) for one, other in zip(lefts, rights, strict=True))
+        live = [jnp.where(out, jnp.uint32(0), rank) for out, rank in zip(gone, live, strict=True)]
+    return partner
+
+
+def _first(ranks: Array, numbers: Array, past: int) -> tuple[Array, Array]:
+    """Returns the rank and the number of the pair that comes first."""
+    rank, number = lax.reduce((ranks, numbers), (jnp.uint32(0), jnp.int32(past)), _better, (0, 1))
+    return rank, number
+
+
+def _better(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Returns which of two pairs comes first: its rank and its number."""
+    first = (one[0] > other[0]) | ((one[0] == other[0]) & (one[1] < other[1]))
+    return jnp.where(first, one[0], other[0]), jnp.where(first, one[1], other[1])
+
+
+def _gone(lefts: Array, rights: Array, a: Array, b: Array, alike: bool) -> Array:
+    """Returns which pairs of a left and a right member can't be any more, since `a` and `b` are one."""
+    gone = (lefts == a) | (rights == b)
+    return gone | (lefts == b) | (rights == a) if alike else gone
+
+
+def _paired_in_turn(ranks: Array, alike: bool, most: int) -> Array:
+    """The form of `pair` for CPUs."""
+    left, right = ranks.shape
     rows, cols = jnp.arange(left), jnp.arange(right)
 
     def take(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -314,7 +385,6 @@ def pair(ranks: Array, alike: bool) -> Array:
         gone = gone_row[:, None] | gone_col[None, :]
         return jnp.where(found & gone, jnp.uint32(0), live), partner
 
-    most = left // 2 if alike else min(left, right)
     start = (ranks, jnp.full(left, right, jnp.int32))
     result: Array = lax.fori_loop(0, most, take, start)[1]
     return result
@@ -334,6 +404,18 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
     left = reached.shape[0]
     if right == 0 or 0 in reached.shape:
         return jnp.full(left, right, jnp.int32)
+    most = min(left, right) // (2 if alike else 1)
+    in_turn = partial(_reached_paired_in_turn, right=right, alike=alike)
+    if most > MOST_PAIRS:
+        return in_turn(reached, ranks)
+    unrolled = partial(_paired_unrolled, right=right, alike=alike, most=most)
+    result: Array = by_platform(in_turn, unrolled, reached, ranks)
+    return result
+
+
+def _reached_paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
+    """The form of `pair_reached` for CPUs: as many turns as there are pairs."""
+    left = reached.shape[0]
     rows = jnp.arange(left, dtype=jnp.int32)
     numbers = rows[:, None] * right + reached
 
@@ -344,10 +426,7 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
         live, partner = state
         number = jnp.min(jnp.where(live == jnp.max(live), numbers, left * right))
         a, b = number // right, number % right
-        gone = (rows == a)[:, None] | (reached == b)
-        if alike:
-            gone = gone | (rows == b)[:, None] | (reached == a)
-        return jnp.where(gone, jnp.uint32(0), live), jnp.where(rows == a, b, partner)
+        return jnp.where(_gone(rows[:, None], reached, a, b, alike), jnp.uint32(0), live), jnp.where(rows == a, b, partner)
 
     return lax.while_loop(more, take, (ranks, jnp.full(left, right, jnp.int32)))[1]
 

@@ -117,3 +117,35 @@ def test_the_time_is_that_of_the_launch_or_of_the_bytes() -> None:
 def test_what_is_no_module_is_refused() -> None:
     with pytest.raises(ValueError, match="ENTRY"):
         cost_of("no program")
+
+
+def test_a_kernel_names_the_functions_that_it_comes_from() -> None:
+    """The last three of a stack of calls; none of JAX's own. A module writes each parent's number one too high."""
+    text = """HloModule jit_step
+
+FileNames
+1 "games/coins.py"
+2 "lib/site-packages/jax/core.py"
+
+FunctionNames
+1 "step"
+2 "walk"
+3 "bind"
+
+FileLocations
+1 {file_name_id=1 function_name_id=1 line=4 end_line=4 column=6 end_column=35}
+2 {file_name_id=1 function_name_id=2 line=9 end_line=9 column=6 end_column=35}
+3 {file_name_id=2 function_name_id=3 line=2 end_line=2 column=6 end_column=35}
+
+StackFrames
+1 {file_location_id=1 parent_frame_id=1}
+2 {file_location_id=2 parent_frame_id=2}
+3 {file_location_id=3 parent_frame_id=3}
+
+ENTRY %main (x: f32[8]) -> f32[8] {
+  %x = f32[8]{0} parameter(0)
+  %one = f32[8]{0} sine(%x), metadata={op_name="a" stack_frame_id=3}
+  ROOT %two = f32[8]{0} negate(%one), metadata={op_name="b" stack_frame_id=1}
+}
+"""
+    assert [kernel.made_by for kernel in cost_of(text).kernels] == [("step > walk",), ("step",)]

@@ -33,6 +33,7 @@ def test_count_near_of_all_and_none() -> None:
     assert count_near(jnp.zeros(96, bool), masks).tolist() == [0, 0, 0]
 
 
+@pytest.mark.usefixtures("form")
 @pytest.mark.parametrize("agents", [8, 9, 32, *(pytest.param(agents, marks=pytest.mark.thorough) for agents in (1, 6, 20))])
 @pytest.mark.parametrize("sets", [1, 31, 165, pytest.param(32, marks=pytest.mark.thorough), pytest.param(538, marks=pytest.mark.slow)])
 def test_times_in_sets(agents: int, sets: int) -> None:
@@ -47,6 +48,7 @@ def test_times_in_sets(agents: int, sets: int) -> None:
     np.testing.assert_array_equal(size_of_set(jnp.asarray(kept)), member.sum(axis=-1))
 
 
+@pytest.mark.usefixtures("form")
 def test_occupied() -> None:
     assert occupied(jnp.array([1, 3, 1, 4, 4], jnp.int32), 4).tolist() == [False, True, False, True]
 

@@ -127,6 +127,7 @@ def test_come_back(dtype: jnp.dtype) -> None:
     assert (new.tolist(), placed.tolist()) == ([30, 10, 0, 20, 7], [True, True, False, True, False])
 
 
+@pytest.mark.usefixtures("form")
 @pytest.mark.parametrize("members", [1, 33, 600, *(pytest.param(size, marks=pytest.mark.thorough) for size in (2, 6, 32, 147))])
 def test_pick(members: int) -> None:
     """One of the members; nobody if there are none."""
@@ -154,6 +155,7 @@ def test_pick_of_set(dtype: jnp.dtype) -> None:
     assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
 
 
+@pytest.mark.usefixtures("form")
 def test_pick_of_large_set() -> None:
     """A set kept as bits in two words is the same as its members spelt out."""
     random = np.random.default_rng(64)
@@ -207,7 +209,8 @@ def test_choose(members: int, turns: int) -> None:
     cases = 200
     member = random.random((cases, members)) < random.choice([0, 0.3, 1], (cases, 1))
     word, number = random.integers(0, 2**32, (cases, turns)), random.integers(-1, turns + 1, cases)
-    found = np.asarray(CHOOSE(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)))
+    arrays = jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)
+    (found,) = same_in_both_forms(lambda *given: (CHOOSE(*given),), *arrays)
     for case in range(cases):
         assert found[case].tolist() == references.choose(member[case].tolist(), word[case].tolist(), int(number[case]))
 
@@ -216,7 +219,8 @@ def test_choose_for_each_of_the_surroundings() -> None:
     """Rows choose apart, each its own number."""
     random = np.random.default_rng(0)
     member, word, number = random.random((3, 4, 5)) < 0.7, random.integers(0, 2**32, (3, 4, 5)), random.integers(0, 6, (3, 4))
-    found = np.asarray(jax.jit(choose)(jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)))
+    arrays = jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)
+    (found,) = same_in_both_forms(lambda *given: (jax.jit(choose)(*given),), *arrays)
     for i, j in np.ndindex(3, 4):
         assert found[i, j].tolist() == references.choose(member[i, j].tolist(), word[i, j].tolist(), int(number[i, j]))
 
@@ -246,7 +250,8 @@ def test_pair(left: int, right: int, alike: bool) -> None:
     rank = random_ranks(random, (cases, left, right)) * (random.random((cases, left, right)) < random.choice([0.3, 1], (cases, 1, 1)))
     if alike:
         rank = rank * ~np.eye(left, dtype=bool)
-    found = np.asarray(jax.jit(jax.vmap(lambda r: pair(r, alike)))(jnp.asarray(rank, jnp.uint32)))
+    paired = jax.jit(jax.vmap(lambda r: (pair(r, alike),)))
+    (found,) = same_in_both_forms(paired, jnp.asarray(rank, jnp.uint32))
     for case in range(cases):
         partner = found[case].tolist()
         assert partner == references.pair(rank[case].tolist(), alike)
@@ -271,8 +276,8 @@ def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> N
     if alike:
         table[:, range(left), range(left)] = 0
     rank = np.take_along_axis(table, reached, axis=2)
-    paired = jax.jit(jax.vmap(lambda b, r: pair_reached(b, r, right, alike)))
-    found = np.asarray(paired(jnp.asarray(reached, jnp.int32), jnp.asarray(rank, jnp.uint32)))
+    paired = jax.jit(jax.vmap(lambda b, r: (pair_reached(b, r, right, alike),)))
+    (found,) = same_in_both_forms(paired, jnp.asarray(reached, jnp.int32), jnp.asarray(rank, jnp.uint32))
     for case in range(cases):
         pairs = [[int(table[case, a, b]) if b in reached[case, a] else 0 for b in range(right)] for a in range(left)]
         assert found[case].tolist() == references.pair(pairs, alike)

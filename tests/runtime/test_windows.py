@@ -1,24 +1,15 @@
 """Windows, painted cells and packed planes against cutting and stacking cell by cell."""
 
-from collections.abc import Iterator
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sjdsl.runtime.egocentric_windows import fill, look_fields, look_number, paint, planes_of, windows
-from sjdsl.runtime.forms import forced
 
 from . import references
 
-
-@pytest.fixture(params=["cpu", "gpu"], autouse=True)
-def form(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Each test in both forms of the kernels."""
-    with forced(request.param):
-        yield
-
+pytestmark = pytest.mark.usefixtures("form")
 
 CUT = jax.jit(windows, static_argnames=("ahead", "behind", "left", "right"))
 PAINT = jax.jit(paint)
