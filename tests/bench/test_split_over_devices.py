@@ -38,6 +38,7 @@ def run_alone(arguments: list[str], folder: Path) -> subprocess.CompletedProcess
     return subprocess.run([sys.executable, *arguments], cwd=folder, env=alone, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.thorough
 def test_each_device_plays_its_share_with_a_key_of_its_own(tmp_path: Path) -> None:
     """Six environments of two agents: rewards 0 + 1 + 2 + 3 each, and 3 as the last observation, once for all steps."""
     ended = run_alone(["-c", SUMS], tmp_path)

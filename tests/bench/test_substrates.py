@@ -17,6 +17,7 @@ from sjdsl.runtime.env import Environment
 from sjdsl.substrates import written_substrates
 
 
+@pytest.mark.thorough
 def test_a_run_that_is_stopped_keeps_the_rows_it_has(meadow_env: Environment, tmp_path: Path) -> None:
     def tasks() -> Iterator[Task]:
         yield game_task(meadow_env, "first")

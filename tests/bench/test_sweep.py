@@ -99,6 +99,7 @@ def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
     assert json.loads(json.dumps(asdict(sweep)))["together_memory_bytes"] > 0
 
 
+@pytest.mark.thorough
 def test_the_command_writes_a_sweep(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "page.md"
     asked = ["sweep", str(file), "apple", *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--markdown"], str(page)]

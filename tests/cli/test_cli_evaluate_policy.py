@@ -22,6 +22,7 @@ def _grove(folder: Path) -> None:
     (folder / "grove.sj").write_text(GAME.rstrip().removesuffix("}").replace("game orchard", "game grove") + POLICY)
 
 
+@pytest.mark.thorough
 def test_a_policy_of_the_file_is_its_line_up(sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl("evaluate", "eater", *PLAYED, "--variant", "rich", "-o", "eater.json")
     assert shown.status == 0, shown.text

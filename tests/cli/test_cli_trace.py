@@ -104,6 +104,7 @@ def test_tracing_needs_no_jax(folder: Path) -> None:
     assert subprocess.run([sys.executable, "-c", program], cwd=folder, check=False, capture_output=True).returncode == 0
 
 
+@pytest.mark.thorough
 def test_agents_follow_a_policy_of_the_file(sjdsl: Sjdsl) -> None:
     """Cooperators of Clean Up walk to the dirt, which no random play does as fast."""
     followed = json.loads(sjdsl("trace", "clean_up", "--policy", "cooperator", "--steps", "40", "--json").out)

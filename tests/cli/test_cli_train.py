@@ -13,6 +13,7 @@ SMALL = ("total_timesteps=96", "num_envs=4", "num_steps=12", "num_minibatches=1"
 QUICK = [part for value in SMALL for part in ("--set", value)]
 
 
+@pytest.mark.thorough
 def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     trained = sjdsl("train", "orchard.sj", *QUICK, "--param", "apple=2", "--episodes", "0")
     assert trained.status == 0, trained.text

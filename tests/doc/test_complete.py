@@ -25,6 +25,7 @@ def node_classes(parent: type[ir.Node] = ir.Node) -> Iterator[type[ir.Node]]:
         yield from node_classes(child)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("programs", [games, small, manual], ids=["games", "small", "manual"])
 def test_every_program_has_a_sheet(programs) -> None:
     for name, written in programs().items():

@@ -254,6 +254,7 @@ def test_a_game_does_not_differ_from_itself() -> None:
         assert differences(written, written) == ()
 
 
+@pytest.mark.thorough
 def test_no_part_of_the_rules_changes_without_a_difference() -> None:
     tried: Counter[tuple[str, str]] = Counter()
     unnoticed = []

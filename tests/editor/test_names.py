@@ -39,6 +39,7 @@ def _ends(path: Path) -> Iterator[int]:
             yield o.span.end
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("path", GAMES, ids=lambda path: path.stem)
 def test_a_game_with_other_names_still_compiles(path: Path) -> None:
     source = Source(path.as_posix(), renamed(path), path.parent, lambda other: renamed(other) if other in FILES else None)

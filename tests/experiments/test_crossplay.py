@@ -28,7 +28,7 @@ KINDS: dict[int, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("seeds", [(0, 2, 1, 4), pytest.param(tuple(KINDS), marks=pytest.mark.thorough)], ids=["four", "all"])
+@pytest.mark.parametrize("seeds", [(0, 4), pytest.param(tuple(KINDS), marks=pytest.mark.thorough)], ids=["two", "all"])
 def test_each_slot_acts_by_its_own_policy(seeds: tuple[int, ...], tmp_path: Path) -> None:
     """What an agent sees and earns does not depend on the others here: in any company it earns what it does among its like.
 
@@ -38,7 +38,7 @@ def test_each_slot_acts_by_its_own_policy(seeds: tuple[int, ...], tmp_path: Path
     names = [str(store(tmp_path / str(seed), env, seed % 10, **KINDS[seed])) for seed in seeds]
     alone = [evaluate(env, find_policy(name, env), play_key(2, 0), episodes).returns for name in names]
     assert (alone[0] != alone[1]).any()
-    assert (alone[2] != alone[3]).any()
+    assert (alone[-2] != alone[-1]).any()
     found = cross_play(env, policies=names, episodes=episodes, seed=2)
     assert len(found.parts) == len(seeds) * (len(seeds) + 1) // 2
     for part in found.parts:
@@ -107,6 +107,7 @@ def test_a_given_line_up_stays_as_it_is() -> None:
     assert mixed.returns.tolist() == [[0, 20]] * 12
 
 
+@pytest.mark.thorough
 def test_a_matrix_of_pairs(tmp_path: Path) -> None:
     found = cross_play(matrix_game(), policies=["stay", OTHER], mix="pairs", episodes=2, folder=tmp_path / "pairs")
     assert found.matrix().tolist() == [[12, 0], [20, 4]]
@@ -140,6 +141,7 @@ def test_files_have_every_episode_and_slot(tmp_path: Path) -> None:
     assert entry["episodes"] == 4
 
 
+@pytest.mark.thorough
 def test_pools_play_seed_by_seed(tmp_path: Path) -> None:
     """A diagram of two pools: each replicate is what its two policies make alone."""
     env = hidden()

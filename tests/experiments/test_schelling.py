@@ -118,7 +118,7 @@ def test_figures_are_in_the_files(tmp_path: Path) -> None:
     assert stored["D-C"]["preferred"] == ["defect", "defect"]
     assert stored["contrasts"]["greed"]["low"] == 8.0
     assert (stored["verdict"]["outcome"], stored["verdict"]["shape"]) == ("dilemma", "fear and greed")
-    assert (stored["unit"], stored["units"], stored["published"]) == ("episode", 2, None)
+    assert (stored["unit"], stored["units"]) == ("episode", 2)
     assert stored["keys"] == [[int(word) for word in jax.random.key_data(play_key(0, 0))]]
     assert (tmp_path / "diagram/schelling.png").read_bytes().startswith(b"\x89PNG")
     assert "<svg" in (tmp_path / "diagram/schelling.svg").read_text()

@@ -63,6 +63,7 @@ ENOUGH = (
 )
 
 
+@pytest.mark.thorough
 def test_every_alternative_of_the_grammar_is_used() -> None:
     grammar = Grammar()
     assert set(NEVER) <= set(grammar.alternatives)

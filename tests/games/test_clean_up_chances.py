@@ -83,6 +83,7 @@ def test_growth_falls_with_dirt(variant: str | None, dirty: int, chance: float, 
         assert_share(grown.sum(), ORCHARD * rounds * BATCH, exact, 0.1)
 
 
+@pytest.mark.thorough
 def test_every_orchard_cell_grows_alike(counted: Any) -> None:
     env = environment("clean_up")
     params = env.params.replace(best_rate=jnp.float32(0.5))

@@ -80,6 +80,7 @@ def test_growth_for_each_number_of_apples_near(variant: str | None) -> None:
         assert_share(hits[n], trials[n], GROWTH[n], 0.1)
 
 
+@pytest.mark.thorough
 def test_growth_in_a_full_patch(counted: Any) -> None:
     """One cell picked from the full map at a time: 3 to 12 apples near, in corners, at edges and in the middle, all alike."""
     env = environment(GAME)

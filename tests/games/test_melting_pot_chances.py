@@ -25,6 +25,7 @@ FOREST = Stage("mushrooms", ("........", "........"), 2, variant="meltingpot", i
 GLADE = Stage("mushrooms", ("....", "...."), 2, variant="meltingpot", params={"respawn_delay": 1}, interpreted=True)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("game", STAGES)
 def test_an_episode_ends_by_chance_after_whole_intervals(game: str) -> None:
     """First 99 steps after the least length, as there, and in no step between; it is terminated, not truncated."""

@@ -112,6 +112,7 @@ def test_as_released_it_grows_one_step_later() -> None:
         assert_grown(run(number, state, actions, env.params, 4), trials, 0.03)
 
 
+@pytest.mark.thorough
 def test_none_grows_while_more_than_five_exist() -> None:
     """Of red, green and blue, counted after the meal; five are not too many, and orange has no such bound."""
     env = environment(GAME)

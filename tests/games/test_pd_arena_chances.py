@@ -69,6 +69,7 @@ def meeting(*places: tuple[int, int], headings: tuple[int, ...], bags: Any = COO
     return placed(environment(GAME, variant), [*places, *others], looks, agent_bag=bag)
 
 
+@pytest.mark.thorough
 def test_growth() -> None:
     """A tenth of the bare patches in a step: each alike, neighbours in the numbering independent. Source: the released code."""
     env = environment(GAME)

@@ -159,6 +159,7 @@ def test_one_acorn_at_a_time() -> None:
 # Chances
 
 
+@pytest.mark.thorough
 def test_chances() -> None:
     """Apples 0.007, acorns 0.01, none under agents; of two predators each has the prey as often. Source: Melting Pot."""
     env, steps = STAGE.env, 16 * BATCH

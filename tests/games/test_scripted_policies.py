@@ -118,6 +118,7 @@ def test_clean_up() -> None:
     assert played.chosen[2]["clean"] == 0 and played.events[2]["eaten"] >= 3
 
 
+@pytest.mark.thorough
 def test_coop_mining() -> None:
     played = mixed("coop_mining")
     for events in played.events[:2]:

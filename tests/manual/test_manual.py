@@ -124,6 +124,7 @@ def test_compiled_example_on_numpy_equals_the_interpreted(example, folder):
     compare_with_compiled(example, folder, OnNumPy)
 
 
+@pytest.mark.thorough
 @chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES, one_of=20)
 def test_compiled_example_equals_the_interpreted(example, folder):
     compare_with_compiled(example, folder, Compiled)

@@ -140,6 +140,7 @@ def test_resources_come_back_after_the_same_time(name: str) -> None:
     assert 1 + steps_until(scene, lambda s: s.value("patch.stock") == ["ripe"]) == ORIGINAL["meetings"][name]["regrowth"]
 
 
+@pytest.mark.thorough
 def test_votes_of_hidden_agenda() -> None:
     figures = ORIGINAL["hidden_agenda"]
     rows = ("P.........VVV", "P........VVVV", "P............", "PP..DDDDD....")

@@ -42,6 +42,7 @@ def shown(notebook: nbformat.NotebookNode, kind: str) -> list[str]:
     return [each[kind] for each in data if kind in each]
 
 
+@pytest.mark.thorough
 def test_the_code_of_a_dilemma_runs(capsys: pytest.CaptureFixture[str]) -> None:
     """In this process and without Jupyter: what is printed, and what the last cell shows."""
     _, _, *cells = nbformat.read(EXAMPLES / "write_a_dilemma.ipynb", as_version=4).cells

@@ -31,7 +31,7 @@ NEEDS = {
     "render coins -o a.png": "pictures",
     "render coins -o a.mp4": "video",
     "plot runs/a": "plots",
-    "report runs": "plots",
+    "report runs": "results",
     "crossplay coins --slots stay,stay": "plots",
     "schelling coins --cooperators stay --defectors random": "plots",
     "studio": "studio",

@@ -83,7 +83,10 @@ def number_of(family: GameFamily, check_text: str) -> int:
     return found[0]
 
 
-@pytest.mark.parametrize("game", main_games())
+SLOW = {"coop_mining", "harvest_closed", "harvest_partnership"}  # whose checks take seconds
+
+
+@pytest.mark.parametrize("game", [pytest.param(game, marks=pytest.mark.thorough) if game in SLOW else game for game in main_games()])
 def test_checks_pass(game: str) -> None:
     family = GameFamily(read_source(find_game(game)))
     played = [i for i, check in enumerate(family.own.checks) if check.sort != "expect"]
@@ -99,7 +102,7 @@ def test_expectations_pass_on_the_small_map(game: str, tmp_path: Path) -> None:
     assert [v.text for v in verify_properties(family, FEW, expects).verdicts if not v.passed] == []
 
 
-LONG = {  # faults that are looked for for five seconds or more, of sorts of checks that fail in other games, too
+LONG = {  # faults that are looked for for two seconds or more, of sorts of checks that fail in other games, too
     ("mushrooms", "symmetric agents"),
     ("ferry", "symmetric agents"),
     ("gift_refinement", "symmetric agents"),
@@ -109,6 +112,11 @@ LONG = {  # faults that are looked for for five seconds or more, of sorts of che
     ("coop_mining", "symmetric agents"),
     ("predator_prey", "always caught == eaten"),
     ("territory", "always count(brick where brick.owner is nobody"),
+    ("clean_up", "monotone growth falling in dirt"),
+    ("harvest_open", "once apples == 0"),
+    ("gift_refinement", "always count(agent where sum(agent.post)"),
+    ("territory", "symmetric agents"),
+    ("clean_up", "always dirt >= 0"),
 }
 
 

@@ -22,6 +22,7 @@ Put = Callable[[pytest.MonkeyPatch], None]
 FEW = 512
 
 
+@pytest.mark.thorough
 def test_nothing_that_is_proved_of_random_games_is_false() -> None:
     hunted = hunt_seeds(iter(range(90, 200)), 120, FEW)
     assert not hunted.found

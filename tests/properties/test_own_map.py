@@ -198,6 +198,7 @@ def test_episodes_of_other_policies_say_what_they_did_not_reach() -> None:
     assert "orchard.sj:29  tally zaps for agent" in verdict.unreached
 
 
+@pytest.mark.thorough
 def test_sizes_that_the_file_allows_are_played() -> None:
     more = "size most : count = 2 in 1 .. 5  size fixed : count = 2  field busy : 0 .. 9 = 0"
     rule = "set busy = min(busy + count(agent where agent chose zap), most)"

@@ -116,6 +116,7 @@ def test_mistakes_are_told_without_a_traceback(folder: Path, run: Callable[..., 
     assert not any("Traceback" in line for line in lines)
 
 
+@pytest.mark.thorough
 def test_without_the_option_nothing_happens(folder: Path) -> None:
     (folder / "test_own.py").write_text(
         "import sys\n\n\ndef test_own():\n    assert not {'jax', 'lark', 'sjdsl.properties'} & set(sys.modules)\n"

@@ -35,6 +35,7 @@ def test_improvement_is_of_every_ordered_pair_and_the_same_each_time() -> None:
     assert (np.random.get_state()[1] == before).all()  # the resamples are not drawn at anyone's cost
 
 
+@pytest.mark.thorough
 def test_an_interval_does_not_depend_on_what_stands_beside_it() -> None:
     """A report that another way of training joins has the figures of the others unchanged."""
     draws = np.random.default_rng(0)

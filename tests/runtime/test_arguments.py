@@ -90,6 +90,7 @@ def test_what_is_no_key(env: Environment) -> None:
                 call(key)
 
 
+@pytest.mark.thorough
 def test_copies(env: Environment, tmp_path: Path) -> None:
     """By `copy`, and by `pickle` in another process: the same state and step."""
     _, state = env.reset(jax.random.key(0))

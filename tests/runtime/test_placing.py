@@ -167,6 +167,7 @@ def test_pick_of_large_set() -> None:
     assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("batched", ["no", "sets", "keys", "both", "twice"])
 @pytest.mark.parametrize(("several", "form"), [(None, "cpu"), (5, "cpu"), (40, "cpu"), (69, "cpu"), (40, "gpu")])
 def test_pick_of_many_sets(several: int | None, form: str, batched: str) -> None:

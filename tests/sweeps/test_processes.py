@@ -50,6 +50,7 @@ def failed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return found
 
 
+@pytest.mark.thorough
 def test_processes_have_cores_of_their_own_and_one_that_is_killed_is_replaced(tmp_path: Path, failed: list[str]) -> None:
     told: list[str] = []
     run_in_processes([(str(tmp_path / name),) for name in ("first", "killed", "second", "third")], 2, told.append)

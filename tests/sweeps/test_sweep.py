@@ -262,6 +262,7 @@ def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[
     assert all(math.isfinite(float(row["collective_return"])) for row in rows_of(folder))
 
 
+@pytest.mark.thorough
 def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
     folder = diverging[0]
     (bad,) = diverging[2].failed

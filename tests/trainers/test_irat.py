@@ -154,6 +154,7 @@ def test_every_parameter_is_of_one_part(memory: str) -> None:
     assert sum(parts) == pytest.approx(norms["gradient_norm"], rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_individual_policies_act_while_learning_and_team_policies_are_what_is_kept() -> None:
     """Of networks whose individual policies always take action 0 and whose team policies always take 1."""
     env, config = matching(), config_of()
@@ -218,6 +219,7 @@ def _learnt(env: Probe, shown: int, **changes: Any) -> tuple[np.ndarray, np.ndar
     return np.asarray(probabilities), np.asarray(values)
 
 
+@pytest.mark.thorough
 def test_both_policies_learn_what_pays_both() -> None:
     """An agent is paid 1 for the cue's action: with the sum, the two of them have 2."""
     for cue in (0, 1):

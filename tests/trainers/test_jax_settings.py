@@ -20,6 +20,7 @@ KINDS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", KINDS)
 def test_64_bits_do_not_change_what_is_learnt_from(kind: str) -> None:
     """States, parameters and metrics have the dtypes that they have without."""
@@ -46,6 +47,7 @@ def test_64_bits_do_not_change_what_is_drawn() -> None:
         jax.tree.map(lambda here, there: np.testing.assert_allclose(here, there, rtol=1e-4, atol=1e-6), learnt(), without)
 
 
+@pytest.mark.thorough
 def test_no_nan_comes_up_in_healthy_training() -> None:
     """Neither where no episode has finished in an update, nor where equality means nothing; rows have NaN for both all the same."""
     run = make_train(stream("truncated"), quick(num_envs=4, num_steps=2, num_minibatches=1, total_timesteps=64))

@@ -151,6 +151,7 @@ def test_weights_and_biases_themselves_have_a_run_for_each_seed(tmp_path: Path, 
         assert [folder.rpartition("-")[2] for folder in found] == [name] * 2
 
 
+@pytest.mark.thorough
 def test_tensorboard_itself_shows_each_step_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("tensorboardX")
     reading = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")

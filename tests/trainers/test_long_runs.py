@@ -138,6 +138,7 @@ def test_the_loop_keeps_to_the_pace(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert len(read_lines(tmp_path / "metrics.jsonl")) == 2000
 
 
+@pytest.mark.thorough
 def test_what_is_remembered_of_rows_does_not_grow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A row of this run is some 200 bytes on disk, and would be more than a thousand in memory."""
     config = make_config(algorithm="vdn", total_timesteps=1500 * 32, buffer_size=32)

@@ -63,7 +63,7 @@ DAMAGES: dict[str, Damage] = {
 
 
 @pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
-@pytest.mark.parametrize("name", [JSONL, CSV])
+@pytest.mark.parametrize("name", [JSONL, pytest.param(CSV, marks=pytest.mark.thorough)])
 def test_a_damaged_file_is_made_again_from_the_other(stopped: Path, whole: Path, tmp_path: Path, name: str, damage: Damage) -> None:
     again = copy_run(stopped, tmp_path / "run")
     damage(again / name)

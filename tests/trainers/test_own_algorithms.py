@@ -105,6 +105,7 @@ def counted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run_dir
 
 
+@pytest.mark.thorough
 def test_what_changes_nothing_learns_as_the_bundled_one() -> None:
     """Bit for bit: an algorithm that is IPPO's, with a loss that is PPO's."""
 

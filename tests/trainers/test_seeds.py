@@ -33,6 +33,7 @@ def test_each_seed_of_a_batch_is_the_run_it_would_have_been_alone(changes: dict[
         np.testing.assert_allclose(together["agent_return"][seed, -1], alone["agent_return"][-1], atol=0.1)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("algorithm", ["ippo", pytest.param("vdn", marks=pytest.mark.thorough)])
 def test_compiled_seeds_are_the_runs_they_would_have_been_alone(algorithm: str) -> None:
     """One after the other or as a batch, as it is for this device: two updates, to rounding."""

@@ -222,6 +222,7 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
     assert last.endswith("learning 75 % 0 s left collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004")
 
 
+@pytest.mark.thorough
 def test_a_run_in_which_nobody_is_rewarded_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     train(constant(0.0), CONFIG, tmp_path / "run", "lines")
     assert capsys.readouterr().out.count("warning: no agent has been rewarded yet") == 1

@@ -51,7 +51,7 @@ def draw_windows(seed: int, *lead: int) -> Array:
     return jnp.asarray(np.random.default_rng(seed).integers(0, high, (*lead, len(PLANES), 5, 5)), jnp.uint8)
 
 
-@pytest.fixture(params=["multiplied", 1, 12, 256])
+@pytest.fixture(params=["multiplied", pytest.param(1, marks=pytest.mark.thorough), 12, pytest.param(256, marks=pytest.mark.thorough)])
 def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """As on a GPU, or looked up with each plane in a table of its own, with two in one, or with as many as may be."""
     if request.param == "multiplied":
@@ -87,6 +87,7 @@ def test_the_layer_is_a_dense_one(lead: tuple[int, ...], dtype: jnp.dtype, toler
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("_way")
 def test_gradients_of_gradients() -> None:
     """As algorithms take them that differentiate through a learning step."""
@@ -103,6 +104,7 @@ def test_gradients_of_gradients() -> None:
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6), ours, plain)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("_way")
 def test_many_networks_at_once() -> None:
     """Under `vmap`, as teams of agents with their own parameters are: over windows, kernels, or both."""
@@ -121,6 +123,7 @@ def test_many_networks_at_once() -> None:
         jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, plain)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("_way")
 def test_teams_in_several_seeds() -> None:
     """Under two `vmap`s each network looks at its own windows, and where both have one network, at all of them."""
