@@ -34,6 +34,7 @@ from sjdsl.results.selecting import APART, SHARED, cell_of, in_words, select, se
 from sjdsl.results.statistics import compare
 
 TRAINED = "training seed"  # the unit of diagrams of pools
+OF_COMMON = ("common_reward",)  # what common reward alone reads
 AXIS = "--axis reward=individual,common"
 REWARDS = "runs/rewards"  # where the sweep that is named for empty cells puts its runs
 HOLDS, FAILS, UNDECIDED, UNKNOWN = "holds", "does not hold", "undecided", "not run"
@@ -170,8 +171,8 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
             f"Below the return of a random policy are: {'; '.join(below)}. "
             "Where things grow again, agents that have only learnt to harvest fast can leave less than those that know nothing."
         )
-    for place, column in enumerate(("individual", "common"), 1):
-        text += [f"* {column}: {said}" for said in unlike_settings({line[0][0]: line[place] for line in lines})]
+    for (label, *_), *pair in lines:
+        text += [f"* {label}: {said}" for said in unlike_settings(dict(zip(("individual", "common"), pair, strict=True)), OF_COMMON)]
     missing = [(game.name, game.variant) for game, line in zip(games, lines, strict=True) if None in line[1:]]
     return Section("Individual and common reward", tuple(text), (table,), fill=sweeps_of(missing, AXIS, REWARDS))
 
@@ -269,8 +270,8 @@ def exchange(games: Sequence[Game]) -> Section:
         "It chooses none if the best is not above 0. Where all ratios earn alike it chooses the smallest.",
         f"Published: {published.source('exchange')}.",
     ]
-    for ratio in ratios:
-        text += [f"* {names[ratio]}: {said}" for said in unlike_settings({label: cells.get(ratio) for label, (_, cells) in found.items()})]
+    for label, (_, cells) in found.items():
+        text += [f"* {label}: {said}" for said in unlike_settings({names[ratio]: cells.get(ratio) for ratio in ratios}, OF_COMMON)]
     if choices:
         title = f"How often the rule chooses each ratio in {RESAMPLES:,} resamplings of seeds"
         tables.append(Table("exchange_choices", title, ("game", *names.values(), "none"), choices))

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -104,11 +104,16 @@ def of_comparison(found: Comparison | None) -> tuple[Figure, Figure]:
     return interval(found.difference, found.low, found.high), p
 
 
-def unlike_settings(cells: Mapping[str, Cell | None]) -> list[str]:
-    """Returns which settings of cells that are read side by side differ, a sentence a setting. cells: by where each stands."""
+def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ()) -> list[str]:
+    """Returns which settings of cells that are read side by side differ, a sentence a setting.
+
+    Args:
+      cells: by where each stands.
+      but: settings that differ by what the cells are.
+    """
     settings = {place: json.loads(cell.settings) for place, cell in cells.items() if cell is not None}
     found = []
-    for name in sorted({name for own in settings.values() for name in own}):
+    for name in sorted({name for own in settings.values() for name in own} - {*but}):
         places: dict[str, list[str]] = {}
         for place, own in settings.items():
             places.setdefault(json.dumps(own[name]) if name in own else "the default", []).append(place)

@@ -294,6 +294,8 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, A
     made = manifest.get("provenance") or {}
     way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith("checkpoint_")}
     way = {key: value for key, value in way.items() if key not in AS_EVER or value != AS_EVER[key]}
+    if way.get("init_from"):  # seeds that began with a policy of their own each were trained alike
+        way["init_from"] = "a policy"
     everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": way, "stage": stage}
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward, angles = str(config["reward"]), config.get("svo_angle", [])

@@ -181,17 +181,17 @@ def test_a_game_that_the_paper_did_not_play_so_has_nothing_published_beside_it(t
 
 
 def test_settings_of_a_column_or_a_row_that_differ_are_said(tmp_path: Path) -> None:
-    """Cells beside each other are compared by who reads them; what is alike in all is not said."""
-    for game, kind in {"coins": {}, "harvest_open": {"common_reward": "mean"}, "pd_arena": {"common_reward": "mean"}}.items():
+    """Cells of one game are compared; what is alike in all is not said, nor what common reward alone has."""
+    for game, kind in {"coins": {}, "harvest_open": {"common_reward": "mean"}, "pd_arena": {"gamma": 0.5}}.items():
         for reward in ("individual", "common"):
             write_run(
                 tmp_path / f"{game}_{reward}", game, (1.0, 2.0), reward=reward, learning_rate=0.25, **(kind if reward == "common" else {})
             )
     write_run(tmp_path / "apart", "coins", (1.0, 2.0), reward="common", sharing="per_agent", learning_rate=0.25, common_reward="mean")
     said = [line for line in page_of(tmp_path).text.splitlines() if line.startswith("* ") and "` is " in line]
-    line = '`common_reward` is the default in coins; "mean" in harvest_open, rules 4a7, pd_arena.'
+    line = "`gamma` is the default in {}; 0.5 in {}."
     row = '* coins, IPPO, common: `common_reward` is the default in shared; "mean" in separate.'
-    assert said == [f"* common: {line}", row, f"* 1: common: {line}"]
+    assert said == [f"* pd_arena: {line.format('individual', 'common')}", row, f"* pd_arena: {line.format('0: individual', '1: common')}"]
 
 
 def test_the_angles_have_the_fresh_seeds_and_not_those_that_chose_the_weight(tmp_path: Path) -> None:
