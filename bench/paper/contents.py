@@ -174,6 +174,12 @@ def method(found: Iterable[Game]) -> list[str]:
         f"their {kind} in {', '.join(('some runs of ' if name in both else '') + NAMES.get(name, name) for name in own)}"
         for kind, own in names.items()
     ]
+    begun = suite[suite.settings.str.contains('"init_from"')]
+    if not begun.empty:
+        paragraphs.append(
+            f"In {', '.join(dict.fromkeys(begun.game))}, runs began with a policy that had learnt on a smaller map of the same rules "
+            "(`bench/small_maps`), another for each seed; those steps come on top. All that is counted was played on the game's own map."
+        )
     if said:
         paragraphs.append(f"Common reward is made of all agents' rewards: {'; '.join(said)}; in the paper their sum.")
     return paragraphs
