@@ -118,9 +118,14 @@ class Screen(App[None]):
         self._show()
 
     def _tick(self) -> None:
-        if not self._is_paused and not self._session.is_over and (self._is_ready or not self._waits):
+        if self._is_shown and not self._is_paused and not self._session.is_over and (self._is_ready or not self._waits):
             self._session.step()
             self._show()
+
+    @property
+    def _is_shown(self) -> bool:
+        """Whether the screen is there: timers may come once more while it is being taken down."""
+        return bool(self.query("#status"))
 
     def _compile(self) -> None:
         """Runs beside the screen: compiles, and catches up with what has been played meanwhile; `_look_after` finds the outcome."""
@@ -136,6 +141,8 @@ class Screen(App[None]):
 
     def _look_after(self) -> None:
         """Goes on with the compiled game once there is one, and says until then how long it has been waited for."""
+        if not self._is_shown:
+            return
         if self.fault is not None:
             self.exit()
         elif self._made is not None and not self._is_ready:
