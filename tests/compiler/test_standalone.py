@@ -72,7 +72,17 @@ def test_it_needs_jax_and_numpy_alone(tmp_path: Path) -> None:
         for n in ast.walk(ast.parse(path.read_text()))
         if isinstance(n, ast.Import | ast.ImportFrom)
     }
-    assert {name.split(".")[0] for name in found} <= {"jax", "numpy", "dataclasses", "types", "typing", "collections", "functools", "math", "operator"}
+    assert {name.split(".")[0] for name in found} <= {
+        "jax",
+        "numpy",
+        "dataclasses",
+        "types",
+        "typing",
+        "collections",
+        "functools",
+        "math",
+        "operator",
+    }
     use = f"{HIDDEN}\nimport jax, clean_up_standalone as game\nenv = game.Environment()\n"
     use += "observation, state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3))\nprint(observation.shape)"
     done = subprocess.run([sys.executable, "-c", use], cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -249,6 +249,7 @@ def test_what_the_released_variant_changes(name: str) -> None:
         assert section in lines and text in " ".join(lines[section].split()), (section, text)
 
 
+@pytest.mark.thorough
 def test_a_game_does_not_differ_from_itself() -> None:
     for written in games().values():
         assert differences(written, written) == ()

@@ -72,6 +72,7 @@ def test_a_line_up_of_one_policy_is_its_evaluation(tmp_path: Path) -> None:
         np.testing.assert_array_equal(found.parts[0].played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns)
 
 
+@pytest.mark.thorough
 def test_a_mixture_of_one_policy_with_itself_is_its_evaluation_among_others_too(tmp_path: Path) -> None:
     env = matrix_game()
     names = [*(str(store(tmp_path / str(seed), env, seed, memory="gru")) for seed in range(2)), "random"]

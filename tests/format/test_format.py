@@ -57,6 +57,7 @@ def test_files_of_the_repository_are_formatted(path: Path) -> None:
     assert all(len(line) <= WIDTH for line in text.split("\n"))
 
 
+@pytest.mark.thorough
 def test_texts_of_errors_and_of_the_manual() -> None:
     texts = [path.read_text("utf-8") for path in sorted((REPOSITORY / "tests/errors").glob("*.sj"))] + [e.source for e in examples()]
     checked = 0

@@ -51,6 +51,7 @@ STATEMENTS = [
 ]  # fmt: skip
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("rule", "reward"), STATEMENTS)
 def test_sentences_about_an_absent_kind(rule: str, reward: list[float], tmp_path: Any) -> None:
     """The interpreter agrees on what is given, and where agents are."""

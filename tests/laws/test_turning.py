@@ -28,6 +28,7 @@ def any_turn(game: ir.Game, random: Random) -> Symmetry:
     return random.choice(list(turns(game)))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("look", [mirrored, turned])  # all others are made of these two
 @pytest.mark.parametrize("name", NINE)
 def test_nine_games(name: str, look: Callable[[ir.Game, Random], Symmetry]) -> None:

@@ -137,6 +137,7 @@ def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
         np.testing.assert_array_equal(episode.observations[step + 1], player.observation)  # type: ignore[index]
 
 
+@pytest.mark.thorough
 def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
     """By the policy's own function, the same actions; the file says which policy it was."""
     env, config = sjdsl.make("coins", params={"length": 4}), PPOConfig(network="mlp", network_width=8)

@@ -69,6 +69,7 @@ def test_a_generated_module_plays_without_the_compiler() -> None:
     assert not [module for module in loaded if module.startswith(("sjdsl.compiler", "lark", "pydantic"))]
 
 
+@pytest.mark.thorough
 def test_what_it_knows_of_its_game_is_what_the_rules_say(tmp_path: Path) -> None:
     """A file of its own and an environment of `make` give the same."""
     env = sjdsl.make("predator_prey")

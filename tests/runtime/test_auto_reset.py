@@ -45,6 +45,7 @@ def test_of_one_environment(paid: Callable[..., jax.Array], derivative: Callable
     assert found > 0
 
 
+@pytest.mark.thorough
 def test_of_batches(paid: Callable[..., jax.Array]) -> None:
     """A batch inside the derivative, and a derivative inside the batch; another batch around that."""
     price, seeds = jnp.float32(1.5), jnp.arange(4)

@@ -49,6 +49,7 @@ def _expected(counts: np.ndarray) -> np.ndarray:
     return counts.sum(axis=1, keepdims=True) * counts.sum(axis=0, keepdims=True) / counts.sum()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("keys", KEYS)
 def test_of_two_rules(keys: str) -> None:
     found = classes(keys)

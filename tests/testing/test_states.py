@@ -50,6 +50,7 @@ def put_again(stage: Stage, world: World) -> World:
     ).world
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("game", GAMES, ids=[Path(game).stem for game in GAMES])
 def test_every_state_can_be_put(game: str | Path) -> None:
     """States of random play. Who has moved is not put, nor the heading of one that is away, which shows only if it returns as it was."""

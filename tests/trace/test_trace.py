@@ -101,6 +101,7 @@ def check_step(game: ir.Game, before: World, moment: Moment) -> None:
     assert moment.outcome.terminated == any(effect.sort == "end" for effect in effects)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("path", "steps"), FILES, ids=lambda value: value.stem if isinstance(value, Path) else "")
 def test_changes_make_the_next_state(path: Path, steps: int) -> None:
     game = build(read_source(path)).game

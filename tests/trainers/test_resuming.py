@@ -183,6 +183,7 @@ def _empty(checkpoint: Path) -> None:
 DAMAGES = (_flip, _delete_one, _forget_what_was_known, _empty)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("damage", DAMAGES, ids=lambda function: function.__name__)
 def test_a_damaged_checkpoint_is_told_of_and_passed_over(
     stopped: Path, whole: Path, tmp_path: Path, damage: Callable[[Path], None]
@@ -217,6 +218,7 @@ def test_no_checkpoint_left_is_a_start_from_the_beginning(stopped: Path, whole: 
     assert_same_end(again, whole)
 
 
+@pytest.mark.thorough
 def test_the_checkpoint_of_another_run_is_none_of_this_one(
     stopped: Path, whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

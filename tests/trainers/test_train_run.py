@@ -90,6 +90,7 @@ def test_policies_and_checkpoints_are_kept(result: Result) -> None:
     assert not list(result.run_dir.rglob("*.unfinished"))
 
 
+@pytest.mark.thorough
 def test_a_stored_policy_acts_as_it_learnt(result: Result) -> None:
     policy = load_policy(result.run_dir, matching())
     actions = policy(jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
