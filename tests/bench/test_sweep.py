@@ -76,6 +76,7 @@ def test_what_cannot_be_swept_is_told(env: Environment, name: str, number: int, 
         swept_params(env, name, number)
 
 
+@pytest.mark.thorough
 def test_values_as_arguments_play_as_constants_do(env: Environment) -> None:
     key, own = jax.random.key(0), env.params
     loop = jax.jit(make_sweep_loop(env, 4, 6))

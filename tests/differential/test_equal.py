@@ -35,6 +35,7 @@ def together(env: sjdsl.Environment, seed: int, steps: int, given: dict | None =
 FEW = [*OTHER_NUMBERS[:1], *(pytest.param(*other, marks=pytest.mark.slow) for other in OTHER_NUMBERS[1:])]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "params"), FEW, ids=lambda x: str(x))
 def test_other_numbers(name: str, params: dict) -> None:
     env = sjdsl.make(name, params=params)

@@ -60,6 +60,7 @@ def said(written: Written, game: ir.Game) -> str:
     return "\n## ".join(s for s in sections if not s.startswith(SECTIONS_THAT_REPEAT))
 
 
+@pytest.mark.thorough
 def test_no_part_of_the_rules_changes_without_the_sheet() -> None:
     tried: Counter[tuple[str, str]] = Counter()
     unnoticed = []

@@ -82,6 +82,7 @@ def test_a_mixture_of_one_policy_with_itself_is_its_evaluation_among_others_too(
         np.testing.assert_array_equal(alone.played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns)
 
 
+@pytest.mark.thorough
 def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path: Path) -> None:
     env = matrix_game()
     pool = str(store_pool(tmp_path / "run", env, (4, 5, 6)))

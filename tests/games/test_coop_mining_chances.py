@@ -73,6 +73,7 @@ def test_iron_and_gold_come_so_often(variant: str | None, rounds: int, within: f
     assert_share(seen["gold"].sum(), trials, (1 - iron) * gold, within)
 
 
+@pytest.mark.thorough
 def test_gold_comes_only_where_no_iron_came_and_all_cells_are_alike(counted: Any) -> None:
     """Half of the cells get iron, half of the others gold; neighbours in the numbering tell nothing of each other."""
     seen = counted(1, camped(), [STAY] * 6, raised(0.5, 0.5), 2)

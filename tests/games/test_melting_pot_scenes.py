@@ -124,6 +124,7 @@ def test_gifts_reach_five_cells_and_are_of_the_finest_level() -> None:
     scene.step("gift").has({"agent.bag[cut]": [0, 5, 0], "agent.bag[fine]": [0, 6, 0]})
 
 
+@pytest.mark.thorough
 def test_mushrooms_spoil_each_after_its_time() -> None:
     """Red ones after 200 steps, green after 100, blue after 75, orange never; so do those that have grown in the meantime."""
     scene = FOREST.put("R.G.B.O.", "........", "vvv.....", fields={"ground.fresh": {(0, 0): 200, (0, 2): 100, (0, 4): 75}}).step(times=74)

@@ -82,6 +82,7 @@ def test_errors_look_as_the_manual_shows_them(folder):
         assert render(check(source), {source.name: source}, colour=False).strip() == block.text.strip()
 
 
+@pytest.mark.thorough
 def test_the_python_of_the_manual_runs(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     for block in (b for b in blocks() if b.language == "python"):

@@ -105,6 +105,7 @@ NEEDS_ITS_MAP = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("game", "check"), NEEDS_ITS_MAP)
 def test_what_fails_on_another_map_only_is_a_note(game: str, check: str) -> None:
     verdict = verdict_on(game, check)

@@ -94,6 +94,7 @@ def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
     assert len(lengths) > 1
 
 
+@pytest.mark.thorough
 def test_how_many_are_played_at_once_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Memory is bounded: as many as fit, one at least; the last few fill up a batch."""
     env = sjdsl.make("coins", params=BUSY)

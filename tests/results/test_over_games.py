@@ -57,6 +57,7 @@ def test_the_probability_of_improvement_is_that_of_rliable() -> None:
         assert probability_of_improvement(first, second) == pytest.approx(metrics.probability_of_improvement(first, second))
 
 
+@pytest.mark.thorough
 def test_profiles_are_drawn(tmp_path: Path) -> None:
     assert RESAMPLES == 2000
     figure = draw_profiles(SCORES)

@@ -62,6 +62,7 @@ print(env, env.state_vector(state).shape, sorted(info["events"]), env.roles, env
 """
 
 
+@pytest.mark.thorough
 def test_a_generated_module_plays_without_the_compiler() -> None:
     program = PLAY.format(module="generated", name="coins as game", make="Environment(game, game.default_params())")
     loaded = modules_loaded(program, ROOT)

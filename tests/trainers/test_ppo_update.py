@@ -78,6 +78,7 @@ def test_the_same_seed_gives_the_same_run() -> None:
     assert not all(np.array_equal(a, b, equal_nan=True) for a, b in zip(first, other, strict=True))
 
 
+@pytest.mark.thorough
 def test_raw_shaped_and_collective_returns_are_told_apart() -> None:
     _, metrics = learn(dilemma(), reward="common")
     raw, shaped = metrics["agent_return"][0], metrics["shaped_agent_return"][0]

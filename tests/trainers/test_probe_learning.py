@@ -85,6 +85,7 @@ def test_reward_decides_the_dilemma(reward: str, action: int) -> None:
     np.testing.assert_allclose(metrics["agent_return"][-1], [payoff, payoff], atol=0.3)
 
 
+@pytest.mark.thorough
 def test_agents_with_networks_of_their_own_learn_opposite_things() -> None:
     """Nothing they see tells them apart: with one network both do the same at best, or draw, and one of two is paid."""
     state, metrics = learn(opposite(), sharing="per_agent")

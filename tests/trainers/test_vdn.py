@@ -190,6 +190,7 @@ def _same(one: Any, other: Any) -> bool:
     return all(np.array_equal(a, b) for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True))
 
 
+@pytest.mark.thorough
 def test_learning_starts_late_and_the_target_stays_behind() -> None:
     """64 steps an update: learning starts with the third, and the target follows at every second."""
     learners = _learners(6, learning_starts=150)
