@@ -1,4 +1,4 @@
-"""The prose of README, docs and other pages, and of opening lines: short sentences, and none of the words that the project has retired."""
+"""The prose of README, docs and other pages, and of opening lines: none of the words that the project has retired."""
 
 import ast
 import re
@@ -17,7 +17,6 @@ PAGES = [
     *sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*.md")),
 ]
 MODULES = sorted(path for folder in ("sjdsl", "trainers") for path in (ROOT / folder).rglob("*.py"))
-LONGEST = 30  # words of a sentence
 RETIRED = {  # a private word -> the field's
     r"promises?": "check, property",
     r"courses? of (play|events)|guided courses?|random courses?": "trajectory",
@@ -55,14 +54,6 @@ MOST_FILES = 8  # that may share a term: more would be no answer
 FENCE = re.compile(r"^( *)(`{3,}).*?^\1\2 *$", re.DOTALL | re.MULTILINE)
 
 
-def sentences(prose: str) -> Iterator[str]:
-    """Yields the sentences of a paragraph; code and a list of code count as one word, a link as its text."""
-    prose = re.sub(r"(`+)(?:.+?)\1", "CODE", prose)
-    prose = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", prose)
-    prose = re.sub(r"CODE(, CODE)+", "CODE", prose)
-    yield from re.split(r"(?<=[.!?])[)\"*]*\s+(?=\(|[\"'*\[]*[A-Z0-9]|\w )", prose)
-
-
 def paragraphs(text: str) -> Iterator[str]:
     """Yields the paragraphs and list items of a page, without its code blocks, tables, headings and comments."""
     text = FENCE.sub("", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
@@ -71,11 +62,6 @@ def paragraphs(text: str) -> Iterator[str]:
         for item in re.split(r"\n(?=\s*(?:[*-]|\d+\.)\s)", "\n".join(lines)):
             if item.strip():
                 yield " ".join(item.split())
-
-
-def too_long(prose: str) -> list[str]:
-    """Returns the sentences of a paragraph that have too many words."""
-    return [s for s in sentences(prose) if len(re.findall(r"\w[\w'’.,/-]*", s)) > LONGEST]
 
 
 def retired(prose: str) -> list[str]:
@@ -90,21 +76,15 @@ def opening(path: Path) -> str:
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_pages_have_short_sentences(page: str) -> None:
-    text = (ROOT / page).read_text("utf-8")
-    assert [s for paragraph in paragraphs(text) for s in too_long(paragraph)] == []
-
-
-@pytest.mark.parametrize("page", PAGES)
 def test_pages_use_the_words_of_the_field(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")
     assert [word for paragraph in paragraphs(text) for word in retired(paragraph)] == []
 
 
-def test_opening_lines_are_short_and_in_the_words_of_the_field() -> None:
+def test_opening_lines_are_in_the_words_of_the_field() -> None:
     lines = {str(path.relative_to(ROOT)): opening(path) for path in MODULES}
     assert [name for name, line in lines.items() if not line] == []
-    assert {name: found for name, line in lines.items() if (found := [*too_long(line), *retired(line)])} == {}
+    assert {name: found for name, line in lines.items() if (found := retired(line))} == {}
 
 
 def test_terms_of_the_field_lead_to_the_file_in_one_search() -> None:
@@ -116,10 +96,6 @@ def test_terms_of_the_field_lead_to_the_file_in_one_search() -> None:
 
 
 def test_what_is_found() -> None:
-    assert too_long("One two three. " * 20) == []
-    assert too_long("word " * 31 + "end.") != []
-    assert too_long("`a b c` and " * 16) != []
-    assert too_long("`a b c`, " * 31) == []
     assert list(paragraphs("# A\n\n```py\nx\n```\n\n| a | b |\n\n* one\n  two\n* three\n")) == ["* one two", "* three"]
     assert retired("It keeps its promises, as a random word of luck.") != []
     assert retired("`promises` are code") == []
