@@ -315,13 +315,12 @@ def released_section() -> list[str]:
     together: dict[tuple[str, str, str], list[str]] = {}
     for theirs, *row in rows:
         together.setdefault((row[0], row[1], row[2]), []).append(theirs)
-    found = [("all" if games == ["all"] else ", ".join(map(_ours, games)), *map(plain, row)) for row, games in together.items()]
+    found = [
+        ("all" if theirs == ["all"] else ", ".join(code(entries()[name].game) for name in theirs), *map(plain, row))
+        for row, theirs in together.items()
+    ]
     heading = ['<a id="released"></a>', "", "## How observations in the released suite differ", "", RELEASED, ""]
     return [*heading, *table(("game", "what", "released", "here"), found), ""]
-
-
-def _ours(theirs: str) -> str:
-    return code(entries()[theirs].game)
 
 
 def _of_channels(theirs: str, entry: Entry) -> Iterator[tuple[str, str, str, str]]:

@@ -114,7 +114,7 @@ game territory "Territory: Rooms" {
     }
     kind post  "#" { blocks agents }
     agents { moves compass }
-    observe { show agent.heading }     # ours: the released view turns by half with it, and compass moves want it
+    observe { show agent.heading }     # ours: compass moves need it; the released view reveals half of it
     shape zap { ".x."  "xxx"  ".^." }  # released code: walls do not stop it
     schedule tick -> walk -> claim -> settle -> brush -> spread -> fire -> fall -> pay
     phase claim { each agent as a { each brick in touch of a where nobody on brick { add a to brick.rivals } } }

@@ -34,7 +34,8 @@ def main(arguments: Sequence[str]) -> int:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
         data = read_data([Path(name) for name in arguments if name != "--check"])
-    notes = [str(warning.message) for warning in caught if issubclass(warning.category, ResultsWarning)]
+    _tell([f"note: {warning.message}" for warning in caught if issubclass(warning.category, ResultsWarning)])  # of folders of this machine
+    notes: list[str] = []
     made = sections_of(data, notes)
     texts = {f"{PAGE.stem}/data/{name}": write_frame(frame) for name, frame in data.items()}
     texts |= {f"{PAGE.stem}/{name}": text for name, text in file_texts(made).items()}

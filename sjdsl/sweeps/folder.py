@@ -87,8 +87,8 @@ class Progress:
 
     @property
     def summary(self) -> str:
-        """`done`, or `failed, for its process was killed`."""
-        return f"{self.state}, for {self.reason}" if self.reason else self.state
+        """`done`, or `failed: its process was killed`."""
+        return f"{self.state}: {self.reason}" if self.reason else self.state
 
 
 def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:

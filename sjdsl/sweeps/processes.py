@@ -16,7 +16,7 @@ from sjdsl.sweeps.folder import cells_at, progress_of, record_failure
 from sjdsl.sweeps.work import Tell, run_cells
 
 Batch = tuple[str, ...]  # folders of cells that are run by one call of `run_cells`
-KILLED = "its process was killed, perhaps for want of memory; --retry goes on from its last checkpoint"
+KILLED = "its process was killed, perhaps because memory ran out; --retry resumes from its last checkpoint"
 
 
 def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None:

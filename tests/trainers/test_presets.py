@@ -7,6 +7,7 @@ from typing import Any, get_args
 import jax
 import pytest
 
+from bench.paper import published
 from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config
 from sjdsl.trainers.config import Algorithm
 from sjdsl.trainers.policies import parameter_shapes
@@ -322,7 +323,7 @@ def test_the_manual_says_all_in_which_paper_and_released_differ(game: str) -> No
     found: Differences = {}
     for algorithm, reward in RUNS:
         paper, released = (load_preset(name, {"algorithm": algorithm, "reward": reward}, game) for name in ("paper", "released"))
-        assert (paper.environment, released.environment) == ({}, {"variant": "socialjax"})
+        assert (paper.environment, released.environment) == ({}, {"variant": published.variant(game)})
         found["variant", algorithm, reward] = ("none", "socialjax")
         left, right = paper.config.model_dump(), released.config.model_dump()
         found |= {(key, algorithm, reward): (written(left[key]), written(right[key])) for key in left if left[key] != right[key]}
