@@ -23,21 +23,37 @@ def block(language: str, page: str = "README.md") -> str:
     return found.group(1)
 
 
-def test_the_game_in_twenty_lines(tmp_path: Path) -> None:
-    path = tmp_path / "orchard.sj"
-    path.write_text(block("sj"), encoding="utf-8")
-    assert len(block("sj").splitlines()) <= 24
-    assert format_source(Source("orchard.sj", block("sj"))) == block("sj")
+def test_the_orchard_is_the_example_and_plays() -> None:
+    path = ROOT / "examples" / "orchard.sj"
+    text = path.read_text(encoding="utf-8")
+    assert all(f"  {line}\n" in text for line in block("sj").splitlines())
+    assert format_source(Source("orchard.sj", text)) == text
     assert sjdsl.make(path, num_agents=6).num_agents == 6  # as many as its limits allow
     env = sjdsl.make(path, params={"regrow": 0})
     _, state = env.reset(jax.random.key(0))
     forward = jax.numpy.full(env.num_agents, env.action_names.index("forward"))
     eaten = 0
     for i in range(30):
-        _, state, reward, _, info = env.step(jax.random.key(i), state, forward)
-        assert reward.tolist() == info["events"]["eaten"].tolist()
+        _, state, reward, _, _ = env.step(jax.random.key(i), state, forward)
         eaten += int(reward.sum())
-    assert eaten == 9 - int((state.tree_fruit == 1).sum())
+    assert eaten == 16 - int((state.tree_fruit == 1).sum())
+
+
+def test_the_changed_line_shares_each_fruit(tmp_path: Path) -> None:
+    (removed,), (added,) = (re.findall(rf"^[{sign}] +(.*)$", block("diff"), re.MULTILINE) for sign in "-+")
+    text = (ROOT / "examples" / "orchard.sj").read_text(encoding="utf-8")
+    assert text.count(f" {removed}\n") == 1
+    path = tmp_path / "shared.sj"
+    path.write_text(text.replace(removed, added), encoding="utf-8")
+    env = sjdsl.make(path)
+    _, state = env.reset(jax.random.key(0))
+    forward = jax.numpy.full(env.num_agents, env.action_names.index("forward"))
+    total = 0.0
+    for i in range(30):
+        _, state, reward, _, _ = env.step(jax.random.key(i), state, forward)
+        assert len(set(reward.tolist())) == 1
+        total += float(reward.sum())
+    assert total > 0
 
 
 def test_the_python_lines() -> None:

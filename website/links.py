@@ -11,7 +11,8 @@ from website.chapters import Chapter, anchors
 CODE = r"^(?P<indent> *)(?P<fence>`{3,}).*?^(?P=indent)(?P=fence) *$|(?P<tick>`+).+?(?P=tick)"
 PICTURE_ELSEWHERE = r"!\[(?P<said>[^\]]*)\]\(https?://[^)]*\)"
 LINK = r"\]\((?P<target>[^)\s]+)\)"
-CODE_OR_LINK = re.compile(f"{CODE}|{PICTURE_ELSEWHERE}|{LINK}", re.DOTALL | re.MULTILINE)
+IMAGE = r'<img src="(?P<image>[^"]+)"'
+CODE_OR_LINK = re.compile(f"{CODE}|{PICTURE_ELSEWHERE}|{LINK}|{IMAGE}", re.DOTALL | re.MULTILINE)
 ELSEWHERE = re.compile(r"[a-z]+:|//")
 SOURCE = "source"  # the folder of the pages of files
 PAGES = {
@@ -77,7 +78,7 @@ class Places:
         def lead(found: re.Match[str]) -> str:
             if found.group("said") is not None:
                 return found.group("said")
-            target = found.group("target")
+            target = found.group("target") or found.group("image")
             if target is None or ELSEWHERE.match(target):
                 return found.group()
             file, _, anchor = target.partition("#")
@@ -87,7 +88,8 @@ class Places:
             except DeadLink as dead:
                 raise DeadLink(f"{path}: link `{target}`: {dead}") from None
             near = "" if there == page and anchor else posixpath.relpath(there, posixpath.dirname(page) or ".")
-            return f"]({near}{'#' + anchor if anchor else ''})"
+            link = f"{near}{'#' + anchor if anchor else ''}"
+            return f"]({link})" if found.group("target") else f'<img src="{link}"'
 
         return CODE_OR_LINK.sub(lead, text)
 

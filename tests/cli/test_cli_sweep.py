@@ -114,9 +114,9 @@ def test_what_is_refused_once_jax_is_there(sjdsl: Sjdsl, folder: Path, arguments
 
 
 @pytest.mark.thorough
-def test_the_commands_of_the_page_and_of_the_readme(sjdsl: Sjdsl, folder: Path) -> None:
+def test_the_commands_of_the_pages(sjdsl: Sjdsl, folder: Path) -> None:
     root = Path(__file__).parents[2]
-    lines = [line for name in ("docs/sweeps.md", "README.md") for line in (root / name).read_text("utf-8").splitlines()]
+    lines = [line for name in ("docs/sweeps.md", "docs/commands.md") for line in (root / name).read_text("utf-8").splitlines()]
     commands = [shlex.split(line.partition("  #")[0])[1:] for line in lines if line.startswith("sjdsl sweep ")]
     assert len(commands) >= 4
     for arguments in commands:

@@ -80,6 +80,10 @@ def test_links_out_of_docs_lead_to_pages_of_files() -> None:
     assert (
         known.relinked("[x](games/coins.sj) [y](CONTRIBUTING.md)", "README.md", "index.md") == "[x](gallery/coins.md) [y](contributing.md)"
     )
+    assert (
+        known.relinked('<img src="CITATION.cff" align="right">', "README.md", "index.md")
+        == '<img src="source/CITATION.cff.md" align="right">'
+    )
     assert known.relinked("![x](../CITATION.cff)", "docs/tour.md", "tour.md") == "![x](source/CITATION.cff.md)"
     assert known.wanted == {"CITATION.cff"}
     with pytest.raises(DeadLink, match=r"docs/tour.md: link `../gone.txt`"):
