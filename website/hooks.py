@@ -109,12 +109,12 @@ def _pages() -> dict[str, str]:
     texts = {MANUAL: introduction}
     for path in [*PAGES, *(f"{DOCS}{page.relative_to(ROOT / DOCS).as_posix()}" for page in sorted((ROOT / DOCS).rglob("*.md")))]:
         texts.setdefault(path, (ROOT / path).read_text("utf-8"))
-    texts["README.md"] = with_strip(texts["README.md"])
     made = {
         page: plain_fences(places.relinked(text, path, page))
         for path, text in texts.items()
         for page in [PAGES.get(path, path.removeprefix(DOCS))]
     }
+    made["index.md"] = with_strip(made["index.md"])
     made |= {page: plain_fences(places.relinked(c.text, MANUAL, page)) for c in chapters for page in [places.chapter_page(c)]}
     made |= {gallery.INDEX: gallery.gallery_page(), **reference_pages(ROOT)}
     made |= {f"{gallery.FOLDER}/{shown.name}.md": gallery.game_page(shown, ROOT) for shown in gallery.shown_games()}

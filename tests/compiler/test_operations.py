@@ -3,6 +3,7 @@
 import ast
 from collections.abc import Callable, Iterator
 from itertools import product
+from math import inf
 from pathlib import Path
 from random import Random
 
@@ -105,6 +106,15 @@ def test_every_value_is_in_its_interval_and_in_its_range(row: Calculation) -> No
                 assert not computed.sound or computed.low <= found <= computed.high, (box, of)
                 seen += 1
     assert seen > 200
+
+
+@by_row
+def test_intervals_that_contradictory_conditions_leave_empty_are_accepted(row: Calculation) -> None:
+    """`when n > 0 { when n <= 0 { … n … } }`: the lower end of what `n` can be is above the upper one."""
+    for ends in ((1, 0), (0, -1), (5, -5), (inf, 0), (0, -inf), (1.5, 0.0), (0.0, -1e-45)):
+        for number in (row.least, row.most):
+            low, high = row.interval(*[ends] * min(number, 3))
+            assert low == low and high == high, ends  # no NaN
 
 
 @by_row

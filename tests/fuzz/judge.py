@@ -46,6 +46,7 @@ FORESEEN = {
     "SJ206": "a word of a phase's use compared with words it is none of",
     "SJ207": "a define used where its guard does not stand",
     "SJ212": "a variant breaks a requirement",
+    "SJ214": "an episode whose length is a parameter, of 0 steps",
     "SJ213": "a sum of fractions over agents, of which a variant leaves one: it stays a fraction",
     "SJ303": "a variant's map has too few cells",
     "SJ401": "two writes that may disagree",

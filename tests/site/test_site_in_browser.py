@@ -53,6 +53,15 @@ def test_search_finds_a_chapter_of_the_manual(page: object, address: str) -> Non
     page.locator('.md-search-result__link[href*="language/the-world.html"]').first.wait_for(timeout=WAIT)
 
 
+def test_search_works_in_pages_opened_from_a_disk(page: object) -> None:
+    opened = page.context.browser.new_page()
+    opened.goto((SITE / "index.html").as_uri())
+    opened.get_by_role("textbox", name="Search").click()
+    opened.get_by_role("textbox", name="Search").fill("glyphs")
+    opened.locator('.md-search-result__link[href*="language/the-world.html"]').first.wait_for(timeout=WAIT)
+    opened.close()
+
+
 def test_a_live_board_is_stepped_through(page: object, address: str) -> None:
     page.goto(f"{address}/gallery/coins.html")
     board = page.frame_locator("iframe.board").first

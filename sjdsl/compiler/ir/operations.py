@@ -142,7 +142,7 @@ def _product(a: Interval, b: Interval) -> Interval:
 
 
 def _quotient(a: Interval, b: Interval) -> Interval:
-    if b[0] <= 0 <= b[1]:
+    if min(b) <= 0 <= max(b):  # the ends are the wrong way round where conditions contradict each other
         return -inf, inf
     corners = [x / y if abs(y) != inf else 0.0 for x in a for y in b]
     return min(corners), max(corners)
