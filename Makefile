@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12, 3.13 or 3.14, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page tree-sitter playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page gpu-model damage fuzz golden docs results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page tree-sitter playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page gpu-model damage fuzz golden docs notebooks results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.14 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' 2>/dev/null; \
@@ -93,6 +93,10 @@ site-version: .venv/site
 .venv/site: .venv/ready requirements-site.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-site.txt
 	@touch $@
+
+# Runs the notebooks of examples/ and keeps their outputs in them.
+notebooks: .venv/ready
+	$(BIN)/python -m tests.notebooks.keep
 
 # The studio as static files that need no server, in build/playground; needs npm and Node. With PYODIDE=cdn, visitors load Pyodide from a
 # public server.

@@ -11,11 +11,13 @@ game orchard "Orchard" {
   phase start { each agent { send agent to gate } }
   schedule grow -> walk -> eat
   phase walk { move each agent }
+  define ripe_beside(cell) = count(tree as other in disc(1) of cell where other.fruit is ripe)
   # Fruit grows only beside ripe fruit: if all of it is eaten, none comes back.
   phase grow {
     each tree where tree.fruit is none {
-      let near = count(tree as other in disc(1) of tree where other.fruit is ripe)
-      when near > 0 { chance regrow { set tree.fruit = ripe } }
+      when ripe_beside(tree) > 0 {
+        chance regrow { set tree.fruit = ripe }
+      }
     }
   }
   phase eat {
