@@ -60,10 +60,9 @@ OWN_HEADING = tuple(f"agent.heading: {way}" for way in ("north", "east", "south"
 RELEASED = """Each game of the paper has a variant `socialjax` with the rules and the observation of the released code. Things that look alike
 to its agents look alike here too. This table lists all remaining differences. Its first rows are found by comparing the channels."""
 MELTING_POT = """Each substrate of Melting Pot 2 is a bundled game in one of its variants. Families that are also among
-[the games of sjdsl](games.md) are variants there. All others are files of [games/meltingpot/](../games/meltingpot).
-This page is generated from [games/meltingpot.toml](../games/meltingpot.toml) by `make docs`. The code in
-[generated/](../generated), and the page of the games, are those of the games in `games/` itself."""
-USE = """`sjdsl.make("GAME", variant="VARIANT")` makes one, and `sjdsl.interop.dm_env` takes the substrate's own name:
+[sjdsl's own games](games.md) are variants there; all others are files in [games/meltingpot/](../games/meltingpot).
+`make docs` generates this page from [games/meltingpot.toml](../games/meltingpot.toml)."""
+USE = """Make one with `sjdsl.make("GAME", variant="VARIANT")`, or by the substrate's own name with [`sjdsl.interop.dm_env`](interop/dm_env.md):
 
 ```python
 from sjdsl.interop.dm_env import build, get_config
@@ -72,16 +71,16 @@ config = get_config("territory__rooms")
 env = build("territory__rooms", config.default_player_roles)
 ```"""
 EVERYWHERE = (
-    "Observations are planes of tokens, not pictures of 8 × 8 pixels; `sjdsl.interop.dm_env` gives pictures. "
-    "There, a player sees 11 × 11 cells as 88 × 88 pixels in three colours: 23,232 bytes. "
-    "Here, such a window has 121 bytes a plane of tokens; a game has 2 to 16 planes. One-hot observations have 121 floats a channel, 11 to 106 channels.",
-    "Random numbers are others.",
-    "All agents act at once on the state before the step; there, they act in a random order within it.",
-    "Waits, pauses and periods last as long as there. [Figures of the original](../tests/meltingpot/original.toml), which "
-    "[a script](../bench/meltingpot_figures.py) measures, are tested against ours.",
-    "Starting places are visible here, except in games that hide them; in the original they look like floor.",
-    "Who comes back can fire in the next step; there, in some games, only after a whole pause.",
-    "`sjdsl.interop.dm_env` gives the observations that a substrate lists beside its picture, but for `MY_OFFER`, `OFFERS`, `HUNGER`, "
+    "Observations are planes of tokens, not pictures of 8 × 8 pixels a cell; `sjdsl.interop.dm_env` gives pictures. "
+    "In the original, a player sees 11 × 11 cells as 88 × 88 pixels in three colours: 23,232 bytes. "
+    "Here, such a window has 121 bytes a plane of tokens, and a game 2 to 16 planes; one-hot observations have 121 floats a channel, 11 to 106 channels.",
+    "Random draws differ.",
+    "All agents act at once on the state before the step; in the original, they act in a random order within it.",
+    "Waits, pauses and periods are as long as in the original: tests compare them with "
+    "[its figures](../tests/meltingpot/original.toml), which [a script](../bench/meltingpot_figures.py) measures.",
+    "Starting places are visible, except in games that hide them; in the original, they look like floor.",
+    "A player who comes back can fire in the next step; in some games of the original, only after a whole pause.",
+    "`sjdsl.interop.dm_env` gives the observations that a substrate lists beside its picture, except `MY_OFFER`, `OFFERS`, `HUNGER`, "
     "`NUM_OTHERS_WHO_CLEANED_THIS_STEP` and `MISMATCHED_COIN_COLLECTED_BY_PARTNER`.",
 )
 
@@ -349,13 +348,30 @@ def melting_pot_page() -> str:
     """Returns the page of all substrates as Markdown."""
     rules, written = substrate_rules(), written_substrates()
     missing = [e for e in substrates().values() if e.name not in rules]
-    lines = ["# Melting Pot", "", MELTING_POT, "", USE, "", "What differs everywhere:", "", *(f"* {text}" for text in EVERYWHERE), ""]
+    lines = [
+        "# Melting Pot",
+        "",
+        MELTING_POT,
+        "",
+        USE,
+        "",
+        "Differences in every substrate:",
+        "",
+        *(f"* {text}" for text in EVERYWHERE),
+        "",
+    ]
     lines += [*table(("substrate", "game", "variant", "agents", "map"), [_substrate_row(e, rules[e.name]) for e in written]), ""]
-    lines += ["## What differs", "", "Without a substrate named, a sentence is about all of the game's.", ""]
-    lines += [*table(("game", "what differs, and why", "what cannot be said, and the construct it would want"), _by_game(written)), ""]
+    lines += ["## What differs", "", "A sentence that names no substrate applies to all substrates of its game.", ""]
+    lines += [
+        *table(
+            ("game", "what differs from the original, and why", "what the language can't express, and what it would need"),
+            _by_game(written),
+        ),
+        "",
+    ]
     if missing:
         lines += ["Not written yet:", "", *(f"* {code(e.name)}" for e in missing), ""]
-    lines += ["## Pictures", "", f"Each shows a game after {SUBSTRATE_STEPS} steps of random play, drawn by `make docs`.", ""]
+    lines += ["## Pictures", "", f"Each picture shows a game after {SUBSTRATE_STEPS} steps of random play.", ""]
     for e in written:
         lines += [f"### {code(e.name)}", "", f"![{plain(rules[e.name].title)}](pictures/meltingpot/{e.name}.png)", ""]
     return "\n".join(lines).rstrip("\n") + "\n"

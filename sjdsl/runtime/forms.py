@@ -1,7 +1,7 @@
 """Kernels in two forms, one for CPUs and one for GPUs, that give the same bits: generated code says what is computed, and not how.
 
 A CPU likes loops that end early and branches that are not taken; it computes what it has in its caches again and again. A GPU wants few
-kernels, each of much independent work, and none that waits for the result of another (docs/performance.md, "By a model").
+kernels, each of much independent work, and none that waits for the result of another (docs/performance.md, "Estimated by a model").
 """
 
 from collections.abc import Callable

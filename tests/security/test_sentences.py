@@ -30,7 +30,7 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     "A game names other files": ("compiler/test_error_cases.py::test_case",),  # errors/SJ112_file_outside.sj
     "Sizes are limited": (f"{LIMITS}::test_one_message",),
     "**Compiled games** are": (f"{TEXT}::test_the_texts_of_a_game_become_no_code",),
-    "Of a game's text": (f"{TEXT}::test_the_texts_of_a_game_become_no_code", f"{TEXT}::test_the_name_of_a_file_becomes_no_code"),
+    "Only names, numbers": (f"{TEXT}::test_the_texts_of_a_game_become_no_code", f"{TEXT}::test_the_name_of_a_file_becomes_no_code"),
     "The cache of compiled games": (f"{TEXT}::test_what_is_cached_does_not_depend_on_the_file",),
     "A game may still take": WARNS,
     "**Games of installed packages**": (f"{PACKAGES}::test_a_game_is_found_by_name",),
@@ -52,7 +52,7 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{FILES}::test_permissions_are_kept",
         f"{FILES}::test_files_are_written_in_one_place",
     ),
-    "A new one has those": (f"{FILES}::test_a_new_file_has_those_of_the_umask",),
+    "A new one has the permissions": (f"{FILES}::test_a_new_file_has_those_of_the_umask",),
     "Logs and locks are": (f"{FILES}::test_what_is_changed_in_place_is_no_link",),
     "Links to folders": WARNS,
     "The command": (f"{FILES}::test_formatting_through_a_link_formats_the_file",),
@@ -66,9 +66,9 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{POLICIES}::test_no_byte_of_the_description_can_change",
         f"{POLICIES}::test_a_description_without_a_digest_loads_with_a_warning_or_is_refused",
     ),
-    "Digests find damage": WARNS,
+    "Digests detect damage": WARNS,
     "**Episodes and data sets**": (f"{REPLAYS}::test_an_array_that_lies_is_refused",),
-    "Their sizes are looked at": (
+    "Their sizes are checked": (
         f"{REPLAYS}::test_a_small_file_cannot_take_much_memory",
         f"{REPLAYS}::test_bytes_of_a_data_set_change",
         f"{REPLAYS}::test_a_damaged_episode_is_a_message",
