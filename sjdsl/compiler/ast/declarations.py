@@ -5,13 +5,11 @@ from typing import Literal
 from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Path, ShapeRef, String, Table, Type
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.statements import Block
-from sjdsl.compiler.diagnostics.source import Span
 
 
 class Act(Node):
     """`when C choose ACTION`"""
 
-    span: Span
     condition: Expr
     action: Chosen
 
@@ -19,7 +17,6 @@ class Act(Node):
 class Go(Node):
     """`seek D avoiding E`"""
 
-    span: Span
     domain: Domain
     avoided: Domain | None
 
@@ -27,7 +24,6 @@ class Go(Node):
 class Aim(Node):
     """`aim SHAPE at D avoiding E choose ACTION`"""
 
-    span: Span
     shape: ShapeRef
     domain: Domain
     avoided: Domain | None
@@ -37,7 +33,6 @@ class Aim(Node):
 class ScriptedPolicy(Node):
     """`policy cooperator "…" { … }`: the first rule that applies acts"""
 
-    span: Span
     name: Name
     title: String | None
     rules: tuple[Act | Go | Aim, ...]
@@ -46,13 +41,11 @@ class ScriptedPolicy(Node):
 class Slots(Node):
     """`slots 2 focal`, or `slots 5 policy defector`"""
 
-    span: Span
     number: Expr
     policy: Name | None
 
 
 class Scenario(Node):
-    span: Span
     name: Name
     title: String | None
     slots: tuple[Slots, ...]
@@ -61,7 +54,6 @@ class Scenario(Node):
 class Constant(Node):
     """`size` or `param`: `param apple : reward = 1 in 0 .. 5`, `param taste by agent : reward = 1`"""
 
-    span: Span
     is_size: bool
     name: Name
     by: By | None
@@ -72,27 +64,23 @@ class Constant(Node):
 
 
 class Cite(Node):
-    span: Span
     text: String
 
 
 class About(Node):
     """A line of metadata; its texts are read one after the other."""
 
-    span: Span
     name: Name
     texts: tuple[String, ...]
 
 
 class Episode(Node):
-    span: Span
     steps: Expr
 
 
 class Field(Node):
     """start None: the type's default (0, nobody) or, for words, an error."""
 
-    span: Span
     name: Name
     by: By | None
     type: Type
@@ -100,12 +88,10 @@ class Field(Node):
 
 
 class Timer(Node):
-    span: Span
     name: Name
 
 
 class Blocks(Node):
-    span: Span
     what: tuple[Name, ...]
     condition: Expr | None
 
@@ -113,20 +99,17 @@ class Blocks(Node):
 class Glyph(Node):
     """`glyph "F" with state = dirty`"""
 
-    span: Span
     glyph: String
     starts: tuple[tuple[Name, Expr], ...]
 
 
 class Kind(Node):
-    span: Span
     name: Name
     glyph: String
     attributes: tuple[Field | Timer | Blocks | Glyph, ...]
 
 
 class Group(Node):
-    span: Span
     name: Name
     kinds: tuple[Name, ...]
 
@@ -134,7 +117,6 @@ class Group(Node):
 class Map(Node):
     """rows for an inline map, file for `map "maps/x.txt"`; edges: `joined` for `map wraps …`."""
 
-    span: Span
     file: String | None
     rows: tuple[String, ...]
     edges: Literal["joined"] | None = None
@@ -143,7 +125,6 @@ class Map(Node):
 class Argument(Node):
     """Of an action: `agent`, `{ red, green }`, `apples : 0 .. 2`"""
 
-    span: Span
     name: Name | None
     type: Type
 
@@ -151,31 +132,26 @@ class Argument(Node):
 class Action(Node):
     """`zap`, `vote(agent)`"""
 
-    span: Span
     name: Name
     arguments: tuple[Argument, ...]
 
 
 class Acts(Node):
-    span: Span
     actions: tuple[Action, ...]
 
 
 class Moves(Node):
-    span: Span
     frame: Name
 
 
 class Forbid(Node):
     """actions empty: all"""
 
-    span: Span
     actions: tuple[Chosen, ...]
     condition: Expr
 
 
 class Agents(Node):
-    span: Span
     number: Expr | None
     attributes: tuple[Acts | Moves | Field | Timer | Forbid | Blocks, ...]
 
@@ -183,7 +159,6 @@ class Agents(Node):
 class Movers(Node):
     """`movers deer 4 "d" { timer resting }`"""
 
-    span: Span
     name: Name
     number: Expr
     glyph: String
@@ -193,14 +168,12 @@ class Movers(Node):
 class Shape(Node):
     """A picture (rows) or a call."""
 
-    span: Span
     name: Name
     rows: tuple[String, ...]
     call: Call | None
 
 
 class Define(Node):
-    span: Span
     name: Name
     parameters: tuple[Name, ...]
     value: Expr
@@ -209,18 +182,15 @@ class Define(Node):
 class Turn(Node):
     """One place of the schedule: `sprout(red)`"""
 
-    span: Span
     name: Name
     arguments: tuple[Expr, ...]
 
 
 class Schedule(Node):
-    span: Span
     turns: tuple[Turn, ...]
 
 
 class Phase(Node):
-    span: Span
     name: Name
     parameters: tuple[Name, ...]
     block: Block
@@ -229,19 +199,16 @@ class Phase(Node):
 class Window(Node):
     """`window ahead 9, behind 1, left 5, right 5`; with a condition, the window of those for whom it holds"""
 
-    span: Span
     sides: tuple[tuple[Name, Expr], ...]
     condition: Expr | None
 
 
 class Relabel(Node):
-    span: Span
     label: Name
     where: Expr | None
 
 
 class Show(Node):
-    span: Span
     what: Path
     labels: tuple[Relabel, ...]
     condition: Expr | None
@@ -250,28 +217,24 @@ class Show(Node):
 class Hide(Node):
     """`on`: a kind, a group or `agents`: only there."""
 
-    span: Span
     what: Path
     on: Name | None
     condition: Expr | None
 
 
 class Observe(Node):
-    span: Span
     observables: tuple[Window | Show | Hide, ...]
 
 
 class Paint(Node):
     """A colour, a sprite, or both, in any order: `red apple`, `"#2e7d32"`"""
 
-    span: Span
     words: tuple[Name | String, ...]
 
 
 class Look(Node):
     """`look tree where tree.fruit is ripe as green tree with red apple`"""
 
-    span: Span
     what: Name
     where: Expr | None
     body: Paint | None
@@ -279,7 +242,6 @@ class Look(Node):
 
 
 class Event(Node):
-    span: Span
     name: Name
     by: By | None
 
@@ -287,63 +249,53 @@ class Event(Node):
 class Measure(Node):
     """`mean` or `final`"""
 
-    span: Span
     is_mean: bool
     name: Name
     value: Expr
 
 
 class Metrics(Node):
-    span: Span
     metrics: tuple[Event | Measure, ...]
 
 
 class Require(Node):
-    span: Span
     condition: Expr
 
 
 class Always(Node):
-    span: Span
     condition: Expr
 
 
 class Once(Node):
-    span: Span
     trigger: Expr
     condition: Expr
 
 
 class Conserved(Node):
-    span: Span
     value: Expr
 
 
 class Monotone(Node):
     """`monotone growth falling in dirt`"""
 
-    span: Span
     value: Name
     direction: Name
     argument: Name
 
 
 class Symmetric(Node):
-    span: Span
     what: Name
 
 
 class Policy(Node):
     """Of `expect`: `random`, `never(clean)`, `seek D`, or the name of a scripted policy"""
 
-    span: Span
     name: Name
     actions: tuple[Name, ...]
     domain: Domain | None
 
 
 class Expect(Node):
-    span: Span
     condition: Expr
     policies: tuple[Policy, ...]
     episodes: int
@@ -355,7 +307,6 @@ Check = Require | Always | Once | Conserved | Monotone | Symmetric | Expect
 class Checks(Node):
     """`checks { … }`, or `checks dilemma { … }`: a block with a name can be replaced and dropped"""
 
-    span: Span
     name: Name | None
     checks: tuple[Check, ...]
 
@@ -363,51 +314,27 @@ class Checks(Node):
 class Override(Node):
     """`set regrow_1 = 0.0025` in a variant"""
 
-    span: Span
     path: Path
     value: Expr | Table
 
 
 class Drop(Node):
-    span: Span
     name: Name
 
 
 class Variant(Node):
-    span: Span
     name: Name
     title: String | None
     changes: "tuple[Section | Override | Drop, ...]"
 
 
 Section = (
-    Cite
-    | About
-    | Constant
-    | Episode
-    | Kind
-    | Group
-    | Field
-    | Timer
-    | Map
-    | Agents
-    | Movers
-    | Shape
-    | Define
-    | Schedule
-    | Phase
-    | Observe
-    | Look
-    | Metrics
-    | Checks
-    | ScriptedPolicy
-    | Scenario
-    | Variant
-)
+    Cite | About | Constant | Episode | Kind | Group | Field | Timer | Map | Agents | Movers | Shape | Define | Schedule | Phase | Observe
+    | Look | Metrics | Checks | ScriptedPolicy | Scenario | Variant
+)  # fmt: skip
 
 
 class Game(Node):
-    span: Span
     name: Name
     title: String | None
     extends: String | None
@@ -415,6 +342,5 @@ class Game(Node):
 
 
 class File(Node):
-    span: Span
     version: int
     game: Game

@@ -1,6 +1,6 @@
 """Collects the diagnostics of a stage, each once, and declares the exception that skips what cannot be built."""
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
@@ -10,6 +10,8 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, near
 from sjdsl.compiler.diagnostics.source import Span
 
 K = TypeVar("K", bound=Hashable)
+S = TypeVar("S")
+T = TypeVar("T")
 
 
 class Named(Protocol):
@@ -64,6 +66,14 @@ class Problems:
         except Poisoned:
             if broken is not None and key is not None:
                 broken.add(key)
+
+    def each(self, parts: Iterable[S], build: Callable[[S], T]) -> list[T]:
+        """Returns what is built of each part, without those that could not be built."""
+        built: list[T] = []
+        for part in parts:
+            with self.survive():
+                built.append(build(part))
+        return built
 
 
 def named_first(help_: str, span: Span, known: Iterable[str]) -> Fix | None:
