@@ -78,7 +78,7 @@ class Diagnostic(Facts):
     labels: tuple[Label, ...] = ()
     fix: Fix | None = None
     help: str = ""
-    repairs: "Tried | tuple[()]" = ()
+    repairs: "LazyFixes | tuple[()]" = ()
 
     def __init_subclass__(cls, code: str = "", title: str = "", severity: Severity = "error") -> None:
         if code:
@@ -107,7 +107,7 @@ class Diagnostic(Facts):
         hint, instead = ("", "") if self.help else self._chosen()
         found = [Suggestion(_named(self.fix), (self.fix,))] if self.fix is not None else []
         found += [Suggestion(f"write `{instead}`", (Fix(self.span, instead),))] if instead and hint else []
-        tried = [t for t in (self.repairs, getattr(self, "accepted", ())) if isinstance(t, Tried)]
+        tried = [t for t in (self.repairs, getattr(self, "accepted", ())) if isinstance(t, LazyFixes)]
         return (*found, *(suggestion for one in tried for suggestion in one.suggestions))
 
     def _parts(self, template: str) -> list[str]:
@@ -128,7 +128,7 @@ def _named(fix: Fix) -> str:
     return f"write `{text}`" if text else "put a space" if fix.text else "delete it"
 
 
-class Tried:
+class LazyFixes:
     """Changes that are tried when they are first asked for: whoever only counts errors does not wait. As text, how they are named."""
 
     def __init__(self, find: Callable[[], Iterable[Suggestion]]):

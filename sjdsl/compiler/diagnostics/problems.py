@@ -30,10 +30,10 @@ class Poisoned(Exception):
 
 @dataclass
 class Problems:
-    """Collects diagnostics; each mistake once. `unsaid`: kinds that are not recorded."""
+    """Collects diagnostics; each mistake once. `suppressed`: kinds that are not recorded."""
 
     found: list[Diagnostic] = field(default_factory=list)
-    unsaid: tuple[type[Diagnostic], ...] = ()
+    suppressed: tuple[type[Diagnostic], ...] = ()
 
     @property
     def failed(self) -> bool:
@@ -43,7 +43,7 @@ class Problems:
     def add(self, new: Diagnostic) -> None:
         """Records one diagnostic."""
         same = (d for d in self.found if type(d) is type(new) and d.span == new.span)
-        if not isinstance(new, self.unsaid) and all(d.message != new.message for d in same):
+        if not isinstance(new, self.suppressed) and all(d.message != new.message for d in same):
             self.found.append(new)
 
     def fail(self, new: Diagnostic) -> Poisoned:

@@ -38,7 +38,8 @@ def calculation(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: 
         return args[0]
     type_ = _result(row, e, args, scope)
     if row.apart is not None:
-        _check_apart(e, *(args[place] for place in row.apart), scope)
+        one, other = row.apart
+        _check_apart(e, args[one], args[other], scope)
     if all(isinstance(a, ir.Number) for a in args):
         value = row.fold(*(a.value for a in args if isinstance(a, ir.Number)))
         return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)

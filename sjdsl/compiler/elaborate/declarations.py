@@ -20,6 +20,7 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
 SEEN = {"outside": "what an agent sees off the map", "everyone": "all agents, in `observe`"}  # no names of kinds
+Tables = Mapping[str, Mapping[str, ast.Constant | ast.Define | ast.Field | ast.Timer | ast.Kind | ast.Group | ast.Movers]]
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
 
 
@@ -73,8 +74,8 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
 def _check_names(game: Composition, static: Static, problems: Problems) -> None:
     """One name space: sizes, params, defines, world fields, kinds, groups, words."""
     taken: dict[str, str] = {}
-    cells = {"a kind": game.kinds, "a group": game.groups, "a sort of movers": game.movers}
-    tables = {"a number": game.constants, "a define": game.defines, "a field of the world": game.fields, **cells}
+    cells: Tables = {"a kind": game.kinds, "a group": game.groups, "a sort of movers": game.movers}
+    tables: Tables = {"a number": game.constants, "a define": game.defines, "a field of the world": game.fields, **cells}
     for what, table in tables.items():
         for name, node in table.items():
             if name in RESERVED_VARIABLES:
@@ -108,11 +109,11 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
             _glyphs(kind, scope)
     for group in game.groups.values():
         with problems.survive(static.broken, Symbol("name", group.name.text)):
-            for name in group.kinds:
-                if name.text not in static.kinds:
-                    raise problems.unknown(name, static.kinds, "the kinds")
-                static.refer(name, Symbol("name", name.text))
-            static.groups[group.name.text] = tuple(name.text for name in group.kinds)
+            for kind_name in group.kinds:
+                if kind_name.text not in static.kinds:
+                    raise problems.unknown(kind_name, static.kinds, "the kinds")
+                static.refer(kind_name, Symbol("name", kind_name.text))
+            static.groups[group.name.text] = tuple(kind_name.text for kind_name in group.kinds)
     for declared in game.fields.values():
         with problems.survive(static.broken, Symbol("name", declared.name.text)):
             static.fields[declared.name.text] = one_field(declared, scope, ir.Sort("world"))

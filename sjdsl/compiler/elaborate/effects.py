@@ -57,9 +57,10 @@ def give(s: ast.Give, scope: Scope) -> ir.Stmt:
     but = None
     if s.receiver.but is not None:
         tree = ast.Path(s.receiver.but.span, s.receiver.but, ())
-        but = scope.expression(tree)
-        if not (isinstance(but, ir.Member) and but.sort.what == "agent"):
-            raise wrong_type(scope, tree, "an agent", but.type)
+        member = scope.expression(tree)
+        if not (isinstance(member, ir.Member) and member.sort.what == "agent"):
+            raise wrong_type(scope, tree, "an agent", member.type)
+        but = member
     return ir.Give(value=value, receiver=None, but=but, origin=s.span)
 
 

@@ -90,7 +90,8 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     if isinstance(owner, ir.Member) and owner.sort.what == "mover":  # its heading is a field
         held_by, fields, called = owner.sort, static.mover_fields(owner.sort.name), f"a mover `{owner.sort.name}`"
         types["index"] = integer(0, static.movers[owner.sort.name].number - 1, "number")
-        known, instead = MOVER_ATTRIBUTES, guesses.PLACES
+        known: tuple[str, ...] = MOVER_ATTRIBUTES
+        instead = guesses.PLACES
     elif as_agent(owner):
         check_somebody(owner, name.span, scope)
         held_by, fields, called = AGENTS, static.agent_fields, "an agent"

@@ -1,6 +1,6 @@
 """SJ4xx: write conflicts in a phase; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Tried
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, LazyFixes
 
 
 class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
@@ -13,7 +13,7 @@ class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
     name: str
     owner: str
     phase: str
-    accepted: Tried | str = ""
+    accepted: LazyFixes | str = ""
     lot: str = ""
 
 
@@ -22,7 +22,7 @@ class AddAndSet(Diagnostic, code="SJ402", title="Set and add in one phase"):
     hints = ("{accepted}", "write two phases, or make the two exclude each other")
     name: str
     phase: str
-    accepted: Tried | str = ""
+    accepted: LazyFixes | str = ""
 
 
 class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
@@ -30,7 +30,7 @@ class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
     hints = ("{accepted}", "make the two exclude each other, or send to one place")
     phase: str
     who: str = "an agent"
-    accepted: Tried | str = ""
+    accepted: LazyFixes | str = ""
 
 
 class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
