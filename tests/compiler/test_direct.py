@@ -15,8 +15,8 @@ from sjdsl.compiler.diagnostics.limits import MAX_DIGITS, MAX_INTEGER, MAX_STATE
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax import rules
 from sjdsl.compiler.syntax.direct import EVERY, read_directly
-from sjdsl.compiler.syntax.rules import Part, unquote
 from sjdsl.compiler.syntax.parse import mistakes, parse, parser, tree_of
+from sjdsl.compiler.syntax.rules import Part, unquote
 from sjdsl.compiler.syntax.soft_words import SOFT
 from sjdsl.compiler.syntax.tokens import scan
 from tests.damage import edits

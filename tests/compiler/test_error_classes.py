@@ -8,7 +8,7 @@ from typing import ClassVar, get_args, get_origin
 import pytest
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near, Suggestion, LazyFixes, near
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, LazyFixes, Near, Suggestion, near
 from sjdsl.compiler.diagnostics.explanations import kinds
 from sjdsl.compiler.diagnostics.source import Span
 

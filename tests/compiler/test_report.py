@@ -5,7 +5,7 @@ import pickle
 
 import pytest
 
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label, Suggestion, LazyFixes
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label, LazyFixes, Suggestion
 from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 

@@ -15,9 +15,9 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, Part, unquote
 from sjdsl.compiler.syntax.recovery.automaton import END, Stack
 from sjdsl.compiler.syntax.recovery.idioms import FARTHEST
+from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, Part, unquote
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
 from sjdsl.compiler.syntax.tokens import BRACKETS, PREFIX, is_too_large
 

@@ -69,20 +69,15 @@ def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> S
             return None
         if action == "shift":
             return Stack(argument, Stack(state, below, last), token)
-        under = _under(argument, Stack(state, below, last) if not argument.expansion else below)
+        under = Stack(state, below, last) if not argument.expansion else below
+        for _ in argument.expansion[1:]:
+            assert under is not None
+            under = under.below
+        assert under is not None
         reduced = states[under.state][argument.origin.name][1]
         if kind == END and reduced == automaton.end:
             return Stack(state, below, last)
         state, below = reduced, under
-
-
-def _under(rule: Any, stack: Stack | None) -> Stack:
-    """Returns what a rule's symbols stand upon; `stack`: without the uppermost of them."""
-    for _ in rule.expansion[1:]:
-        assert stack is not None
-        stack = stack.below
-    assert stack is not None
-    return stack
 
 
 def accepted(automaton: Automaton, stack: Stack) -> list[str]:
