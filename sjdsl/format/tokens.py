@@ -110,7 +110,7 @@ class Tokens:
             cells = [(start, *self.structure.columns[start][1]) for start, _ in together]
             widths = [[self.width(a, b - 1) for a, b in pairwise(row)] for row in cells]
             widest = [max(column) for column in zip(*widths, strict=True)]
-            more = {}  # the spaces that make each cell as wide as the widest one above or below
+            more: dict[int, int] = {}  # the spaces that make each cell as wide as the widest one above or below
             for row, own in zip(cells, widths, strict=True):
                 more |= {token: wide - width for token, width, wide in zip(row[1:], own, widest, strict=True)}
             if all(self._has_room(start, end, indent, more) for start, end in together):

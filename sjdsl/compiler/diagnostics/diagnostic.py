@@ -105,7 +105,10 @@ class Diagnostic(Facts):
     def suggestions(self) -> tuple[Suggestion, ...]:
         """The changes that the message suggests, as edits; those of `repairs` are tried when they are first asked for."""
         hint, instead = ("", "") if self.help else self._chosen()
-        found = [Suggestion(_named(self.fix), (self.fix,))] if self.fix is not None else []
+        found = []
+        if self.fix is not None:
+            text = " ".join(self.fix.text.split())
+            found.append(Suggestion(f"write `{text}`" if text else "put a space" if self.fix.text else "delete it", (self.fix,)))
         found += [Suggestion(f"write `{instead}`", (Fix(self.span, instead),))] if instead and hint else []
         tried = [t for t in (self.repairs, getattr(self, "accepted", ())) if isinstance(t, LazyFixes)]
         return (*found, *(suggestion for one in tried for suggestion in one.suggestions))
@@ -120,12 +123,6 @@ class Diagnostic(Facts):
                 shown = format(value, "g" if isinstance(value, float) else "")
                 parts.append(f"{shown} {noun}{'s' * (value != 1)}" if noun else shown)
         return parts
-
-
-def _named(fix: Fix) -> str:
-    """Returns what an edit does."""
-    text = " ".join(fix.text.split())
-    return f"write `{text}`" if text else "put a space" if fix.text else "delete it"
 
 
 class LazyFixes:
@@ -159,12 +156,11 @@ class CompileError(Exception):
 
     def __str__(self) -> str:
         """Returns each diagnostic in a line, with what to write instead below it; made when it is shown, as some of that is tried first."""
-        return "\n".join(map(_in_plain_text, self.diagnostics))
-
-
-def _in_plain_text(d: Diagnostic) -> str:
-    said = f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}"
-    return f"{said}\n  help: {d.hint}" if d.hint else said
+        lines = []
+        for d in self.diagnostics:
+            lines.append(f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}")
+            lines += [f"  help: {d.hint}"] if d.hint else []
+        return "\n".join(lines)
 
 
 class Near(Record):
