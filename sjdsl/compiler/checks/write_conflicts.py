@@ -111,9 +111,9 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
     for phase in phases_of(game):
         writes = list(_writes(phase.body, around))
         for write in writes:
-            if not _agrees_with_itself(write):
+            if not (write.sort == "add" or write.is_by_lot or _is_own(write) or not (write.depends - write.own_names)):
                 _report(write, write, phase, problems)
-            elif _is_bounded(write, game) and not is_own(write):  # an `add` that several instances make at once is in range only if capped
+            elif _is_bounded(write, game) and not _is_own(write):  # an `add` that several instances make at once is in range only if capped
                 assert isinstance(write.statement, ir.Add) and write.statement.origin is not None
                 declared = declared_field(game, written_field(write.statement.target))
                 span, low, high, reached = write.statement.origin, declared.type.low, declared.type.high, "the sum of several adds"
@@ -239,7 +239,7 @@ def _is_of_one_agent(quantifier: Quantifier, known: tuple[Fact, ...]) -> bool:
     return low == high
 
 
-def is_own(w: Write) -> bool:
+def _is_own(w: Write) -> bool:
     """Returns whether every target is written by one instance: it is the variable of the only quantifier that multiplies.
 
     A quantifier that gives at most one instance for each of those around it does not multiply.
@@ -286,10 +286,6 @@ def _owns_entries(w: Write) -> bool:
     return True
 
 
-def _agrees_with_itself(w: Write) -> bool:
-    return w.sort == "add" or w.is_by_lot or is_own(w) or not (w.depends - w.own_names)
-
-
 def _same_target(a: Write, b: Write) -> bool:
     if (a.target.of, a.target.name) != (b.target.of, b.target.name) or (a.kinds and b.kinds and set(a.kinds).isdisjoint(b.kinds)):
         return False
@@ -311,7 +307,7 @@ def _exclusive(a: Write, b: Write) -> bool:
     apart = [x for x in a.branches for y in b.branches if x.statement is y.statement and x.way != y.way]
     if any(x.once for x in apart):
         return True
-    if is_own(a) and is_own(b) and ((apart and _shared_quantifier(a, b)) or _two_sides(a, b)):
+    if _is_own(a) and _is_own(b) and ((apart and _shared_quantifier(a, b)) or _two_sides(a, b)):
         return True
     return any(contradict(x, y) for x in a.about_target for y in b.about_target)
 

@@ -39,18 +39,14 @@ def calculation(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: 
     type_ = _result(row, e, args, scope)
     if row.apart is not None:
         one, other = row.apart
-        _check_apart(e, args[one], args[other], scope)
+        a, b, known = args[one], args[other], scope.facts_and_requires
+        # by their ranges (as float32), a guard, and a `require`
+        if not (apart(a, b) or any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))):
+            raise scope.fail(errors.Crossed(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
     if all(isinstance(a, ir.Number) for a in args):
         value = row.fold(*(a.value for a in args if isinstance(a, ir.Number)))
         return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
     return ir.Arithmetic(type=type_, fn=row.name, args=tuple(args), origin=e.span)
-
-
-def _check_apart(e: ast.Expr, a: ir.Expr, b: ir.Expr, scope: Scope) -> None:
-    """Reports two numbers that may be equal: by their ranges (as float32), a guard, and a `require`."""
-    known = scope.facts_and_requires
-    if not (apart(a, b) or any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))):
-        raise scope.fail(errors.Crossed(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
 
 
 def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:

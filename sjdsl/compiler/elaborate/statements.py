@@ -40,7 +40,15 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
     """Returns one statement and the scope after it."""
     match s:
         case ast.Let():
-            return let(s, scope)
+            value = narrow_word(scope.expression(s.value), scope.facts)
+            check_free(s.name, scope, chosen=True)
+            if isinstance(value, ir.Member):
+                raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
+            local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
+            inner = scope.bind_named(s.name, local)
+            if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
+                inner = inner.knowing([ir.Not(value=ir.Same(left=local, right=ir.Nobody()))])
+            return ir.Let(name=s.name.text, value=value, origin=s.span), inner
         case ast.Draw():
             return draw(s, scope, use)
         case ast.Each() | ast.Pick() | ast.First():
@@ -80,18 +88,6 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
     built = block(b, scope, use)
     use.streams.around.pop()
     return built
-
-
-def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
-    value = narrow_word(scope.expression(s.value), scope.facts)
-    check_free(s.name, scope, chosen=True)
-    if isinstance(value, ir.Member):
-        raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
-    local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
-    inner = scope.bind_named(s.name, local)
-    if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
-        inner = inner.knowing([ir.Not(value=ir.Same(left=local, right=ir.Nobody()))])
-    return ir.Let(name=s.name.text, value=value, origin=s.span), inner
 
 
 def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
