@@ -87,7 +87,7 @@ class Composition:
     file: str = ""
     chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
-    said_last: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
+    last_changes: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
     warnings: list[Diagnostic] = field(default_factory=list)
 
     TABLES: ClassVar[dict[str, Space]] = {
@@ -144,7 +144,7 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
         game.title = title or game.title
     game.sources[source.name] = source
     _check_duplicates(game, file.game.sections)
-    game.said_last |= _changes(game, file.game.sections)
+    game.last_changes |= _changes(game, file.game.sections)
     _apply(game, file.game.sections)
     return game
 
@@ -232,7 +232,7 @@ def _undone(game: Composition, variant: str, changes: Mapping[str, Change]) -> I
     """Yields a warning for each change of an extending game that a change of a variant of its base replaces."""
     order = {file: place for place, file in enumerate(game.sources)}  # the outermost base first
     for key, change in changes.items():
-        for other, before in game.said_last.items():
+        for other, before in game.last_changes.items():
             pair = (key, other)
             if change.is_drop or before.is_drop:  # what is dropped is named without its name space
                 pair = (key.rpartition(" ")[2], other.rpartition(" ")[2])

@@ -22,7 +22,7 @@ class Line:
 
 
 def wrapped(comment: str, indent: int) -> list[str]:
-    """Returns a comment as lines of their own; one that is too long goes on in the next line."""
+    """Returns a comment as lines of their own; one that is too long continues on the next line."""
     rest = " " * indent + comment
     found = []
     while len(rest) > WIDTH:

@@ -87,7 +87,7 @@ def _in_field(added: Sum) -> Interval:
     return range_.low + added.low, range_.high + added.high
 
 
-# ---- what is said
+# ---- messages
 
 
 def _of_number(leaving: Leaving) -> Diagnostic:

@@ -126,7 +126,7 @@ class Diagnostic(Facts):
 
 
 class LazyFixes:
-    """Changes that are tried when they are first asked for: whoever only counts errors does not wait. As text, how they are named."""
+    """Changes that are tried when they are first asked for, so that nobody waits who only counts errors. As text: their names."""
 
     def __init__(self, find: Callable[[], Iterable[Suggestion]]):
         self._find = find

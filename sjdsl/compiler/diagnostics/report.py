@@ -114,9 +114,9 @@ def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[s
         lines.append(f"  {line:>{width}} | {content}".rstrip())
         for mark in here:
             start, end = (columns[min(place, len(columns) - 1)] for place in (mark.start, mark.end))
-            said = f"{mark.sign * max(1, end - start)} {visible(mark.text)}".rstrip()
-            said = f"{tint if mark.sign == '^' else BLUE}{said}{PLAIN}" if tint else said
-            lines.append(f"  {bar} {' ' * start}{said}")
+            marked = f"{mark.sign * max(1, end - start)} {visible(mark.text)}".rstrip()
+            marked = f"{tint if mark.sign == '^' else BLUE}{marked}{PLAIN}" if tint else marked
+            lines.append(f"  {bar} {' ' * start}{marked}")
         before = line
     return lines
 

@@ -124,11 +124,11 @@ def declared_action(action: ast.Chosen, name: str, scope: Scope) -> ir.ActionWit
     return declared
 
 
-def check_in_step(said: str, span: Span, scope: Scope) -> None:
+def check_in_step(question: str, span: Span, scope: Scope) -> None:
     """Reports a question about what is done in a step, in a part of the game that speaks of a state."""
     if scope.part in BETWEEN_STEPS:
         what, wanted = "about what is done in a step", "something about a state"
-        raise scope.fail(errors.WrongSort(span, name=said, what=what, wanted=wanted))
+        raise scope.fail(errors.WrongSort(span, name=question, what=what, wanted=wanted))
 
 
 def action_numbers(action: ast.Chosen, scope: Scope) -> tuple[int, ...]:

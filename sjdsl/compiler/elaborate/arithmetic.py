@@ -50,7 +50,7 @@ def calculation(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: 
 
 
 def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
-    """Reports a divisor that can be 0; what is no number of the game is guarded where it is used."""
+    """Reports a divisor that can be 0; one without parameters can be guarded where it is used."""
     help_ = ""
     if isinstance(divisor, ir.Number):
         help_ = "divide by another number"

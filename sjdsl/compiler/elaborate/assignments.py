@@ -22,7 +22,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         field = field.row
     if isinstance(field, ir.FieldRead):
         return target, declaration(field, scope)
-    match field:  # how what is no field changes
+    match field:  # how this changes, if not by `set`
         case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (sort,)))):
             help_ = f"movers change their places by `move each {sort} ahead` and the like, and by `send {sort} to KIND`"
         case ir.Attribute(name="row" | "col"):
@@ -92,7 +92,7 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
 
 
 def _check_number(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
-    """Reports what is put into a field of numbers and is no number of its unit, or no whole number where it holds those."""
+    """Reports a value that a field of numbers can't hold: not a number, another unit, or a real in a field of whole numbers."""
     if value.type.kind not in ("int", "real"):
         raise wrong_type(scope, tree, describe(target.type), value.type)
     if join_units(target.type.unit, value.type.unit) is None:

@@ -37,7 +37,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     if outside:
         _report_outside(declared, outside, (low, high), level, scope)
         if not isinstance(value, tuple):
-            value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
+            value = type(value)(min(max(value, low), high))  # reported once: the rest is read with a number that is allowed
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
     if declared.is_size:

@@ -88,7 +88,7 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
 
 
 def _facing_and_stay(s: ast.Send | ast.Shift, otherwise: str, scope: Scope) -> str | None:
-    """Returns which way an agent looks that is sent; None if that is not said. `otherwise`: what `otherwise stay` says of it."""
+    """Returns which way an agent faces after it is sent, None if that isn't written. `otherwise`: who stays by `otherwise stay`."""
     if s.facing is not None and s.facing.text not in FACINGS:
         raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")
     if s.stay is not None and s.stay.text != "stay":

@@ -84,7 +84,7 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
 
     param taste by agent : reward = { 0: 2, 1 .. 3: 1, otherwise: 0 }   ->   the value of each agent, as written
 
-    What is no table over the entries counts for all of them.
+    Anything but a table over the entries is the value of all of them.
     """
 
     def is_key(text: str) -> bool:  # right or wrong

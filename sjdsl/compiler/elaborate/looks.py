@@ -68,7 +68,7 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
 
 def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
     """Returns the colour and the sprite; their names have none in common, so that their order is free."""
-    said: dict[str, str] = {}
+    chosen: dict[str, str] = {}
     for word in paint.words:
         sort = "sprite" if isinstance(word, ast.Name) and word.text in SPRITES else "colour"
         is_colour = word.text in COLOURS if isinstance(word, ast.Name) else HEXADECIMAL.fullmatch(word.text)
@@ -77,7 +77,7 @@ def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
             meant = word.text if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
             sprites, colours = ", ".join(SPRITES), ", ".join(COLOURS)
             raise scope.fail(errors.NoPaint(word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours))
-        if sort in said:
+        if sort in chosen:
             raise scope.fail(errors.WrittenTwice(word.span, what=f"a {sort} of one look"))
-        said[sort] = word.text
-    return ir.Paint(**said, origin=paint.span)
+        chosen[sort] = word.text
+    return ir.Paint(**chosen, origin=paint.span)

@@ -27,14 +27,14 @@ def as_agent(e: ir.Expr) -> bool:
 
 
 def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
-    """Returns the failure that something is no agent with a name of its own; of one that a field holds, how to name it."""
+    """Reports something that isn't an agent with a name of its own; if a field holds it, with how to name it."""
     held = as_agent(given) and not isinstance(given, ir.Member)
-    help_, told = (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds") if held else ("", "")
-    return wrong_type(scope, e, "an agent that a statement around has named", given.type, help_, told)
+    help_, described = (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds") if held else ("", "")
+    return wrong_type(scope, e, "an agent that a statement around has named", given.type, help_, described)
 
 
 def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
-    """Returns the kinds that a cell can be of: of a variable, or of a value of type cell; none of `nowhere`. None: it is no cell."""
+    """Returns the kinds that a cell can be of, be it a variable or a value; none for `nowhere`. None: it isn't a cell."""
     if isinstance(e, ir.Member) and e.sort.what == "cell":
         return e.kinds
     return e.type.kinds if e.type.kind == "cell" and not e.type.by else None
@@ -148,7 +148,7 @@ def declared_name(e: ir.Expr) -> str:
 
 
 def unknown(name: ast.Name, scope: Scope) -> Poisoned:
-    """Reports a name that is no value: something else, or nothing at all."""
+    """Reports a name that isn't a value: the name of something else, or of nothing."""
     static = scope.static
     if Symbol("name", name.text) in static.broken:
         return Poisoned()

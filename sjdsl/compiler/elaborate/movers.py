@@ -40,7 +40,7 @@ def declare_movers(game: Composition, scope: Scope) -> None:
 
 
 def check_heading(heading: ir.Expr, tree: ast.Expr, wanted: str, scope: Scope) -> None:
-    """Reports what is no heading, where `wanted` is wanted."""
+    """Reports a value that isn't a heading. `wanted`: what the message asks for."""
     if heading.type.kind != "word" or heading.type.by or not set(heading.type.words) <= set(HEADINGS):
         raise wrong_type(scope, tree, wanted, heading.type)
 

@@ -281,7 +281,7 @@ def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
 
 
 def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
-    """Reports `show NAME`, where the name is no field of the world: what agents and cells have that can be shown."""
+    """Reports `show NAME` where the world has no such field, with what agents and cells have that can be shown."""
     static, name, verb = scope.static, observable.what.name, "show" if isinstance(observable, ast.Show) else "hide"
     if name.text in WHO:
         fields = [f"`{verb} {name.text}.{field}`" for field in static.agent_fields]
@@ -327,8 +327,8 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], scope
             scope.static.used.add(field_symbol(name, "agent" if what in OWNERS.values() else kind))
             seen[found.key] = _shown(show, found, found.field, scope)
         elif what == "mover":
-            told = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
-            raise scope.fail(errors.WrittenTwice(show.span, what=told))
+            twice = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
+            raise scope.fail(errors.WrittenTwice(show.span, what=twice))
         elif show.condition is not None and found.key in seen:  # headings of others, which are seen anyway
             shown_when = observer_scope(what, "", "", scope).condition(show.condition)
             seen[found.key] = seen[found.key].model_copy(update={"hidden_when": ir.Not(value=shown_when, origin=show.span)})

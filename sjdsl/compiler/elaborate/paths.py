@@ -132,16 +132,16 @@ def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: S
 
 def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
-    said = f"distance({', '.join(tree.name.text if isinstance(tree, ast.Path) else '…' for tree in e.arguments)})"
+    question = f"distance({', '.join(tree.name.text if isinstance(tree, ast.Path) else '…' for tree in e.arguments)})"
     values = scope.expressions(e.arguments)
-    left, right = (placed(tree, value, said, scope) for tree, value in zip(e.arguments, values, strict=True))
+    left, right = (placed(tree, value, question, scope) for tree, value in zip(e.arguments, values, strict=True))
     rows, cols = scope.static.map_rows, scope.static.map_cols
     farthest = rows // 2 + cols // 2 if scope.static.wraps else max(rows + cols - 2, 0)  # steps between two cells
     return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
 
 
-def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Expr:
-    """Returns an agent or a cell that has a place; `said`: what asks for it."""
+def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Expr:
+    """Returns an agent or a cell that has a place; `question`: what asks for it."""
     if place.type.kind == "cell" and not place.type.by:
         check_somewhere(place, tree.span, scope)
         return place
@@ -151,7 +151,7 @@ def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Expr:
     if not isinstance(place, ir.Member):
         raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
     if place.sort.what != "cell":
-        check_placed(place, tree.span, said, scope)
+        check_placed(place, tree.span, question, scope)
     return place
 
 

@@ -79,7 +79,7 @@ def _taken(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, 
 
 
 def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
-    """Returns the scenarios of a game; where a caller has chosen the number of agents, also those that it does not fill: who plays is told."""
+    """Returns the scenarios of a game; where a caller has chosen the number of agents, also those that it doesn't fill."""
     static, own_number = scope.static, scope.static.own_number
 
     def one(scenario: ast.Scenario) -> ir.Scenario:

@@ -84,7 +84,7 @@ class Static:
 
     @contextmanager
     def requiring(self) -> Iterator[None]:
-        """What is read of numbers here is no use of them."""
+        """Numbers that are read in here don't count as used."""
         before = set(self.used)
         yield
         read = {d for d in self.used - before if d.name in self.params or d.name in self.sizes}
@@ -219,10 +219,10 @@ class Scope(Record):
         return Scope(self.static, self.problems, part=part).bind("agent", ir.Member(name="agent", sort=AGENTS))
 
 
-def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", told: str = "") -> Poisoned:
-    """Reports that something else is wanted in the place of `e`. `told`: what it is instead, if its type doesn't say that well."""
+def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", described: str = "") -> Poisoned:
+    """Reports that something else is wanted in the place of `e`. `described`: what it is instead, if its type doesn't say that well."""
     bound = scope.variables.get(e.name.text) if isinstance(e, ast.Path) and given.kind == "member" else None
-    told = told or describe(given)
+    described = described or describe(given)
     if isinstance(bound, ir.Member):
-        told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{bound.sort.name}`"}[bound.sort.what]
-    return scope.fail(errors.WrongType(e.span, wanted=wanted, given=told, help=help))
+        described = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{bound.sort.name}`"}[bound.sort.what]
+    return scope.fail(errors.WrongType(e.span, wanted=wanted, given=described, help=help))

@@ -148,7 +148,7 @@ def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> di
 
 
 def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning]:
-    """Returns the legend; a glyph of two kinds or that is no glyph is reported."""
+    """Returns the legend; reports a glyph of two kinds, and one that can't be a glyph."""
     table: dict[str, ir.GlyphMeaning] = {}
     for span, meaning in static.glyphs:
         problem = check_glyph(meaning.glyph)

@@ -26,7 +26,7 @@ CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202
 
 
 class Mended(Record):
-    """What was wrong, the token it is read as (None: nothing), and where reading goes on."""
+    """What was wrong, the token it is read as (None: nothing), and where reading resumes."""
 
     problem: Diagnostic
     token: Token | None

@@ -119,10 +119,10 @@ def cut(text: str, known: Tables) -> Words | None:
         if kind is None:  # only what is between, at the end of the text
             continue
         start, end = match.span(kind)
-        said = text[start:end]
+        word = text[start:end]
         if kind == "NAME":
-            kind = known.words.get(said, kind)
-        elif kind == WRONG or (kind == "INT" and is_too_large(said)) or (kind == "DEC" and len(said) > MAX_DIGITS):
+            kind = known.words.get(word, kind)
+        elif kind == WRONG or (kind == "INT" and is_too_large(word)) or (kind == "DEC" and len(word) > MAX_DIGITS):
             return None
         brackets += BRACKETS.get(kind, 0)
         prefixes = prefixes + 1 if kind in PREFIX else 0
@@ -131,7 +131,7 @@ def cut(text: str, known: Tables) -> Words | None:
         starts.append(start)
         ends.append(end)
         kinds.append(kind)
-        texts.append(said)
+        texts.append(word)
     if not kinds or len(kinds) > MAX_TOKENS:
         return None
     for at in names_in_place(kinds):

@@ -30,7 +30,7 @@ from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
 VERSION = "1"  # of the language
-ALSO_READ = ("1.1", "1.2")  # which files said before the first release; they mean the same
+ALSO_READ = ("1.1", "1.2")  # of files from before the first release; they mean the same
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
 
@@ -140,7 +140,7 @@ class Search:
 
 
 def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
-    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading goes on behind it."""
+    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading resumes behind it."""
     table = automaton()
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]

@@ -256,7 +256,7 @@ class NotChosen(Diagnostic, code="SJ219", title="An argument of an action that w
     path: str
 
 
-# What a condition around it can make right: said only where the conditions around could be read.
+# What a condition around it can fix: reported only where the conditions around could be read.
 GUARDABLE = (
     ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed, ExtremeOfNothing, NotChosen,
 )  # fmt: skip

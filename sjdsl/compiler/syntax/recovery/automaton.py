@@ -22,7 +22,7 @@ class Automaton(Record, eq=False):
     """The parser's table.
 
     `states`: for each state, symbol -> ("shift", state) or ("reduce", rule). `after`: the states that end with a kind of token.
-    `words`: the kinds of tokens written in one way only, with their text. `soft`: the kinds that are names where they are no words.
+    `words`: the kinds of tokens written in one way only, with their text. `soft`: the kinds that are names wherever the grammar has no such word.
     """
 
     states: Mapping[int, Mapping[str, Any]]

@@ -68,12 +68,12 @@ def _beginning_with(word: str) -> tuple[Phrase, ...]:
 
 def _believed(phrase: Phrase, place: tuple[int, int], parts: Sequence[str], stack: Stack, trouble: Trouble, lex: Lex) -> Idiom | None:
     start, end = place
-    told: dict[str, str] = {}
+    values: dict[str, str] = {}
     for number, part in enumerate(parts, 1):
         condition = f"({part})" if re.search(r"\b(and|or)\b", part) else part  # in brackets, if it has parts that `not` would not reach
-        told |= {f"{number}": part, f"minus{number}": negated(part), f"all{number}": condition}
-        told[f"and{number}"] = " and" if " where " in part else " where"
-    instead = phrase.write(told)
+        values |= {f"{number}": part, f"minus{number}": negated(part), f"all{number}": condition}
+        values[f"and{number}"] = " and" if " where " in part else " where"
+    instead = phrase.write(values)
     kinds = [token.type for token in lex(instead)]
     if not kinds or kinds == list(trouble.kinds[start:end]):
         return None
@@ -83,7 +83,7 @@ def _believed(phrase: Phrase, place: tuple[int, int], parts: Sequence[str], stac
     needed = min(ENOUGH, len(trouble.kinds) - end)
     if after is None or reach(trouble.automaton, after, trouble.kinds, end, needed) < needed:
         return None
-    help_ = phrase.explain(told) if phrase.explanation else f"write `{instead}`"
+    help_ = phrase.explain(values) if phrase.explanation else f"write `{instead}`"
     return Idiom(phrase, start, end, instead, help_, after)
 
 

@@ -13,7 +13,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 
 
 class Phrase(Record):
-    """`explanation`: what is said instead of "write …"."""
+    """`explanation`: the help line, unless that is "write …"."""
 
     pattern: tuple[str, ...]
     instead: str
@@ -30,7 +30,7 @@ class Phrase(Record):
         return self.instead.format(**{f"_{key}": text for key, text in own.items()})
 
     def explain(self, parts: Mapping[str, str]) -> str:
-        """Returns what is said, with the author's own parts."""
+        """Returns the help line, with the author's own parts."""
         return self.explanation.format(**{f"_{key}": text for key, text in parts.items()})
 
 
