@@ -5,7 +5,7 @@ Source -> ast.File; how far it was read, for a text with a mistake; None for wro
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
@@ -140,14 +140,6 @@ def cut(text: str, known: Tables) -> Words | None:
     return words
 
 
-def _so_far(at: int, states: Sequence[int], firsts: Sequence[int]) -> ReadSoFar:
-    """Returns the stack before a word, in the form in which mistakes are searched for. `firsts`: the word with which each level begins."""
-    stack = Stack(states[0], None)
-    for state, first in zip(states[1:], firsts, strict=True):
-        stack = Stack(state, stack, first)
-    return ReadSoFar(at, stack)
-
-
 class Reader:
     """One run of the table over the words of a text. Values are nodes, lists of them, or the numbers of words."""
 
@@ -176,7 +168,11 @@ class Reader:
                     heights.append(0)
                     break
                 if to is None:
-                    return _so_far(*(kept if kept[0] <= max(0, number - FARTHEST) else earlier))
+                    at, before, words = kept if kept[0] <= max(0, number - FARTHEST) else earlier
+                    so_far = Stack(before[0], None)
+                    for state, word in zip(before[1:], words, strict=True):  # the word with which each level begins
+                        so_far = Stack(state, so_far, word)
+                    return ReadSoFar(at, so_far)
                 rule = rules[id(to)]
                 width = rule.width
                 if width > 1 or not rule.passes:
