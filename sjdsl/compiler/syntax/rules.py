@@ -41,23 +41,25 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
 
     A clause fills the field of its name, or that of `field=clause`. A field whose child or clause is missing is None, a list of names empty.
     """
+    make: Build = kind
     clauses = dict(zip(same, same, strict=True)) | other
     rest = [field for field in fields(kind)[1:] if field.name not in clauses]
     names, number = [field.name for field in rest], len(rest)
     is_list = bool(rest) and str(rest[-1].type).startswith("tuple[")
     if not clauses and is_list:
-        return lambda span, *items: kind(span, *items[: number - 1], items[number - 1 :])
+        return lambda span, *items: make(span, *items[: number - 1], items[number - 1 :])
     if not clauses and any("None" in str(field.type) for field in rest):
-        return lambda span, *items: kind(span, *items, *[None] * (number - len(items)))
+        return lambda span, *items: make(span, *items, *[None] * (number - len(items)))
     if not clauses:
-        return kind
+        return make
 
     def build(span: Span, *items: Any) -> Node:
         plain, given = split(items)
         if is_list:
             plain = (*plain[: number - 1], plain[number - 1 :])
         values = {name: given.get(clause, () if clause == "names" else None) for name, clause in clauses.items()}
-        return kind(span=span, **values, **dict(zip_longest(names, plain)))
+        made: Node = make(span=span, **values, **dict(zip_longest(names, plain)))
+        return made
 
     return build
 
