@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Path, ShapeRef, String, Table, Type
+from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Named, Path, ShapeRef, String, Table, Type
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.statements import Block
 
@@ -30,10 +30,9 @@ class Aim(Node):
     action: Chosen
 
 
-class ScriptedPolicy(Node):
+class ScriptedPolicy(Named):
     """`policy cooperator "…" { … }`: the first rule that applies acts"""
 
-    name: Name
     title: String | None
     rules: tuple[Act | Go | Aim, ...]
 
@@ -45,8 +44,7 @@ class Slots(Node):
     policy: Name | None
 
 
-class Scenario(Node):
-    name: Name
+class Scenario(Named):
     title: String | None
     slots: tuple[Slots, ...]
 
@@ -67,10 +65,9 @@ class Cite(Node):
     text: String
 
 
-class About(Node):
+class About(Named):
     """A line of metadata; its texts are read one after the other."""
 
-    name: Name
     texts: tuple[String, ...]
 
 
@@ -78,17 +75,16 @@ class Episode(Node):
     steps: Expr
 
 
-class Field(Node):
+class Field(Named):
     """start None: the type's default (0, nobody) or, for words, an error."""
 
-    name: Name
     by: By | None
     type: Type
     start: Expr | None
 
 
-class Timer(Node):
-    name: Name
+class Timer(Named):
+    """`timer digesting`"""
 
 
 class Blocks(Node):
@@ -103,14 +99,12 @@ class Glyph(Node):
     starts: tuple[tuple[Name, Expr], ...]
 
 
-class Kind(Node):
-    name: Name
+class Kind(Named):
     glyph: String
     attributes: tuple[Field | Timer | Blocks | Glyph, ...]
 
 
-class Group(Node):
-    name: Name
+class Group(Named):
     kinds: tuple[Name, ...]
 
 
@@ -129,10 +123,9 @@ class Argument(Node):
     type: Type
 
 
-class Action(Node):
+class Action(Named):
     """`zap`, `vote(agent)`"""
 
-    name: Name
     arguments: tuple[Argument, ...]
 
 
@@ -156,33 +149,29 @@ class Agents(Node):
     attributes: tuple[Acts | Moves | Field | Timer | Forbid | Blocks, ...]
 
 
-class Movers(Node):
+class Movers(Named):
     """`movers deer 4 "d" { timer resting }`"""
 
-    name: Name
     number: Expr
     glyph: String
     attributes: tuple[Field | Timer, ...]
 
 
-class Shape(Node):
+class Shape(Named):
     """A picture (rows) or a call."""
 
-    name: Name
     rows: tuple[String, ...]
     call: Call | None
 
 
-class Define(Node):
-    name: Name
+class Define(Named):
     parameters: tuple[Name, ...]
     value: Expr
 
 
-class Turn(Node):
+class Turn(Named):
     """One place of the schedule: `sprout(red)`"""
 
-    name: Name
     arguments: tuple[Expr, ...]
 
 
@@ -190,8 +179,7 @@ class Schedule(Node):
     turns: tuple[Turn, ...]
 
 
-class Phase(Node):
-    name: Name
+class Phase(Named):
     parameters: tuple[Name, ...]
     block: Block
 
@@ -241,8 +229,7 @@ class Look(Node):
     badge: Paint | None
 
 
-class Event(Node):
-    name: Name
+class Event(Named):
     by: By | None
 
 
@@ -287,10 +274,9 @@ class Symmetric(Node):
     what: Name
 
 
-class Policy(Node):
+class Policy(Named):
     """Of `expect`: `random`, `never(clean)`, `seek D`, or the name of a scripted policy"""
 
-    name: Name
     actions: tuple[Name, ...]
     domain: Domain | None
 
@@ -318,12 +304,11 @@ class Override(Node):
     value: Expr | Table
 
 
-class Drop(Node):
-    name: Name
+class Drop(Named):
+    """`drop beans`"""
 
 
-class Variant(Node):
-    name: Name
+class Variant(Named):
     title: String | None
     changes: "tuple[Section | Override | Drop, ...]"
 
@@ -334,8 +319,7 @@ Section = (
 )  # fmt: skip
 
 
-class Game(Node):
-    name: Name
+class Game(Named):
     title: String | None
     extends: String | None
     sections: tuple[Section, ...]

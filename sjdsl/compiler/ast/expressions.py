@@ -9,6 +9,12 @@ class Name(Node):
     text: str
 
 
+class Named(Node):
+    """A part that begins with its name, or has one alone."""
+
+    name: Name
+
+
 class String(Node):
     text: str
 
@@ -67,25 +73,23 @@ class Nobody(Node):
     """`nobody`"""
 
 
-class Path(Node):
+class Path(Named):
     """`a.bag[raw]`: a name, then members and indices in order."""
 
-    name: Name
     steps: tuple[Member | Index, ...]
 
 
-class Member(Node):
-    name: Name
+class Member(Named):
+    """`.bag`"""
 
 
 class Index(Node):
     key: Expr
 
 
-class Call(Node):
+class Call(Named):
     """`ramp(x, zero_at, one_at)`, `ready(row)`, `disc(2)`"""
 
-    name: Name
     arguments: tuple[Expr, ...]
 
 
@@ -107,10 +111,9 @@ class Total(Node):
     domain: Domain | None
 
 
-class Extreme(Node):
+class Extreme(Named):
     """`min(e over D otherwise v)`; the name need not be one of a function."""
 
-    name: Name
     value: Expr
     domain: Domain
     if_none: Expr | None
@@ -146,10 +149,9 @@ class Binary(Node):
     right: Expr
 
 
-class Chosen(Node):
+class Chosen(Named):
     """An action that is spoken of: `zap`, `vote(friend)`; arguments None for one without brackets."""
 
-    name: Name
     arguments: tuple[Expr, ...] | None
 
 
@@ -194,10 +196,9 @@ class Entry(Node):
 # ---- domains
 
 
-class ShapeRef(Node):
+class ShapeRef(Named):
     """`beam` or `disc(2)`; arguments None for a named shape."""
 
-    name: Name
     arguments: tuple[Expr, ...] | None
 
 

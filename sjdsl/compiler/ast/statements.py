@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from sjdsl.compiler.ast.expressions import Domain, Expr, Name, Path, ShapeRef, Table, Words
+from sjdsl.compiler.ast.expressions import Domain, Expr, Name, Named, Path, ShapeRef, Table, Words
 from sjdsl.compiler.ast.node import Node
 
 
@@ -12,15 +12,13 @@ class Block(Node):
     statements: tuple[Stmt, ...]
 
 
-class Let(Node):
-    name: Name
+class Let(Named):
     value: Expr
 
 
-class Draw(Node):
+class Draw(Named):
     """`from a .. b` has high; `from { w, w }` has Words; `from { w: p }` has Table."""
 
-    name: Name
     source: Expr | Words | Table
     high: Expr | None
 

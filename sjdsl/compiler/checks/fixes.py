@@ -255,10 +255,8 @@ def hinted_changes(d: Diagnostic, game: Composition) -> Iterator[Change]:
         case errors.NotChosen():
             yield from _guarded(f"{d.agent} chose {d.action}", d.span, around)
         case errors.ExtremeOfNothing():
-            yield (
-                "write `otherwise 0` for a domain without members",
-                _at_place(source.text.rfind(")", d.span.start, d.span.end), " otherwise 0"),
-            )
+            bracket = source.text.rfind(")", d.span.start, d.span.end)
+            yield "write `otherwise 0` for a domain without members", _at_place(bracket, " otherwise 0")
             yield from _guarded(f"count({d.domain}) > 0", d.span, around)
         case errors.NoFreeCell() | errors.NoWayFree():
             for node in around:

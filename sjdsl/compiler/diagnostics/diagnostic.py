@@ -125,6 +125,12 @@ class Diagnostic(Facts):
         return parts
 
 
+class AboutName(Diagnostic):
+    """A mistake about one name."""
+
+    name: str
+
+
 class LazyFixes:
     """Changes that are tried when they are first asked for, so that nobody waits who only counts errors. As text: their names."""
 

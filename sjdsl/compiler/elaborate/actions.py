@@ -284,10 +284,10 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
         for i, name in bound.items():
             check_free(name, inner, chosen=True)
             argument = declared.arguments[i]
-            is_agent = argument.type.kind == "agent"
-            inner = inner.bind_named(
-                name, ir.Member(name=name.text, sort=AGENTS) if is_agent else ir.Local(type=argument.type, name=name.text)
-            )
+            variable: ir.Expr = ir.Local(type=argument.type, name=name.text)
+            if argument.type.kind == "agent":
+                variable = ir.Member(name=name.text, sort=AGENTS)
+            inner = inner.bind_named(name, variable)
             if argument.type.kind == "word":
                 new_words[name.text] = (name, argument)
     test = inner.condition(forbid.condition)

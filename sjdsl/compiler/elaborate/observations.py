@@ -397,10 +397,8 @@ def _check_plain(show: ast.Show, what: What, type_: ir.Type, scope: Scope) -> No
 def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
     """Returns how cells of a kind look: like the first label whose condition holds."""
     if not show.labels or show.condition is not None:
-        given, help_ = (
-            "a condition for the whole kind" if show.labels else "a kind without it",
-            _fields_of_a_kind(kind, "show", scope.static),
-        )
+        given = "a condition for the whole kind" if show.labels else "a kind without it"
+        help_ = _fields_of_a_kind(kind, "show", scope.static)
         raise scope.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given=given, help=help_))
     labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, scope))
     names = tuple(dict.fromkeys(label.name for label in labels))

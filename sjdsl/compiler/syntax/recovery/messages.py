@@ -130,17 +130,14 @@ def _surplus(tokens: Sequence[Token], source: Source) -> int | None:
     return None
 
 
-def _line_start(token: Token, source: Source) -> int:
-    return source.text.rfind("\n", 0, token.start_pos or 0) + 1
-
-
 def _indent(token: Token, source: Source) -> int:
-    line = source.text[_line_start(token, source) : token.end_pos].expandtabs(4)
+    line = source.text[source.text.rfind("\n", 0, token.start_pos or 0) + 1 : token.end_pos].expandtabs(4)
     return len(line) - len(line.lstrip())
 
 
 def _begins_line(token: Token, source: Source) -> bool:
-    return not source.text[_line_start(token, source) : token.start_pos].strip()
+    start = source.text.rfind("\n", 0, token.start_pos or 0) + 1
+    return not source.text[start : token.start_pos].strip()
 
 
 def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
