@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-STAGES = ["diagnostics", "ast", "syntax", "undone", "compose", "ir", "elaborate", "checks", "program", "lower", "emit"]
+STAGES = ["diagnostics", "ast", "syntax", "compose", "ir", "elaborate", "checks", "program", "lower", "emit"]
 # What the compiler takes from outside: they import nothing of ours. The runtime lies below it; of it these need no JAX.
 TABLES = {
     "sjdsl.near_names",

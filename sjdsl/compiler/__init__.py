@@ -3,23 +3,20 @@
 Source -> Composition -> ir.Game -> Program -> text
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.checks.declarations import check_state_names, check_timers, check_unused
+from sjdsl.compiler.checks.fixes import with_fixes
 from sjdsl.compiler.checks.placement import check_placement
-from sjdsl.compiler.checks.repairs import REPAIRED, repairs
-from sjdsl.compiler.checks.state_names import check_state_names
-from sjdsl.compiler.checks.timers import check_timers
-from sjdsl.compiler.checks.unused import check_unused
-from sjdsl.compiler.checks.ways_out import CONFLICTS, Way, accepted_ways, ways_out
 from sjdsl.compiler.checks.whole_numbers import check_whole_numbers
 from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Suggestion, Tried
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
@@ -28,8 +25,6 @@ from sjdsl.compiler.elaborate.declaration_labels import with_declaration_labels
 from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.lower import NotSupported, lower
 from sjdsl.compiler.program import Program
-
-TRIED = 5  # conflicts for which changes are tried, which are compiled
 
 
 class Build(Record):
@@ -64,7 +59,8 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
         check_whole_numbers(game, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)
-    found = _with_ways_out(with_declaration_labels(problems.found, composition), composition, overrides)
+    labelled = with_declaration_labels(problems.found, composition)
+    found = with_fixes(labelled, composition, lambda source: check(source, composition.chosen, overrides))
     if game is None or problems.failed:
         raise CompileError(found)
     return Build(game, tuple(found), composition.sources)
@@ -143,32 +139,3 @@ def check_variants(source: Source) -> Iterator[tuple[tuple[str, ...], tuple[Diag
         return
     for name in names:
         yield name, check(source, name)
-
-
-def _with_ways_out(found: list[Diagnostic], game: Composition, overrides: Overrides | None) -> list[Diagnostic]:
-    """Returns the diagnostics with the small changes that are accepted, which are compiled once somebody asks.
-
-    Conflicts of writes name theirs in their messages; others suggest theirs by their hints.
-    """
-    source = game.sources[game.file]
-
-    def accepted(d: Diagnostic, ways: Callable[[Diagnostic, Composition], Iterable[Way]]) -> list[Suggestion]:
-        tried = ((way, check(replace(source, text=way.text), game.chosen, overrides)) for way in ways(d, game))
-        return accepted_ways(d, found, tried)
-
-    changed: list[Diagnostic] = []
-    tried_for, told = 0, set[tuple[str, ...]]()
-    for d in found:
-        if isinstance(d, errors.WriteConflict | errors.AddAndSet):
-            field = (d.code, d.phase, d.name.rpartition(".")[2])
-            if field in told:  # who mends the first conflict of a field often mends the others
-                continue
-            told.add(field)
-        if isinstance(d, CONFLICTS) and tried_for < TRIED:
-            tried_for += 1
-            changed.append(replace(d, accepted=Tried(partial(accepted, d, ways_out))))
-        elif isinstance(d, REPAIRED) and d.span.file == game.file:
-            changed.append(replace(d, repairs=Tried(partial(accepted, d, repairs))))
-        else:
-            changed.append(d)
-    return changed

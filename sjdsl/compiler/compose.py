@@ -6,20 +6,42 @@ A repeated name replaces, inside `agents` and `observe` entry by entry; a new na
 table entry; `drop` removes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import ClassVar
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.names import Space, Symbol
+from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Label, near
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
-from sjdsl.compiler.undone import Change, touches, undone
+
+Sections = tuple[ast.Section | ast.Override | ast.Drop, ...]
+# The table of a composition that each declaration with a name goes into, and what stands before its name in messages about changes:
+# shapes, phases and so on have name spaces of their own.
+TABLE_OF: dict[type[Node], tuple[str, str]] = {
+    ast.Constant: ("constants", ""), ast.Kind: ("kinds", ""), ast.Group: ("groups", ""), ast.Field: ("fields", ""),
+    ast.Timer: ("fields", ""), ast.Define: ("defines", ""), ast.Movers: ("movers", ""), ast.Shape: ("shapes", "shape "),
+    ast.Phase: ("phases", "phase "), ast.Variant: ("variants", "variant "), ast.Scenario: ("scenarios", "scenario "),
+    ast.ScriptedPolicy: ("policies", "policy "),
+}  # fmt: skip
+TABLE_OF_AGENTS: dict[type[Node], str] = {
+    ast.Field: "agent_fields", ast.Timer: "agent_fields", ast.Forbid: "forbids", ast.Blocks: "agent_blocks",
+}  # fmt: skip
+
+
+class Change(Record):
+    """What a file says of one name, outside of variants: its text without layout. is_drop: it takes the name away, whatever it is of."""
+
+    span: Span
+    text: str
+    is_drop: bool
 
 
 @dataclass
@@ -65,7 +87,7 @@ class Composition:
     file: str = ""
     chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
-    said_last: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
+    last_changes: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
     warnings: list[Diagnostic] = field(default_factory=list)
 
     TABLES: ClassVar[dict[str, Space]] = {
@@ -90,14 +112,14 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     """
     game = _chain(source, parse(source), ())
     game.file, game.chosen = source.name, tuple(variants)
-    touched: dict[str, tuple[str, object]] = {}
+    touched: dict[str, tuple[str, str]] = {}
     for name in variants:
         variant = game.variants.get(name)
         if variant is None:
             raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
-        game.warnings += undone(game.sources, game.said_last, name, _changes(game, variant.changes))
+        game.warnings += _undone(game, name, _changes(game, variant.changes))
         _apply(game, variant.changes)
     if game.problems:
         raise CompileError(game.problems)
@@ -122,7 +144,7 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
         game.title = title or game.title
     game.sources[source.name] = source
     _check_duplicates(game, file.game.sections)
-    game.said_last |= _changes(game, file.game.sections)
+    game.last_changes |= _changes(game, file.game.sections)
     _apply(game, file.game.sections)
     return game
 
@@ -145,17 +167,9 @@ def base_of(name: ast.String, source: Source) -> Source:
     return Source(name_here, read_source(path).text, path.parent, source.over)
 
 
-def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, object]]:
+def named_entries(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, Node]]:
     """Returns what a section declares or changes: (key, span, node)."""
     match section:
-        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Define() | ast.Movers():
-            return [(section.name.text, section.name.span, section)]
-        case ast.Shape() | ast.Phase():  # these have name spaces of their own
-            return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
-        case ast.Variant() | ast.Scenario():
-            return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
-        case ast.ScriptedPolicy():
-            return [(f"policy {section.name.text}", section.name.span, section)]
         case ast.About():
             return [(f"about {section.name.text}", section.name.span, section)]
         case ast.Checks():
@@ -163,7 +177,7 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
         case ast.Map() | ast.Episode() | ast.Schedule():
             return [(type(section).__name__.lower(), section.span, section)]
         case ast.Agents():
-            return [(f"agents {key}", node.span, node) for key, node in _agent_entries(section)]
+            return [(f"agents {_agent_key(node)}", node.span, node) for node in section.attributes]
         case ast.Observe():
             return [(f"observe {key}", node.span, node) for key, node in _observable_entries(section)]
         case ast.Look():
@@ -174,51 +188,70 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             return [(path_text(section.path), section.path.span, section)]
         case ast.Drop():
             return [(section.name.text, section.name.span, section)]
-        case _:
+        case ast.Cite():
             return []
+        case _:
+            return [(TABLE_OF[type(section)][1] + section.name.text, section.name.span, section)]
 
 
-def _check_duplicates(game: Composition, sections: tuple[ast.Section | ast.Override | ast.Drop, ...]) -> None:
+def _check_duplicates(game: Composition, sections: Sections) -> None:
     seen: dict[str, Span] = {}
     for section in sections:
-        for key, span, node in section_names(section):
+        for key, span, node in named_entries(section):
             if isinstance(node, ast.Look):  # one kind looks this way or that
                 continue
-            over = isinstance(node, ast.Override) and any(touches(key, k) for k in seen)
+            over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
             if key in seen or over:
                 if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
                     game.problems.append(errors.WrittenTwice(span, what=f"`{key}`"))
                 else:
-                    what = f"something declared in line {seen[key].line}"
-                    game.problems.append(errors.NameTaken(span, name=key, what=what))
+                    game.problems.append(errors.NameTaken(span, name=key, what=f"something declared in line {seen[key].line}"))
             seen.setdefault(key, span)
 
 
-def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: dict[str, tuple[str, object]]) -> None:
+def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: dict[str, tuple[str, str]]) -> None:
+    """Reports what a variant and one before it change differently. touched: key -> (variant, text of its change)."""
     for section in variant.changes:
-        for key, span, node in section_names(section):
-            for other, before in touched.items():
-                same = other == key and before[1] == _content(game, node)
-                if before[0] != name and touches(other, key) and not same:
-                    game.problems.append(errors.ChangeClash(span, first=before[0], second=name, name=key))
+        for key, span, node in named_entries(section):
+            text = _content(game, node)
+            for other, (first, before) in touched.items():
+                if first != name and _touches(other, key) and (other, before) != (key, text):
+                    game.problems.append(errors.ChangeClash(span, first=first, second=name, name=key))
                     break
-            touched.setdefault(key, (name, _content(game, node)))
+            touched.setdefault(key, (name, text))
 
 
-def _changes(game: Composition, sections: tuple[ast.Section | ast.Override | ast.Drop, ...]) -> dict[str, Change]:
-    """Returns what sections say of rules, by the names they have in `section_names`."""
+def _changes(game: Composition, sections: Sections) -> dict[str, Change]:
+    """Returns what sections say of rules, by key. Numbers and maps are left out: a variant is chosen for those it brings."""
     values = ast.Override | ast.Constant | ast.Map | ast.Episode | ast.About
-    named = (entry for section in sections if not isinstance(section, values) for entry in section_names(section))
+    named = (entry for section in sections if not isinstance(section, values) for entry in named_entries(section))
     return {key: Change(span, _content(game, node), isinstance(node, ast.Drop)) for key, span, node in named}
 
 
-def _content(game: Composition, node: object) -> str:
+def _undone(game: Composition, variant: str, changes: Mapping[str, Change]) -> Iterator[Diagnostic]:
+    """Yields a warning for each change of an extending game that a change of a variant of its base replaces."""
+    order = {file: place for place, file in enumerate(game.sources)}  # the outermost base first
+    for key, change in changes.items():
+        for other, before in game.last_changes.items():
+            pair = (key, other)
+            if change.is_drop or before.is_drop:  # what is dropped is named without its name space
+                pair = (key.rpartition(" ")[2], other.rpartition(" ")[2])
+            if order[before.span.file] > order[change.span.file] and before.text != change.text and _touches(*pair):
+                label = Label(change.span, f"`{variant}` changes it here")
+                yield errors.UndoneByVariant(before.span, labels=(label,), name=other, variant=variant)
+
+
+def _touches(a: str, b: str) -> bool:
+    """Returns whether two keys name the same thing, or one an entry of the other: `pay` and `pay[red]`."""
+    return a == b or a.startswith(f"{b}[") or b.startswith(f"{a}[")
+
+
+def _content(game: Composition, node: Node) -> str:
     """Returns the text of a node without layout, to compare two changes."""
-    span: Span = node.span  # type: ignore[attr-defined]
-    return " ".join(game.sources[span.file].text[span.start : span.end].split())
+    return " ".join(game.sources[node.span.file].text[node.span.start : node.span.end].split())
 
 
-def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.Drop, ...]) -> None:
+def _apply(game: Composition, sections: Sections) -> None:
     looks = [section for section in sections if isinstance(section, ast.Look)]
     for name in dict.fromkeys(look.what.text for look in looks):
         game.looks[name] = tuple(look for look in looks if look.what.text == name)
@@ -228,103 +261,54 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
                 game.cites.append(section.text.text)
             case ast.About():
                 game.about[section.name.text] = " ".join(text.text for text in section.texts)
-            case ast.Constant():
-                game.constants[section.name.text] = section
-            case ast.Episode():
-                game.episode = section
-            case ast.Kind():
-                game.kinds[section.name.text] = section
-            case ast.Group():
-                game.groups[section.name.text] = section
-            case ast.Field() | ast.Timer():
-                game.fields[section.name.text] = section
-            case ast.Map():
-                game.map = section
+            case ast.Episode() | ast.Map() | ast.Schedule():
+                setattr(game, type(section).__name__.lower(), section)
             case ast.Agents():
-                _apply_agents(game, section)
-            case ast.Movers():
-                game.movers[section.name.text] = section
-            case ast.Shape():
-                game.shapes[section.name.text] = section
-            case ast.Define():
-                game.defines[section.name.text] = section
-            case ast.Schedule():
-                game.schedule = section
-            case ast.Phase():
-                game.phases[section.name.text] = section
+                game.agents_span = game.agents_span or section.span
+                game.number = game.number if section.number is None else section.number
+                for node in section.attributes:
+                    if isinstance(node, ast.Acts | ast.Moves):
+                        setattr(game, _agent_key(node), node)
+                    else:
+                        getattr(game, TABLE_OF_AGENTS[type(node)])[_agent_key(node)] = node
             case ast.Observe():
-                _apply_observe(game, section)
+                game.windows = tuple(s for s in section.observables if isinstance(s, ast.Window)) or game.windows
+                game.observables |= {_observable_key(s): s for s in section.observables if not isinstance(s, ast.Window)}
+            case ast.Look():
+                pass
             case ast.Metrics():
                 game.metrics |= {m.name.text: m for m in section.metrics}
             case ast.Checks():
                 name = "" if section.name is None else section.name.text
                 game.checks[name] = section.checks if name else game.checks.get(name, ()) + section.checks
-            case ast.ScriptedPolicy():
-                game.policies[section.name.text] = section
-            case ast.Scenario():
-                game.scenarios[section.name.text] = section
-            case ast.Variant():
-                game.variants[section.name.text] = section
             case ast.Override():
                 _override(game, section)
             case ast.Drop():
                 _drop(game, section.name)
+            case _:
+                getattr(game, TABLE_OF[type(section)][0])[section.name.text] = section
 
 
-def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks]]:
-    entries: list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks]] = []
-    for attribute in agents.attributes:
-        match attribute:
-            case ast.Acts():
-                entries.append(("acts", attribute))
-            case ast.Moves():
-                entries.append(("moves", attribute))
-            case ast.Forbid():
-                entries.append((forbid_key(attribute), attribute))
-            case ast.Blocks():
-                entries.append((f"blocks {', '.join(what.text for what in attribute.what)}", attribute))
-            case ast.Field() | ast.Timer():
-                entries.append((attribute.name.text, attribute))
-    return entries
+def _agent_key(attribute: ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks) -> str:
+    match attribute:
+        case ast.Acts():
+            return "acts"
+        case ast.Moves():
+            return "moves"
+        case ast.Forbid():
+            return "forbid " + (", ".join(map(_chosen_text, attribute.actions)) or "all")
+        case ast.Blocks():
+            return f"blocks {', '.join(what.text for what in attribute.what)}"
+        case ast.Field() | ast.Timer():
+            return attribute.name.text
 
 
-def forbid_key(forbid: ast.Forbid) -> str:
-    return "forbid " + (", ".join(map(chosen_text, forbid.actions)) or "all")
-
-
-def chosen_text(action: ast.Chosen) -> str:
+def _chosen_text(action: ast.Chosen) -> str:
     """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
     if action.arguments is None:
         return action.name.text
-    return f"{action.name.text}({', '.join(map(_argument_text, action.arguments))})"
-
-
-def _argument_text(argument: ast.Expr) -> str:
-    match argument:
-        case ast.Path():
-            return path_text(argument)
-        case ast.Int():
-            return str(argument.value)
-        case _:
-            return ".."
-
-
-def _apply_agents(game: Composition, agents: ast.Agents) -> None:
-    game.agents_span = game.agents_span or agents.span
-    if agents.number is not None:
-        game.number = agents.number
-    for key, attribute in _agent_entries(agents):
-        match attribute:
-            case ast.Acts():
-                game.acts = attribute
-            case ast.Moves():
-                game.moves = attribute
-            case ast.Forbid():
-                game.forbids[key] = attribute
-            case ast.Blocks():
-                game.agent_blocks[key] = attribute
-            case ast.Field() | ast.Timer():
-                game.agent_fields[key] = attribute
+    arguments = (path_text(a) if isinstance(a, ast.Path) else str(a.value) if isinstance(a, ast.Int) else ".." for a in action.arguments)
+    return f"{action.name.text}({', '.join(arguments)})"
 
 
 def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
@@ -333,26 +317,16 @@ def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | as
     windows = [s for s in observe.observables if isinstance(s, ast.Window)]
     plain = [w for w in windows if w.condition is None] or windows[:1]
     if plain:
-        together = (
-            replace(plain[0].span, start=windows[0].span.start, end=windows[-1].span.end) if len(windows) > len(plain) else plain[0].span
-        )
+        together = plain[0].span
+        if len(windows) > len(plain):
+            together = replace(together, start=windows[0].span.start, end=windows[-1].span.end)
         entries += [("window", replace(plain[0], span=together)), *(("window", w) for w in plain[1:])]
     return entries + [(_observable_key(s), s) for s in observe.observables if not isinstance(s, ast.Window)]
 
 
 def _observable_key(observable: ast.Show | ast.Hide) -> str:
-    match observable:
-        case ast.Hide(on=ast.Name() as on):
-            return f"{path_text(observable.what)} on {on.text}"
-        case _:
-            return path_text(observable.what)
-
-
-def _apply_observe(game: Composition, observe: ast.Observe) -> None:
-    game.windows = tuple(s for s in observe.observables if isinstance(s, ast.Window)) or game.windows
-    for observable in observe.observables:
-        if not isinstance(observable, ast.Window):
-            game.observables[_observable_key(observable)] = observable
+    on = f" on {observable.on.text}" if isinstance(observable, ast.Hide) and observable.on is not None else ""
+    return path_text(observable.what) + on
 
 
 def _override(game: Composition, change: ast.Override) -> None:
@@ -375,29 +349,25 @@ def _replace_entry(
 ) -> ast.Expr | ast.Table:
     if not steps:
         return change.value
-    step = steps[0]
-    key = entry_key(step)
+    key: ast.Name | None = None  # the entry that is changed: a word, or a number
+    match steps[0]:
+        case ast.Index(key=ast.Path(name=name)):
+            key = name
+        case ast.Index(key=ast.Int(value=number) as written):
+            key = ast.Name(written.span, str(number))
     if key is not None and by is not None:
-        value = with_entry(value, key, by)
+        value = _with_entry(value, key, by)
     if key is None or not isinstance(value, ast.Table) or key.text not in {e.key.text for e in value.entries}:
         _unknown(game, ast.Name(change.path.span, path_text(change.path)))
         return value
     game.references.append((key.span, Symbol("word", key.text)))
-    entries = tuple(
-        replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e for e in value.entries
-    )
-    return replace(value, entries=entries)
+    changed = (replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e for e in value.entries)
+    return replace(value, entries=tuple(changed))
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
-    droppable: dict[str, Space | None] = {
-        **Composition.TABLES,
-        "agent_fields": "field",
-        "observables": None,
-        "about": None,
-        "variants": "variant",
-    }
-    for table, space in droppable.items():
+    others: dict[str, Space | None] = {"agent_fields": "field", "observables": None, "about": None, "variants": "variant"}
+    for table, space in (*Composition.TABLES.items(), *others.items()):
         entries: dict[str, object] = getattr(game, table)
         if name.text in entries:
             del entries[name.text]
@@ -413,27 +383,21 @@ def _unknown(game: Composition, name: ast.Name) -> None:
 
 def path_text(path: ast.Path) -> str:
     """Returns a path as written, without layout; keys other than names show as `..`."""
-    steps = []
+    text = path.name.text
     for step in path.steps:
-        if isinstance(step, ast.Member):
-            steps.append("." + step.name.text)
-        else:
-            key = step.key
-            steps.append(f"[{key.name.text}]" if isinstance(key, ast.Path) else f"[{key.value}]" if isinstance(key, ast.Int) else "[..]")
-    return path.name.text + "".join(steps)
+        match step:
+            case ast.Member():
+                text += f".{step.name.text}"
+            case ast.Index(key=ast.Path(name=name)):
+                text += f"[{name.text}]"
+            case ast.Index(key=ast.Int(value=number)):
+                text += f"[{number}]"
+            case ast.Index():
+                text += "[..]"
+    return text
 
 
-def entry_key(step: ast.Member | ast.Index) -> ast.Name | None:
-    """Returns the entry that a change names: a word, or a number."""
-    match step:
-        case ast.Index(key=ast.Path(name=name)):
-            return name
-        case ast.Index(key=ast.Int(value=number) as written):
-            return ast.Name(written.span, str(number))
-    return None
-
-
-def with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
+def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
     """Returns a table in which an entry stands by itself: one that `otherwise` or a single number for all stood for gets a line of its own."""
     known = isinstance(by, ast.Words) and key.text in {name.text for name in by.names}
     if not known and not (not isinstance(by, ast.Words) and key.text.isdigit()):

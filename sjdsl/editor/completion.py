@@ -107,7 +107,7 @@ def _declared(offer: Offer, names: Names, analyses: Analyses, uri: str) -> str:
     analysis = analyses.of(uri) if isinstance(node, ast.Name) else analyses.readable(uri)
     if analysis is None or node is None:
         return "" if offer.sort in ("keyword", "file") else offer.sort
-    span: Span = node.span  # type: ignore[attr-defined]
+    span: Span = node.span
     text = next((source.text for source, _ in analysis.chain if source.name == span.file), analysis.document.text)
     start, end = (text.rfind("\n", 0, span.start) + 1, text.find("\n", span.end)) if isinstance(node, ast.Name) else (span.start, span.end)
     line = " ".join(text[start : end if end >= 0 else len(text)].partition("  #")[0].split())

@@ -83,7 +83,7 @@ def _around(analysis: Analysis, o: Occurrence) -> list[tuple[int, int]]:
     if analysis.file is None:
         return []
     nodes = [n for n in walk(analysis.file) if getattr(n, "name", None) is not None and getattr(n.name, "span", None) == o.span]  # type: ignore[attr-defined]
-    return [(n.span.start, n.span.end) for n in nodes]  # type: ignore[attr-defined]
+    return [(n.span.start, n.span.end) for n in nodes]
 
 
 # ---- words of the language

@@ -2,10 +2,10 @@
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.parse import read_tree
-from sjdsl.format.gaps import read_gaps
 from sjdsl.format.layout import lay_out
 from sjdsl.format.lines import render
 from sjdsl.format.structure import read_structure
+from sjdsl.format.tokens import Tokens, read_gaps
 
 
 def format_source(source: Source) -> str:
@@ -15,7 +15,6 @@ def format_source(source: Source) -> str:
     Raises CompileError with every syntax error of the file.
     """
     tokens, tree = read_tree(source)
-    structure = read_structure(tokens, tree)
-    text = render(lay_out(tokens, structure, read_gaps(source.text, tokens)))
+    text = render(lay_out(Tokens(tokens, read_structure(tokens, tree), read_gaps(source.text, tokens))))
     assert read_tree(Source(source.name, text))[0] == tokens, "formatting changed the words of the file"
     return text

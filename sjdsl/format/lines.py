@@ -16,14 +16,13 @@ class Line:
     comment: str = ""
     blank: bool = False
 
-
-def fits(text: str, comment: str) -> bool:
-    """Returns whether a comment fits on the line of its code."""
-    return len(text) + APART + len(comment) <= WIDTH
+    @property
+    def indent(self) -> int:
+        return len(self.text) - len(self.text.lstrip())
 
 
 def wrapped(comment: str, indent: int) -> list[str]:
-    """Returns a comment as lines of their own; one that is too long goes on in the next line."""
+    """Returns a comment as lines of their own; one that is too long continues on the next line."""
     rest = " " * indent + comment
     found = []
     while len(rest) > WIDTH:
@@ -38,39 +37,28 @@ def wrapped(comment: str, indent: int) -> list[str]:
 
 
 def render(lines: Sequence[Line]) -> str:
-    """Returns the text of the lines."""
-    columns = _comment_columns(lines)
-    found: list[str] = []
+    """Returns the text of the lines, comments below each other in a run of equally indented lines."""
+    runs: list[list[Line]] = []
     for number, line in enumerate(lines):
-        found += [""] if line.blank and found else []
-        found.append(f"{line.text:{columns[number]}}{line.comment}" if line.comment else line.text)
+        if number == 0 or line.blank or line.indent != lines[number - 1].indent:
+            runs.append([])
+        runs[-1].append(line)
+    found: list[str] = []
+    for run in runs:
+        columns = _comment_columns(run)
+        found += [""] if run[0].blank and found else []
+        found += [f"{line.text:{columns[n]}}{line.comment}" if line.comment else line.text for n, line in enumerate(run)]
     return "".join(f"{line}\n" for line in found)
 
 
-def _comment_columns(lines: Sequence[Line]) -> dict[int, int]:
-    """Returns where the comment of each line that has one begins: below each other in a run of equally indented lines."""
-    columns: dict[int, int] = {}
-    run: list[int] = []
-    for number, line in enumerate(lines):
-        if run and (line.blank or _indent(line) != _indent(lines[number - 1])):
-            columns |= _columns_of(run, lines)
-            run = []
-        run += [number] if line.comment else []
-    return columns | _columns_of(run, lines)
-
-
-def _indent(line: Line) -> int:
-    return len(line.text) - len(line.text.lstrip())
-
-
-def _columns_of(run: Sequence[int], lines: Sequence[Line]) -> dict[int, int]:
+def _comment_columns(run: Sequence[Line]) -> dict[int, int]:
     """Returns the columns of comments in one run: those of far longer lines have a column of their own, or stand alone."""
+    lengths = {number: len(line.text) for number, line in enumerate(run) if line.comment}
     columns: dict[int, int] = {}
-    while run:
-        lengths = {number: len(lines[number].text) for number in run}
-        near = [number for number in run if lengths[number] <= min(lengths.values()) + FAR]
+    while lengths:
+        near = [number for number, length in lengths.items() if length <= min(lengths.values()) + FAR]
         shared = max(lengths[number] for number in near) + APART
         for number in near:
-            columns[number] = shared if shared + len(lines[number].comment) <= WIDTH else lengths[number] + APART
-        run = [number for number in run if number not in columns]
+            length = lengths.pop(number)
+            columns[number] = shared if shared + len(run[number].comment) <= WIDTH else length + APART
     return columns

@@ -54,8 +54,10 @@ def read_structure(tokens: Sequence[Token], tree: Tree[Token]) -> Structure:
     """Returns the structure of a text without syntax errors."""
     number = {token.start_pos: n for n, token in enumerate(tokens)}
     last = {token.end_pos: n for n, token in enumerate(tokens)}
-    game = next(n for n, token in enumerate(tokens) if token.type == "GAME")
-    found = Structure(game, tight=_tight_signs(tokens))
+    found = Structure(next(n for n, token in enumerate(tokens) if token.type == "GAME"))
+    # tokens that stand close to the one before wherever they are
+    found.tight |= {n for n, token in enumerate(tokens) if token.type in ("COMMA", "RPAR", "RSQB")}
+    found.tight |= {n + 1 for n, token in enumerate(tokens) if token.type in ("LPAR", "LSQB", "DOT")}
     starts: dict[int, set[str]] = {}
     chained = {id(child) for node in tree.find_data("otherwise") for child in node.children}
     for node in tree.iter_subtrees():
@@ -82,60 +84,33 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
             found.tight |= {end + 1, end} if tokens[end].type == "DOTS" else {end + 1}
         case "about" if end > start + 2:
             found.containers[start + 1] = Container("texts", start + 1, tuple(range(start + 2, end + 1)), None)
-        case _:
-            pass
-    match rule:
         case "size" | "param" if tokens[start + 2].type == "COLON":  # not one with `by`
             found.columns[start] = ("number", (start + 1, start + 2, start + 4))
         case "kind" | "field":
             found.columns[start] = (rule, (start + 2,))
-        case "define":
-            equals = next(n for n in range(start, end) if tokens[n].type == "EQUAL")
-            found.columns[start] = (rule, (equals,))
-        case "look":
-            found.columns[start] = (rule, tuple(n for n in range(start, end) if tokens[n].type in ("AS", "WITH"))[:1])
-        case "entry":
-            found.columns[start] = (rule, (1 + next(n for n in range(start, end) if tokens[n].type == "COLON"),))
+        case "define" | "look" | "entry":
+            signs = {"define": ("EQUAL",), "look": ("AS", "WITH"), "entry": ("COLON",)}[rule]
+            sign = next(n for n in range(start, end) if tokens[n].type in signs)
+            found.columns[start] = (rule, (sign + (rule == "entry"),))
         case _:
             pass
-
-
-def _tight_signs(tokens: Sequence[Token]) -> set[int]:
-    """Returns the tokens that stand close to the one before wherever they are."""
-    closing = {n for n, token in enumerate(tokens) if token.type in ("COMMA", "RPAR", "RSQB")}
-    return closing | {n + 1 for n, token in enumerate(tokens) if token.type in ("LPAR", "LSQB", "DOT")}
 
 
 def _find_containers(tokens: Sequence[Token], starts: dict[int, set[str]], found: Structure) -> None:
     """Adds the braces with items in them; braces around words or members have none."""
     around: list[tuple[int, Sort | None, list[int]]] = []
     for number, token in enumerate(tokens):
-        if around and _is_item(around[-1][1], token, starts.get(number, set())):
-            around[-1][2].append(number)
+        if around:
+            _, sort, items = around[-1]
+            wanted = STATEMENTS if sort == "block" else ENTRIES if sort == "list" else frozenset[str]()
+            if wanted & starts.get(number, set()) or (sort == "rows" and token.type == "STRING"):
+                items.append(number)
         if token.type in ("LBRACE", "LPAR", "LSQB"):
-            around.append((number, _sort_of(tokens, starts, number), []))
+            rules, inside = starts.get(number + 1, set()), tokens[number + 1].type
+            sort = "list" if rules & ENTRIES else None
+            sort = "block" if inside == "RBRACE" or rules & STATEMENTS else "rows" if inside == "STRING" else sort
+            around.append((number, sort if token.type == "LBRACE" else None, []))
         elif token.type in ("RBRACE", "RPAR", "RSQB"):
             open_, sort, items = around.pop()
             if sort is not None:
                 found.containers[open_] = Container(sort, open_, tuple(items), number)
-
-
-def _is_item(sort: Sort | None, token: Token, rules: set[str]) -> bool:
-    match sort:
-        case "block":
-            return bool(rules & STATEMENTS)
-        case "list":
-            return bool(rules & ENTRIES)
-        case _:
-            return sort == "rows" and token.type == "STRING"
-
-
-def _sort_of(tokens: Sequence[Token], starts: dict[int, set[str]], open_: int) -> Sort | None:
-    rules = starts.get(open_ + 1, set())
-    if tokens[open_].type != "LBRACE":
-        return None
-    if tokens[open_ + 1].type == "RBRACE" or rules & STATEMENTS:
-        return "block"
-    if tokens[open_ + 1].type == "STRING":
-        return "rows"
-    return "list" if rules & ENTRIES else None

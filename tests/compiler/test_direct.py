@@ -15,8 +15,8 @@ from sjdsl.compiler.diagnostics.limits import MAX_DIGITS, MAX_INTEGER, MAX_STATE
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax import rules
 from sjdsl.compiler.syntax.direct import EVERY, read_directly
-from sjdsl.compiler.syntax.node_builders import Part, unquote
 from sjdsl.compiler.syntax.parse import mistakes, parse, parser, tree_of
+from sjdsl.compiler.syntax.rules import Part, unquote
 from sjdsl.compiler.syntax.soft_words import SOFT
 from sjdsl.compiler.syntax.tokens import scan
 from tests.damage import edits
@@ -95,7 +95,7 @@ def test_mistakes_are_those_found_from_the_beginning(mistake: str) -> None:
         source = Source("game.sj", game(f"phase p {{ {'end ' * before} {mistake} }}"))
         so_far = read_directly(source, parser())
         assert not isinstance(so_far, ast.File) and so_far is not None
-        assert mistakes(source, [], so_far) == mistakes(source, [], None)
+        assert mistakes(source, None, so_far) == mistakes(source, None, None)
 
 
 @pytest.mark.parametrize("word", sorted(kind.lower() for kind in SOFT))

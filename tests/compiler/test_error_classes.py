@@ -8,7 +8,7 @@ from typing import ClassVar, get_args, get_origin
 import pytest
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near, Suggestion, Tried, near
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, LazyFixes, Near, Suggestion, near
 from sjdsl.compiler.diagnostics.explanations import kinds
 from sjdsl.compiler.diagnostics.source import Span
 
@@ -16,7 +16,7 @@ HERE = Span("game.sj", 0, 0, 1, 1)
 OF_ALL = {"span", "labels", "fix", "help", "repairs"}
 SAMPLES = {
     str: "abc",
-    Tried: Tried(lambda: [Suggestion("abc", ())]),
+    LazyFixes: LazyFixes(lambda: [Suggestion("abc", ())]),
     int: 7,
     float: 2.5,
     Near: Near("oak", "the trees are `oak`"),

@@ -2,9 +2,7 @@
 
 import pytest
 
-from sjdsl.compiler import build
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.diagnostics.source import Source
+from tests.compiler.refusals import codes_in
 
 GAME = """sj 1
 game frame "Guards" {{
@@ -30,11 +28,7 @@ WRITES = (
 
 
 def codes(body: str) -> set[str]:
-    try:
-        build(Source("frame.sj", GAME.format(body=body)))
-    except CompileError as error:
-        return {d.code for d in error.diagnostics if d.severity == "error"}
-    return set()
+    return codes_in(GAME.format(body=body))
 
 
 @pytest.mark.parametrize("guard", ["> 0", "> 1", ">= 1", ">= 2", "> 0.5", ">= 0.5", "== 2"])

@@ -146,6 +146,44 @@ def test_any_text_is_read_or_refused(text: str) -> None:
     found_in(HEAD + text)
 
 
+# ---- chains of defines, kinds and agents: what only later stages count
+
+POND = """sj 1
+game pond {{
+  episode 20
+  kind shore "."
+{more}  map {{ "....." }}
+  agents {agents} {{ acts turn_left, forward, stay }}
+  phase start {{ each agent {{ send agent to shore }} }}
+  schedule pay
+  phase pay {{ each agent {{ give {reward} to agent }} }}
+}}
+"""
+DOUBLING = "  define d0 = 1\n" + "".join(f"  define d{i} = d{i - 1} + d{i - 1}\n" for i in range(1, 41))
+CHAIN = "  define d0 = 1\n" + "".join(f"  define d{i} = d{i - 1} + 1\n" for i in range(1, 401))
+BROAD = "  define d0 = 1\n" + "".join(f"  define d{i} = {' + '.join([f'd{i - 1}'] * 20)}\n" for i in range(1, 5))
+GLYPHS = [chr(c) for c in range(33, 127) if chr(c) not in '\\".']
+KINDS = "".join(f'  kind k{i} "{GLYPHS[i]}"\n' for i in range(65))
+
+
+@pytest.mark.parametrize(
+    ("more", "agents", "reward", "code"),
+    [
+        (DOUBLING, 2, "d40", "SJ007"),
+        (CHAIN, 2, "d400", "SJ007"),
+        (BROAD, 2, "d4", "SJ007"),
+        (KINDS, 2, "1", "SJ007"),
+        ("", 65, "1", "SJ214"),
+        ("", 6, "1", "SJ303"),
+    ],
+)
+def test_what_only_later_stages_count_gives_one_message_quickly(more: str, agents: int, reward: str, code: str) -> None:
+    began = time.process_time()
+    found = [d for d in check(Source("pond.sj", POND.format(more=more, agents=agents, reward=reward))) if d.severity == "error"]
+    assert [d.code for d in found] == [code], [d.message for d in found]
+    assert time.process_time() - began < 2
+
+
 # ---- files
 
 

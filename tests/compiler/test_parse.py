@@ -10,7 +10,7 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax import rules
-from sjdsl.compiler.syntax.parse import parse, parser
+from sjdsl.compiler.syntax.parse import ALSO_READ, VERSION, parse, parser, read_tree
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
 
@@ -320,6 +320,13 @@ def test_another_version_is_all_that_is_said(text: str) -> None:
     assert codes(text) == ["SJ001"]
 
 
+@pytest.mark.parametrize("version", ALSO_READ)
+def test_versions_from_before_the_first_release_mean_the_same(version: str) -> None:
+    older, plain = (read_tree(Source("coins.sj", COINS.replace("sj 1\n", f"sj {number}\n", 1)))[1] for number in (version, VERSION))
+    assert older.children[0] != plain.children[0]
+    assert older.children[1:] == plain.children[1:]
+
+
 @pytest.mark.parametrize("text", ["", "\n\n", "# only\n# comments", "{}", "import os", "1", "Sj 1", '"sj 1"'])
 def test_no_version_line(text: str) -> None:
     assert codes(text) == ["SJ012"]
@@ -361,6 +368,3 @@ def test_fixes_repair() -> None:
             assert found[0].fix is not None, (wrong, found)
             span = found[0].fix.span
             text = text[: span.start] + found[0].fix.text + text[span.end :]
-
-
-# ---- mutations

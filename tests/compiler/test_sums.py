@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 import sjdsl
-from sjdsl.compiler import build, ir
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import facts, narrowed
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.types import integer
+from tests.compiler.refusals import codes_in
 
 QUOTIENT = CALCULATIONS["quotient"].interval
 GAME = """sj 1
@@ -43,11 +42,7 @@ AWAY = "each agent where agent chose leave { send agent to grass after 2 }"
 
 
 def codes(body: str, required: str = "p >= 0", go: str = "") -> set[str]:
-    try:
-        build(Source("frame.sj", GAME.format(body=body, required=required, go=go)))
-    except CompileError as error:
-        return {d.code for d in error.diagnostics if d.severity == "error"}
-    return set()
+    return codes_in(GAME.format(body=body, required=required, go=go))
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,17 @@
-"""Trees are walked and rewritten alike, whether they are syntax, typed rules or array programs."""
+"""Trees are walked and rewritten alike, whether they are syntax, typed rules or array programs; nodes of syntax are equal by content."""
+
+from dataclasses import FrozenInstanceError, replace
+
+import pytest
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import children, rewrite, walk
 from sjdsl.compiler.program import expressions as array
 from sjdsl.compiler.syntax.parse import parse
 
+HERE = Span("a.sj", 0, 5, 1, 1)
+NAME = ast.Name(HERE, "apple")
 TEXT = """sj 1
 game steps "Steps" {
   episode 5
@@ -38,3 +44,21 @@ def test_a_program() -> None:
     assert [node.identifier for node in walk(made) if isinstance(node, array.Name)] == ["f", "a", "b"]
     upper = rewrite(made, lambda node: array.Name(node.identifier.upper()) if isinstance(node, array.Name) else node)
     assert upper == array.Assign(("x",), array.call("F", array.Name("A"), key=array.Name("B")))
+
+
+def test_nodes_are_equal_by_class_and_content() -> None:
+    assert ast.Name(HERE, "apple") == NAME != replace(NAME, text="pear")
+    assert len({NAME, ast.Name(HERE, "apple"), replace(NAME, text="pear")}) == 2
+    assert ast.String(HERE, "apple") != NAME
+
+
+def test_a_node_cannot_be_changed() -> None:
+    with pytest.raises(FrozenInstanceError):
+        NAME.text = "pear"  # type: ignore[misc]
+    with pytest.raises(FrozenInstanceError):
+        del NAME.text
+    assert NAME.text == "apple"
+
+
+def test_a_node_shows_its_fields() -> None:
+    assert repr(NAME) == f"Name(span={HERE!r}, text='apple')"

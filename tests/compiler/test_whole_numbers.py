@@ -12,9 +12,9 @@ import jax.numpy as jnp
 import pytest
 
 import sjdsl
-from sjdsl.compiler import build, compile_source
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler import compile_source
 from sjdsl.compiler.diagnostics.source import Source
+from tests.compiler.refusals import errors_in
 
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
 AGENTS = 4
@@ -34,20 +34,11 @@ game sums {{
   metrics {{ {metrics} }}
   checks {{ {checks} }}
 }}
-""".replace("acts stay, wave", "acts stay, wave").replace("schedule tick -> act", f"schedule {'tick -> ' * ('timer' in of_agents)}act")
-
-
-def found_in(game: str) -> list[Diagnostic]:
-    """Returns what the compiler refuses in a game."""
-    try:
-        build(Source("sums.sj", game))
-    except CompileError as error:
-        return [d for d in error.diagnostics if d.severity == "error"]
-    return []
+"""
 
 
 def said(game: str) -> list[str]:
-    return [f"{d.code} {d.message}" for d in found_in(game)]
+    return [f"{d.code} {d.message}" for d in errors_in(game)]
 
 
 END = "; whole numbers end at 2147483647"
@@ -81,22 +72,22 @@ def test_what_can_leave_int32_is_refused(game: str, message: str) -> None:
 
 def test_the_bound_that_helps_is_the_largest_that_does() -> None:
     def help_of(game: str) -> str:
-        (only,) = found_in(game)
+        (only,) = errors_in(game)
         return only.hint
 
     squared = text("tally hits by k * k", "param k : count = 99999", metrics=HITS)
     assert help_of(squared) == "`k` can be 46340 at most"
-    assert not found_in(squared.replace("99999", "46340"))
-    assert found_in(squared.replace("99999", "46341"))
+    assert not errors_in(squared.replace("99999", "46340"))
+    assert errors_in(squared.replace("99999", "46341"))
     pot = text("each agent { add 999999999 to pot }", POT)
     assert help_of(pot) == "it can be 286870911 at a time at most"
-    assert not found_in(pot.replace("999999999", "286870911"))
+    assert not errors_in(pot.replace("999999999", "286870911"))
     counted = text("each agent { tally hits by 999999999 }  tally hits by 3", metrics=HITS)
     assert help_of(counted) == "it can be 536870911 at a time at most"
-    assert not found_in(counted.replace("999999999", "536870911"))
+    assert not errors_in(counted.replace("999999999", "536870911"))
     guarded = text("tally hits by big * 3", "field big : 0 .. 1000000000 = 0", metrics=HITS)
     assert help_of(guarded) == "guard it with `when big <= 715827882`, or see to it that `big` has a smaller range"
-    assert not found_in(guarded.replace("tally hits by big * 3", "when big <= 715827882 { tally hits by big * 3 }"))
+    assert not errors_in(guarded.replace("tally hits by big * 3", "when big <= 715827882 { tally hits by big * 3 }"))
 
 
 @pytest.mark.parametrize(
@@ -128,8 +119,8 @@ def test_what_cannot_leave_int32_is_accepted(game: str) -> None:
 
 @pytest.mark.parametrize(("episode", "code"), [("0", "SJ214"), ("-5", "SJ214"), ("7 * 0", "SJ214"), ("days - 4", "SJ214"), ("20 - step", "SJ216"), ("2147483647 + 1", "SJ214")])  # fmt: skip
 def test_an_episode_has_a_length(episode: str, code: str) -> None:
-    assert [d.code for d in found_in(text(declared="param days : steps = 4", episode=episode))] == [code]
-    assert not found_in(text(declared="param days : steps = 4", episode="days - 3"))
+    assert [d.code for d in errors_in(text(declared="param days : steps = 4", episode=episode))] == [code]
+    assert not errors_in(text(declared="param days : steps = 4", episode="days - 3"))
 
 
 def test_every_range_of_whole_numbers_has_a_module_of_its_own() -> None:
@@ -256,7 +247,7 @@ def test_an_expression_is_refused_if_and_only_if_a_part_of_it_leaves_int32_at_so
         e = random_expression(rng, list(fields), 3, "+ - * min max neg")
         game = text(f"when {written(e)} > 0 {{ tally hits }}", declared(fields, dict.fromkeys(fields, 0)), metrics=HITS)
         leaving = any(not LOWEST <= value(part, at) <= HIGHEST for part in parts_of(e) for at in corners(e))
-        assert any(d.code == "SJ218" for d in found_in(game)) == leaving, written(e)
+        assert any(d.code == "SJ218" for d in errors_in(game)) == leaving, written(e)
         refused += leaving
     assert 60 < refused < 240
 
@@ -269,7 +260,7 @@ def test_what_is_accepted_is_computed_as_unbounded_integers_are(tmp_path: Path) 
     while len(accepted) < many:
         e = random_expression(rng, rng.sample(fields, len(fields)), 4, "+ - * % min max neg")
         counted = f"tally hits by max({written(e)}, 0)  tally hits by max(0 - {written(e)}, 0)"
-        if len(set(leaves(e))) > 1 and not found_in(text(counted, declared(fields, dict.fromkeys(fields, 0)), metrics=HITS)):
+        if len(set(leaves(e))) > 1 and not errors_in(text(counted, declared(fields, dict.fromkeys(fields, 0)), metrics=HITS)):
             accepted.append(e)
     names = [(f"up{i}", f"down{i}") for i in range(many)]
     rules = [

@@ -1,35 +1,39 @@
 """Maps as the manual draws them: glyphs of cells, agents over them as arrows."""
 
+from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
 from sjdsl.compiler import ir
 
-from .plays import HEADINGS, Place, View
+from .plays import HEADINGS, Picture, Place, View
 
 ARROWS = dict(zip("^>v<", HEADINGS, strict=True))
-Cells = dict[tuple[str, str], list[Any]]
+
+
+def places_of(game: ir.Game) -> Iterator[tuple[int, int, str, int]]:
+    """Yields the row and column of each cell, its kind, and the number of the cell among those of its kind."""
+    number: Counter[str] = Counter()
+    for r, row in enumerate(game.rows):
+        for c, glyph in enumerate(row):
+            kind = kind_of(game, glyph)
+            yield r, c, kind, number[kind]
+            number[kind] += 1
 
 
 def draw(game: ir.Game, view: View) -> list[str]:
     """Returns the rows of the map as they look now; a cell in a state without a glyph has its kind's own."""
     arrows = {place: arrow for arrow, h in ARROWS.items() for place, heading in zip(view.places, view.heading, strict=True) if h == heading}
     arrows |= {place: sort.glyph for sort in game.movers for place in view.herds[sort.name] if place is not None}
-    number: dict[str, int] = {}
-    rows = []
-    for r, row in enumerate(game.rows):
-        drawn = ""
-        for c, glyph in enumerate(row):
-            kind = kind_of(game, glyph)
-            index = number.setdefault(kind, 0)
-            number[kind] += 1
-            here = {name: values[index] for (k, name), values in view.cells.items() if k == kind}
-            drawn += arrows.get((r, c)) or glyph_of(game, kind, here)
-        rows.append(drawn)
+    rows = [""] * len(game.rows)
+    for r, c, kind, index in places_of(game):
+        here = {name: values[index] for (k, name), values in view.cells.items() if k == kind}
+        rows[r] += arrows.get((r, c)) or glyph_of(game, kind, here)
     return rows
 
 
-def read(game: ir.Game, rows: list[str], view: View) -> tuple[list[Place], list[str], Cells, dict[str, list[Place]]]:
-    """Returns what a picture shows: agents in reading order, their headings, the fields its glyphs speak of, and movers in reading order."""
+def read(game: ir.Game, rows: list[str], view: View) -> Picture:
+    """Returns what a picture shows; of the fields of cells, those that its glyphs speak of."""
     assert [len(r) for r in rows] == [len(r) for r in game.rows], "the picture is not as large as the map"
     places: list[Place] = []
     heading: list[str] = []
@@ -37,25 +41,20 @@ def read(game: ir.Game, rows: list[str], view: View) -> tuple[list[Place], list[
     sorts = {sort.glyph: sort.name for sort in game.movers}
     told = {(g.kind, name) for g in game.glyphs for name in meaning(game, g.glyph)}
     cells = {key: list(values) for key, values in view.cells.items() if key in told}
-    number: dict[str, int] = {}
-    for r, row in enumerate(rows):
-        for c, glyph in enumerate(row):
-            kind = kind_of(game, game.rows[r][c])
-            index = number.setdefault(kind, 0)
-            number[kind] += 1
-            if glyph in ARROWS:
-                places.append((r, c))
-                heading.append(ARROWS[glyph])
-                continue
-            if glyph in sorts:
-                herds[sorts[glyph]].append((r, c))
-                continue
+    for r, c, kind, index in places_of(game):
+        glyph = rows[r][c]
+        if glyph in ARROWS:
+            places.append((r, c))
+            heading.append(ARROWS[glyph])
+        elif glyph in sorts:
+            herds[sorts[glyph]].append((r, c))
+        else:
             assert kind_of(game, glyph) == kind, f"row {r}, column {c}: the map has no `{glyph}` there"
             for name, value in meaning(game, glyph).items():
                 cells[kind, name][index] = value
     assert len(places) == game.agents.number, f"{len(places)} agents in the picture, not {game.agents.number}"
     assert all(len(herds[sort.name]) == sort.number for sort in game.movers), f"the picture has the movers {herds}"
-    return places, heading, cells, herds
+    return Picture(places, heading, cells, herds)
 
 
 def kind_of(game: ir.Game, glyph: str) -> str:

@@ -1,8 +1,8 @@
 """Ways to play an example, seen alike: the reference interpreter, and the compiled step on JAX and on NumPy."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -20,6 +20,15 @@ QUICK = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes
 STEADY = (0, 2**32 - 1)  # with these random numbers no policy draws a move
 Key = tuple[int, int]
 Place = tuple[int, int] | None
+
+
+class Picture(NamedTuple):
+    """What a picture of a map shows: agents in reading order, their headings, fields of cells, and movers of each sort in reading order."""
+
+    places: Sequence[Place]
+    heading: Sequence[str]
+    cells: dict[tuple[str, str], list[Any]]
+    herds: dict[str, list[Place]]
 
 
 @dataclass
@@ -55,9 +64,7 @@ class Play(Protocol):
 
     def reset(self, key: Key) -> View: ...
 
-    def arrange(
-        self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]], herds: dict[str, list[Place]]
-    ) -> View:
+    def arrange(self, picture: Picture) -> View:
         """Puts agents, movers and cells as a picture shows them."""
         ...
 
@@ -75,34 +82,22 @@ class Interpreted:
         self.world = reset(self.game, self.params, Threefry(*key))
         return self._view()
 
-    def arrange(
-        self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]], herds: dict[str, list[Place]]
-    ) -> View:
-        for sort, at in herds.items():
+    def arrange(self, picture: Picture) -> View:
+        for sort, at in picture.herds.items():
             self.world.movers[sort].position = [None if p is None else Cell(*p) for p in at]
-        self.world.position = [None if p is None else Cell(*p) for p in places]
-        self.world.heading = [HEADINGS.index(h) for h in heading]
-        self.world.cells |= {key: list(values) for key, values in cells.items()}
+        self.world.position = [None if p is None else Cell(*p) for p in picture.places]
+        self.world.heading = [HEADINGS.index(h) for h in picture.heading]
+        self.world.cells |= {key: list(values) for key, values in picture.cells.items()}
         return self._view()
 
     def step(self, actions: Sequence[int], key: Key) -> View:
         self.world, out = step(self.game, self.world, actions, self.params, Threefry(*key))
         view = self._view()
         view.reward = [float(r) for r in out.reward]
-        view.events = self._events(out.events)
+        view.events = _events(self.game, out.events.__getitem__)
         view.metrics = {name: float(value) for name, value in out.measures.items()}
         view.truncated, view.terminated = out.truncated and not out.terminated, out.terminated
         return view
-
-    def _events(self, counts: dict[str, Any]) -> dict[str, Any]:
-        found: dict[str, Any] = {}
-        for event in self.game.events:
-            count = counts[event.name]
-            if not event.by:
-                found[event.name] = count
-            for number, word in enumerate(event.by.keys if event.by else ()):
-                found[f"{event.name}[{word}]"] = [c[number] for c in count] if event.per_agent else count[number]
-        return found
 
     def _view(self) -> View:
         world = self.world
@@ -130,6 +125,18 @@ def _plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_plain(v) for v in value]
     return float(value) if isinstance(value, np.floating) else value
+
+
+def _events(game: ir.Game, count_of: Callable[[str], Any]) -> dict[str, Any]:
+    """Returns the counts of events by name, of a row entry by entry."""
+    found: dict[str, Any] = {}
+    for event in game.events:
+        count = np.asarray(count_of(event.name))
+        if event.by is None:
+            found[event.name] = count.tolist()
+        for number, word in enumerate(event.by.keys if event.by else ()):
+            found[f"{event.name}[{word}]"] = count[..., number].tolist()
+    return found
 
 
 def plane_names(game: ir.Game) -> dict[str, tuple[int, tuple[str, ...]]]:
@@ -169,20 +176,16 @@ class Compiled:
         self.state, seen = self.begin(np.array(key, np.uint32))
         return self._view(seen)
 
-    def arrange(
-        self, places: Sequence[Place], heading: Sequence[str], cells: dict[tuple[str, str], list[Any]], herds: dict[str, list[Place]]
-    ) -> View:
+    def arrange(self, picture: Picture) -> View:
         from sjdsl.compiler.ir.names import attribute_name
 
         (_, cols), pad = self.module.FRAME, self.module.PAD
         changed: dict[str, Any] = {
             f"{sort}_position".lstrip("_"): np.array([0 if p is None else (p[0] + pad) * cols + p[1] + pad for p in at], np.int32)
-            for sort, at in {"": places, **herds}.items()
+            for sort, at in {"": picture.places, **picture.herds}.items()
         }
-        changed |= {
-            "heading": np.array([HEADINGS.index(h) for h in heading], np.int32),
-        }
-        for (kind, name), values in cells.items():
+        changed["heading"] = np.array([HEADINGS.index(h) for h in picture.heading], np.int32)
+        for (kind, name), values in picture.cells.items():
             declared = next(f for k in self.game.kinds if k.name == kind for f in k.fields if f.name == name)
             attribute = attribute_name(declared)
             coded = [declared.type.words.index(v) if declared.type.kind == "word" else v for v in values]
@@ -191,26 +194,16 @@ class Compiled:
         return self._view(None)
 
     def step(self, actions: Sequence[int], key: Key) -> View:
+        from sjdsl.compiler.ir.names import param_attribute
+
         self.state, out, measures, last, seen = self.run(self.state, np.array(actions, np.int32), np.array(key, np.uint32))
         view = self._view(seen)
         view.reward = [float(r) for r in out.reward]
-        view.events = self._events(out)
+        view.events = _events(self.game, lambda name: getattr(out, f"event_{param_attribute(name)}"))
         view.metrics = {name: float(value) for name, value in measures.items()}
         view.terminated = bool(out.ended)
         view.truncated = bool(last) and not view.terminated
         return view
-
-    def _events(self, out: Any) -> dict[str, Any]:
-        from sjdsl.compiler.ir.names import param_attribute
-
-        found: dict[str, Any] = {}
-        for event in self.game.events:
-            count = np.asarray(getattr(out, f"event_{param_attribute(event.name)}"))
-            if not event.by:
-                found[event.name] = count.tolist()
-            for number, word in enumerate(event.by.keys if event.by else ()):
-                found[f"{event.name}[{word}]"] = count[..., number].tolist()
-        return found
 
     def _view(self, seen: Any) -> View:
         state, (_, cols), pad = self.state, self.module.FRAME, self.module.PAD

@@ -113,7 +113,7 @@ def perform(script: Script, game: ir.Game, play: Play, other: Callable[[str, int
                     steps += 1
                     view = play.step(_actions(game, view, step.group(2), line), (run, steps))
             elif text.startswith("before "):
-                view = play.arrange(*pictures.read(game, _TEXT.findall(text), view))
+                view = play.arrange(pictures.read(game, _TEXT.findall(text), view))
             elif equal := _EQUAL.fullmatch(text):
                 there, path = other(equal.group(2), run, steps), equal.group(3)
                 same = values_of(game, view, path) == values_of(game, there, path)

@@ -13,7 +13,7 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics import limits
 from sjdsl.compiler.diagnostics.explanations import all_codes
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate import declarations, lookup, observations, shapes, windows
+from sjdsl.compiler.elaborate import declarations, lookup, observations, shapes
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.ir import types
 from sjdsl.compiler.ir.operations import FUNCTIONS
@@ -32,7 +32,7 @@ WORDS_OF_RULES = {
     "attributes": (*lookup.AGENT_ATTRIBUTES, *lookup.CELL_ATTRIBUTES),
     "shapes": (*shapes.BUILT_IN, "centre"),
     "facings": get_args(Facing),
-    "sides of the window": windows.SIDES,
+    "sides of the window": observations.SIDES,
     "whose fields are seen": observations.OWNERS,
     "frames of moves": ("relative", "compass"),
     "checks": ("random", "never", "falling", "rising", "agents", "mirror"),

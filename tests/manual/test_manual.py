@@ -4,7 +4,7 @@ Quickly in the reference interpreter; once more in the compiled step beside the 
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
@@ -22,22 +22,12 @@ from .blocks import Example, blocks, examples
 from .plays import Compiled, Interpreted, OnNumPy, Play, View
 from .scripts import given_params, perform, read_script
 
-# What is known to be wrong, by the name of an example: with the compiler's front, or only with the compiled step. To be
-# emptied: an example that begins to pass fails here.
-KNOWN_FAULTS: dict[str, str] = {}
-KNOWN_DIFFERENCES: dict[str, str] = {}
 
-
-def chosen(wanted: Callable[[Example], bool], known: Mapping[str, str] = KNOWN_FAULTS, one_of: int = 1) -> pytest.MarkDecorator:
-    """Returns the parametrisation of a test over the examples wanted; those with a known fault are expected to fail.
-
-    All but one of `one_of` are marked slow.
-    """
+def chosen(wanted: Callable[[Example], bool], one_of: int = 1) -> pytest.MarkDecorator:
+    """Returns the parametrisation of a test over the examples wanted, all but one of `one_of` marked slow."""
     params = []
     for number, example in enumerate(filter(wanted, examples())):
-        fault = known.get(example.name)
-        marks = [pytest.mark.xfail(reason=fault, strict=True)] if fault else []
-        marks += [pytest.mark.slow] if number % one_of else []
+        marks = [pytest.mark.slow] if number % one_of else []
         params.append(pytest.param(example, id=example.name, marks=marks))
     return pytest.mark.parametrize("example", params)
 
@@ -120,13 +110,13 @@ def rest(name: str, seed: int, steps: int, folder: Path) -> View:
     return view
 
 
-@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES)
+@chosen(lambda e: not e.said("error"))
 def test_compiled_example_on_numpy_equals_the_interpreted(example, folder):
     compare_with_compiled(example, folder, OnNumPy)
 
 
 @pytest.mark.thorough
-@chosen(lambda e: not e.said("error"), KNOWN_FAULTS | KNOWN_DIFFERENCES, one_of=20)
+@chosen(lambda e: not e.said("error"), one_of=20)
 def test_compiled_example_equals_the_interpreted(example, folder):
     compare_with_compiled(example, folder, Compiled)
 
@@ -153,8 +143,8 @@ class Both:
     def reset(self, key):
         return self._same([play.reset(key) for play in self.plays])
 
-    def arrange(self, places, heading, cells, herds):
-        return self._same([play.arrange(places, heading, cells, herds) for play in self.plays])
+    def arrange(self, picture):
+        return self._same([play.arrange(picture) for play in self.plays])
 
     def step(self, actions, key):
         return self._same([play.step(actions, key) for play in self.plays])

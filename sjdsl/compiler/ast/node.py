@@ -1,8 +1,11 @@
 """The base class of AST nodes: frozen dataclasses, equal by content."""
 
 from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.diagnostics.tree import TreeNode
 
 
 class Node(Record, TreeNode["Node"]):
-    """One part of a text; its first field is its `span`."""
+    """One part of a text, at its `span`."""
+
+    span: Span

@@ -4,39 +4,31 @@ from __future__ import annotations
 
 from typing import Literal
 
-from sjdsl.compiler.ast.expressions import Domain, Expr, Name, Path, ShapeRef, Table, Words
+from sjdsl.compiler.ast.expressions import Domain, Expr, Name, Named, Path, ShapeRef, Table, Words
 from sjdsl.compiler.ast.node import Node
-from sjdsl.compiler.diagnostics.source import Span
 
 
 class Block(Node):
-    span: Span
     statements: tuple[Stmt, ...]
 
 
-class Let(Node):
-    span: Span
-    name: Name
+class Let(Named):
     value: Expr
 
 
-class Draw(Node):
+class Draw(Named):
     """`from a .. b` has high; `from { w, w }` has Words; `from { w: p }` has Table."""
 
-    span: Span
-    name: Name
     source: Expr | Words | Table
     high: Expr | None
 
 
 class Each(Node):
-    span: Span
     domain: Domain
     block: Block
 
 
 class Pick(Node):
-    span: Span
     number: Expr
     domain: Domain
     block: Block
@@ -44,14 +36,12 @@ class Pick(Node):
 
 
 class First(Node):
-    span: Span
     domain: Domain
     block: Block
     otherwise: Otherwise | None
 
 
 class Match(Node):
-    span: Span
     left: Domain
     first: bool
     right: Domain
@@ -59,14 +49,12 @@ class Match(Node):
 
 
 class When(Node):
-    span: Span
     condition: Expr
     block: Block
     otherwise: Otherwise | None
 
 
 class Chance(Node):
-    span: Span
     probability: Expr
     block: Block
     otherwise: Otherwise | None
@@ -78,14 +66,12 @@ Otherwise = Block | When | Chance
 class Set(Node):
     """lot: the name after `by` (must be `lot`)."""
 
-    span: Span
     target: Path
     value: Expr
     lot: Name | None
 
 
 class Add(Node):
-    span: Span
     value: Expr
     target: Path
 
@@ -93,18 +79,15 @@ class Add(Node):
 class All(Node):
     """`all`, or `all but x`"""
 
-    span: Span
     but: Name | None
 
 
 class Give(Node):
-    span: Span
     value: Expr
     receiver: Path | All
 
 
 class Tally(Node):
-    span: Span
     event: Path
     by: Expr | None
     receiver: Path | None
@@ -113,7 +96,6 @@ class Tally(Node):
 class Send(Node):
     """To a domain of cells, or to the cell of a path; stay: the name after `otherwise` (must be `stay`)."""
 
-    span: Span
     who: Path
     domain: Domain | Path
     after: Expr | None
@@ -124,7 +106,6 @@ class Send(Node):
 class Direction(Node):
     """`along` a path that is a heading (or `ahead`, `back`, `left`, `right`), `away` from it, or `toward` it."""
 
-    span: Span
     how: Literal["along", "away", "toward"]
     path: Path
 
@@ -132,7 +113,6 @@ class Direction(Node):
 class Shift(Node):
     """`send x by n DIRECTION`; stay: the name after `otherwise` (must be `stay`)."""
 
-    span: Span
     who: Path
     steps: Expr
     direction: Direction
@@ -141,35 +121,30 @@ class Shift(Node):
 
 
 class Remove(Node):
-    span: Span
     who: Path
 
 
 class Toward(Node):
     """`toward D avoiding E`, or `away from D avoiding E`"""
 
-    span: Span
     domain: Domain
     avoided: Domain | None
 
 
 class AwayFrom(Node):
-    span: Span
     domain: Domain
     avoided: Domain | None
 
 
 class AtRandom(Node):
-    span: Span
     avoided: Domain | None
 
 
 class Ahead(Node):
-    span: Span
+    """`ahead`"""
 
 
 class Along(Node):
-    span: Span
     heading: Expr
 
 
@@ -179,19 +154,17 @@ Course = Toward | AwayFrom | AtRandom | Ahead | Along
 class Move(Node):
     """Agents move as they chose; movers take a `course`."""
 
-    span: Span
     domain: Domain
     course: Course | None
 
 
 class Mark(Node):
-    span: Span
     shape: ShapeRef
     anchor: Name
 
 
 class End(Node):
-    span: Span
+    """`end`"""
 
 
 Stmt = Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End

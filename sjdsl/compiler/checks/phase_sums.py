@@ -4,7 +4,7 @@ All that is added to an entry in a phase, and all that is counted of an event in
 quantifiers around it have members, but for the one whose member is the target: each of these has a sum of its own.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from math import inf
 from typing import Literal, NamedTuple
@@ -45,24 +45,31 @@ class Sum(NamedTuple):
     high: float
     part: Part
 
+    def times(self, number: float) -> "Sum":
+        """Returns the sum of a block that happens so often."""
+        low, high = times(self.low, number), times(self.high, number)
+        return Sum(low, high, self.part._replace(often=times(self.part.often, number)))
+
 
 Sums = dict[Target, Sum]
 
 
-def _both(a: Sum, b: Sum) -> Sum:
-    return Sum(a.low + b.low, a.high + b.high, max(a.part, b.part, key=lambda part: part.most))
+def merged(sums: Iterable[Sums], all_happen: bool = True) -> Sums:
+    """Returns the sums of several blocks that all happen, or of which one does.
 
-
-def _either(a: Sum, b: Sum) -> Sum:
-    return Sum(min(a.low, b.low), max(a.high, b.high), max(a.part, b.part, key=lambda part: part.most))
-
-
-def merged(sums: Iterable[Sums], join: Callable[[Sum, Sum], Sum] = _both) -> Sums:
-    """Returns the sums of several blocks; all sums have 0 in their interval, as statements may not happen."""
+    All sums have 0 in their interval, as statements may not happen.
+    """
     found: Sums = {}
     for one in sums:
         for target, own in one.items():
-            found[target] = join(found[target], own) if target in found else own
+            other = found.get(target)
+            if other is None:
+                found[target] = own
+                continue
+            part = max(other.part, own.part, key=lambda part: part.most)
+            low = other.low + own.low if all_happen else min(other.low, own.low)
+            high = other.high + own.high if all_happen else max(other.high, own.high)
+            found[target] = Sum(low, high, part)
     return found
 
 
@@ -74,11 +81,7 @@ def sums_of(phase: ir.Phase, here: Here) -> Sums:
 def _often(sums: Sums, number: float, members: tuple[ir.Member | None, ...] = ()) -> Sums:
     """Returns the sums of a block that happens for so many members; to each of them as its own, once."""
     own = {member.name for member in members if member is not None}
-    return {target: s if target.owner in own else _repeated(s, number) for target, s in sums.items()}
-
-
-def _repeated(s: Sum, number: float) -> Sum:
-    return Sum(times(s.low, number), times(s.high, number), s.part._replace(often=times(s.part.often, number)))
+    return {target: s if target.owner in own else s.times(number) for target, s in sums.items()}
 
 
 def block(body: tuple[ir.Stmt, ...], here: Here) -> Sums:
@@ -89,8 +92,8 @@ def block(body: tuple[ir.Stmt, ...], here: Here) -> Sums:
             case ir.Let(name=name, value=value) if value.type.kind in ("int", "real"):
                 here = replace(here, locals={**here.locals, name: interval_of(value, here)})
             case ir.Draw(name=name, low=ir.Expression() as low, high=ir.Expression() as high):
-                ends = interval_of(low, here), interval_of(high, here)
-                here = replace(here, locals={**here.locals, name: (ends[0][0], ends[1][1])})
+                (first, _), (_, last) = interval_of(low, here), interval_of(high, here)
+                here = replace(here, locals={**here.locals, name: (first, last)})
             case _:
                 found.append(_statement(statement, here))
     return merged(found)
@@ -105,7 +108,13 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
             sums = block(s.body, inside(s.right, inside(s.left, here)))
             return _often(sums, min(numbers), (s.left.var, s.left.on, s.right.var, s.right.on))
         case ir.When() | ir.Chance():
-            return _branched(s, here)
+            found = []
+            for branch in s.branches:
+                visit(branch.test, here)
+                known = here.knowing(branch.test) if isinstance(s, ir.When) else here
+                found.append(block(branch.body, known))
+                here = here.knowing(branch.test, holds=False) if isinstance(s, ir.When) else here
+            return merged([*found, block(s.otherwise, here)], all_happen=False)
         case ir.Set():
             _set(s, here)
             return {}
@@ -151,21 +160,9 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
     if isinstance(s, ir.Each):
         return _often(sums, number, members)
     other = block(s.otherwise, here)  # of a `pick` once, of `first` in each lane without a member
-    if isinstance(s, ir.First):
-        return _often(merged([sums, other], _either), number)
-    return merged([_often(sums, number, members), other], _either)
-
-
-def _branched(s: ir.When | ir.Chance, here: Here) -> Sums:
-    found = []
-    for branch in s.branches:
-        visit(branch.test, here)
-        if isinstance(s, ir.When):
-            found.append(block(branch.body, here.knowing(branch.test)))
-            here = here.knowing(branch.test, holds=False)
-        else:
-            found.append(block(branch.body, here))
-    return merged([*found, block(s.otherwise, here)], _either)
+    either = [sums if isinstance(s, ir.First) else _often(sums, number, members), other]
+    found = merged(either, all_happen=False)
+    return _often(found, number) if isinstance(s, ir.First) else found
 
 
 def _set(s: ir.Set, here: Here) -> None:

@@ -1,17 +1,17 @@
 """Checks the placement of agents: `phase start` places every agent, and no `send` can run out of free cells unnoticed."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.start_values import Place, holds_at_start, places, reads_only_fields
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.queries import body_sort, phases_of
@@ -39,26 +39,16 @@ class Pool:
 
 def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Reports agents and movers without a place at the start, and sends without enough cells."""
-    _check_start(game, problems)
-    for phase in phases_of(game):
-        _check_capacity(phase, game, problems, sources)
-
-
-def _sorts(game: ir.Game) -> dict[ir.Sort, int]:
-    """Returns how many agents there are, and how many movers of each sort."""
-    return {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
-
-
-def _bodies(game: ir.Game) -> list[Body]:
-    return [Body(sort, number) for sort, many in _sorts(game).items() for number in range(many)]
-
-
-def _check_start(game: ir.Game, problems: Problems) -> None:
-    for sort, many in _sorts(game).items():
+    sorts = {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
+    for sort, many in sorts.items():
         missing = [i for i in range(many) if not _always_sent(game.start.body, Body(sort, i))]
         if missing:
             who = f"{sort.name} {missing[0]}" if len(missing) == 1 else f"{sort.plural} {missing[0]} .. {missing[-1]}"
             problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort.name))
+    bodies = [Body(sort, number) for sort, many in sorts.items() for number in range(many)]
+    for phase in phases_of(game):
+        for problem in _without_room(phase, game, bodies, sources):
+            problems.add(problem)
 
 
 def _is_of(who: ir.Expr, agent: Body) -> bool:
@@ -68,59 +58,50 @@ def _is_of(who: ir.Expr, agent: Body) -> bool:
 def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
     """Returns whether the statements certainly send this agent or mover (they stand in an `each` of all of them)."""
     for s in body:
+        sent = False
         match s:
-            case ir.Send() if s.after is None and not s.stay and _is_of(s.who, agent):
-                return True
+            case ir.Send():
+                sent = s.after is None and not s.stay and _is_of(s.who, agent)
             case ir.Each(domain=ir.Domain(on=None, restriction=None)) if _is_of(s.domain.var, agent):
-                if s.domain.where is None or _decide(s.domain.where, agent) is True:
-                    if _always_sent(s.body, agent):
-                        return True
+                sent = (s.domain.where is None or _decide(s.domain.where, agent) is True) and _always_sent(s.body, agent)
             case ir.When():
-                if _branches_send(s, agent):
-                    return True
+                sent = all(_always_sent(way, agent) for way in _ways(s, agent))
             case ir.Chance():
-                if s.otherwise and all(_always_sent(b, agent) for b in (*(b.body for b in s.branches), s.otherwise)):
-                    return True
+                sent = bool(s.otherwise) and all(_always_sent(b, agent) for b in (*(b.body for b in s.branches), s.otherwise))
             case _:
                 pass
+        if sent:
+            return True
     return False
 
 
-def _branches_send(s: ir.When, agent: Body) -> bool:
+def _ways(s: ir.When, agent: Body) -> list[tuple[ir.Stmt, ...]]:
+    """Returns the ways through a `when` that are open to this agent, as far as conditions on its index tell."""
+    found = []
     for branch in s.branches:
         decided = _decide(branch.test, agent)
-        if decided is False:
-            continue
-        if not _always_sent(branch.body, agent):
-            return False
+        if decided is not False:
+            found.append(branch.body)
         if decided is True:
-            return True
-    return _always_sent(s.otherwise, agent)
+            return found
+    return [*found, s.otherwise]
 
 
 def _decide(test: ir.Expr, agent: Body) -> bool | None:
     """Returns whether a condition holds for this agent, if that follows from its index alone."""
-    parts = [_decide_one(p, agent) for p in conjuncts(test)]
-    if False in parts:
-        return False
-    return True if all(p is True for p in parts) else None
-
-
-def _decide_one(test: ir.Expr, agent: Body) -> bool | None:
     match test:
+        case ir.Named():
+            return _decide(test.value, agent)
+        case ir.Logic():
+            parts = [_decide(a, agent) for a in test.args]
+            ends = test.fn == "or"  # what one part being so decides
+            return ends if ends in parts else None if None in parts else not ends
         case ir.Not():
             inner = _decide(test.value, agent)
             return None if inner is None else not inner
-        case ir.Logic(fn="or"):
-            parts = [_decide(a, agent) for a in test.args]
-            if True in parts:
-                return True
-            return False if all(p is False for p in parts) else None
         case ir.Compare():
             left, right = _number(test.left, agent), _number(test.right, agent)
-            if left is None or right is None:
-                return None
-            return bool(COMPARISONS[test.fn].holds(left, right))
+            return None if left is None or right is None else bool(COMPARISONS[test.fn].holds(left, right))
         case ir.Truth():
             return test.value
         case _:
@@ -142,9 +123,10 @@ def _number(e: ir.Expr, agent: Body) -> float | None:
             return None
 
 
-def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems, sources: Mapping[str, Source]) -> None:
+def _without_room(phase: ir.Phase, game: ir.Game, bodies: list[Body], sources: Mapping[str, Source]) -> Iterator[Diagnostic]:
+    """Yields what is wrong with the sends of a phase to destinations that may have too few free cells."""
     pools: dict[int, Pool] = {}
-    for agent in _bodies(game):
+    for agent in bodies:
         for send in _possible_sends(phase.body, agent):
             pool = pools.setdefault(send.pool, Pool())
             pool.reached.add(agent)
@@ -152,85 +134,72 @@ def _check_capacity(phase: ir.Phase, game: ir.Game, problems: Problems, sources:
                 pool.sends.append(send)
     earlier: list[Pool] = []
     for pool in pools.values():
-        lacking = [s for s in pool.sends if not s.stay]
+        lacking = next((s for s in pool.sends if not s.stay), None)
         sharing = [p for p in earlier if set(p.kinds) & set(pool.kinds)]
-        if lacking and phase is game.start:
-            _check_room_at_start(pool, sharing, lacking[0], game, problems, sources)
-        elif lacking:
-            _check_room(pool, sharing, lacking[0], game, problems, sources)
         earlier.append(pool)
-
-
-def _as_written(domain: ir.Domain, sources: Mapping[str, Source]) -> str:
-    """Returns a destination as its author wrote it, on one line."""
-    span = domain.origin
-    if span is None or span.file not in sources:
-        return domain_text(domain)
-    return " ".join(re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split())
+        if lacking is None:
+            continue
+        domain = pool.sends[0].domain
+        place, span = domain_text(domain), domain.origin
+        if span is not None and span.file in sources:  # as its author wrote it, on one line
+            place = " ".join(re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split())
+        if phase is game.start:
+            yield from _without_room_at_start(pool, sharing, lacking.span, place, game)
+            continue
+        # besides all agents and movers, those may be in the way that were sent to the same cells before: in their new and in their old places
+        needed = len(bodies) + len({agent for p in sharing for agent in p.reached})
+        cells = len(places(game, domain.var.kinds))
+        if domain.where is not None:
+            yield errors.NoFreeCell(lacking.span, place=place)
+        elif cells < needed:
+            movers = " or movers" if game.movers else ""
+            yield errors.TooFewFreeCells(lacking.span, place=place, cells=cells, agents=needed, movers=movers)
 
 
 def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
-    """Returns the sends that may reach this agent, as far as conditions on its index tell."""
+    """Returns the sends that may reach this agent, as far as conditions on its index tell.
+
+    What a condition on its index excludes is looked at all the same where it has quantifiers of its own: these may mean another agent.
+    """
     found: list[ir.Send] = []
     for s in body:
         match s:
             case ir.Send():
-                if _is_of(s.who, agent):
-                    found.append(s)
+                found += [s] if _is_of(s.who, agent) else []
             case ir.Each() | ir.Pick() | ir.First():
-                own = _is_of(s.domain.var, agent) and s.domain.where is not None
-                if not (own and _decide(s.domain.where, agent) is False and _innermost(s.body)):  # type: ignore[arg-type]
+                where = s.domain.where if _is_of(s.domain.var, agent) else None
+                if where is None or _decide(where, agent) is not False or _has_quantifier(s.body):
                     found += _possible_sends(s.body, agent)
-                if not isinstance(s, ir.Each):
-                    found += _possible_sends(s.otherwise, agent)
+                found += () if isinstance(s, ir.Each) else _possible_sends(s.otherwise, agent)
             case ir.Match():
                 found += _possible_sends(s.body, agent)
             case ir.When():
                 found += _when_sends(s, agent)
             case ir.Chance():
-                for branch in s.branches:
-                    found += _possible_sends(branch.body, agent)
-                found += _possible_sends(s.otherwise, agent)
+                for part in (*(branch.body for branch in s.branches), s.otherwise):
+                    found += _possible_sends(part, agent)
             case _:
                 pass
     return found
 
 
-def _innermost(body: tuple[ir.Stmt, ...]) -> bool:
-    return not any(isinstance(n, ir.Each | ir.Pick | ir.First | ir.Match) for s in body for n in ir.walk(s))
+def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
+    return any(isinstance(n, ir.Each | ir.Pick | ir.First | ir.Match) for s in body for n in ir.walk(s))
 
 
 def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
     found: list[ir.Send] = []
     for branch in s.branches:
         decided = _decide(branch.test, agent)
-        if decided is not False or not _innermost(branch.body):
+        if decided is not False or _has_quantifier(branch.body):
             found += _possible_sends(branch.body, agent)
-        if decided is True and _innermost(branch.body):
+        if decided is True and not _has_quantifier(branch.body):
             return found
     return found + _possible_sends(s.otherwise, agent)
 
 
-def _check_room(
-    pool: Pool, sharing: list[Pool], lacking: ir.Send, game: ir.Game, problems: Problems, sources: Mapping[str, Source]
-) -> None:
-    """Besides all agents and movers, those may be in the way that were sent to the same cells before: in their new and in their old places."""
-    domain, needed = pool.sends[0].domain, len(_bodies(game)) + len({agent for p in sharing for agent in p.reached})
-    cells = len(places(game, domain.var.kinds)) if domain.where is None else 0
-    place = _as_written(domain, sources)
-    if domain.where is not None:
-        problems.add(errors.NoFreeCell(lacking.span, place=place))
-    elif cells < needed:
-        movers = " or movers" if game.movers else ""
-        problems.add(errors.TooFewFreeCells(lacking.span, place=place, cells=cells, agents=needed, movers=movers))
-
-
-def _check_room_at_start(
-    pool: Pool, sharing: list[Pool], lacking: ir.Send, game: ir.Game, problems: Problems, sources: Mapping[str, Source]
-) -> None:
+def _without_room_at_start(pool: Pool, sharing: list[Pool], span: Span, place: str, game: ir.Game) -> Iterator[Diagnostic]:
     """Agents take cells in the order of their numbers: each needs more cells that fit than others before it may have taken."""
-    domain, span = pool.sends[0].domain, lacking.span
-    own = any(variables_around(s.domain) for s in pool.sends)
     earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.reached}
     for agent in sorted(pool.reached, key=lambda body: body.number):  # of one sort: each is placed by itself
         sure, possible = _cells_at_start(pool, agent, game)
@@ -238,15 +207,15 @@ def _check_room_at_start(
         earlier[agent] = earlier.get(agent, set()) | possible
         if len(sure) > taken:
             continue
-        place, everybody = _as_written(domain, sources), len({*pool.reached, *earlier})
-        if own:
-            problems.add(errors.TooFewForOne(span, place=place, cells=len(sure), agents=taken, who=f"{agent.sort.name} {agent.number}"))
-        elif domain.where is None:
+        everybody, cells = len({*pool.reached, *earlier}), len(sure)
+        if any(variables_around(s.domain) for s in pool.sends):
+            yield errors.TooFewForOne(span, place=place, cells=cells, agents=taken, who=f"{agent.sort.name} {agent.number}")
+        elif pool.sends[0].domain.where is None:
             who = "agents and movers" if game.movers else "agents"
-            problems.add(errors.TooFewCells(span, kind=place, cells=len(sure), agents=everybody, who=who))
+            yield errors.TooFewCells(span, kind=place, cells=cells, agents=everybody, who=who)
         else:
             movers = " or movers" if game.movers else ""
-            problems.add(errors.TooFewToStart(span, place=place, cells=len(sure), agents=everybody, movers=movers))
+            yield errors.TooFewToStart(span, place=place, cells=cells, agents=everybody, movers=movers)
         return
 
 
@@ -261,9 +230,8 @@ def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place],
             key = place.glyph if by_glyph else place
             if key not in found:
                 found[key] = s.domain.where is None or holds_at_start(s.domain.where, {**known, s.domain.var.name: place}, game)
-            fits = found[key]
-            if fits is not False:
+            if found[key] is not False:
                 possible.add(place)
-            if fits is True:
+            if found[key] is True:
                 sure.add(place)
     return sure, possible

@@ -43,6 +43,12 @@ def reads_only_fields(e: ir.Expr, cell: str) -> bool:
 
 
 def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
+    """Returns what an expression is worth. Raises NotKnown."""
+
+    def value(part: ir.Expr) -> Any:
+        return _value(part, names, game)
+
+    who = names.get(e.owner.name) if isinstance(e, ir.FieldRead | ir.Attribute) and isinstance(e.owner, ir.Member) else None
     match e:
         case ir.Number() | ir.Word() | ir.Truth():
             return e.value
@@ -50,61 +56,30 @@ def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
             return None
         case ir.Step():
             return 0
+        case ir.Unoccupied():
+            return True
         case ir.Member() if e.name in names:
             return names[e.name]
-        case ir.FieldRead():
-            return _start(e, names, game)
-        case ir.At(key=ir.Word()):  # every entry of a row begins with the same value
-            return _value(e.row, names, game)
-        case ir.Attribute():
-            return _attribute(e, names)
-        case ir.Named() | ir.Narrowed():
-            return _value(e.value, names, game)
-        case ir.Arithmetic():
-            return _number(e, names, game)
-        case _:
-            return _condition(e, names, game)
-
-
-def _start(e: ir.FieldRead, names: Mapping[str, Place | int], game: ir.Game) -> Any:
-    if isinstance(e.owner, ir.Member) and e.owner.name in names:
-        place = names[e.owner.name]
-        if isinstance(place, Place):
-            return starts_of(game, next(g for g in game.glyphs if g.glyph == place.glyph))[e.name]
-        fields = movers_named(game, e.held_by.name).fields if e.held_by.what == "mover" else game.agents.fields
-        return next(f.start for f in fields if f.name == e.name)
-    if e.owner is None:
-        return next(f.start for f in game.fields if f.name == e.name)
-    raise NotKnown
-
-
-def _attribute(e: ir.Attribute, names: Mapping[str, Place | int]) -> int:
-    who = names.get(e.owner.name) if isinstance(e.owner, ir.Member) else None
-    match who, e.name:
-        case Place(), "row":
-            return who.row
-        case Place(), "col":
-            return who.col
-        case int(), "index":
+        case ir.FieldRead() if isinstance(who, Place):
+            return starts_of(game, next(g for g in game.glyphs if g.glyph == who.glyph))[e.name]
+        case ir.FieldRead() if e.owner is None or who is not None:
+            of_agents = movers_named(game, e.held_by.name).fields if e.held_by.what == "mover" else game.agents.fields
+            return next(f.start for f in (game.fields if e.owner is None else of_agents) if f.name == e.name)
+        case ir.Attribute(name="row" | "col") if isinstance(who, Place):
+            return who.row if e.name == "row" else who.col
+        case ir.Attribute(name="index") if isinstance(who, int):
             return who
-        case _:
-            raise NotKnown
-
-
-def _number(e: ir.Arithmetic, names: Mapping[str, Place | int], game: ir.Game) -> Any:
-    """Returns what is calculated from whole numbers; reals are rounded in play."""
-    if any(part.type.kind != "int" for part in (e, *e.args)):
-        raise NotKnown
-    row, values = CALCULATIONS[e.fn], [_value(a, names, game) for a in e.args]
-    if row.divisor is not None and not values[row.divisor]:
-        raise NotKnown
-    return row.fold(*values)
-
-
-def _condition(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> bool:
-    match e:
+        case ir.At(key=ir.Word()):  # every entry of a row begins with the same value
+            return value(e.row)
+        case ir.Named() | ir.Narrowed():
+            return value(e.value)
+        case ir.Arithmetic() if all(part.type.kind == "int" for part in (e, *e.args)):  # reals are rounded in play
+            row, values = CALCULATIONS[e.fn], [value(a) for a in e.args]
+            if row.divisor is not None and not values[row.divisor]:
+                raise NotKnown
+            return row.fold(*values)
         case ir.Not():
-            return not _value(e.value, names, game)
+            return not value(e.value)
         case ir.Logic():
             found = [holds_at_start(a, names, game) for a in e.args]
             if (e.fn == "or") in found:
@@ -113,14 +88,12 @@ def _condition(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> b
                 raise NotKnown
             return e.fn == "and"
         case ir.Same():
-            return bool(_value(e.left, names, game) == _value(e.right, names, game))
+            return bool(value(e.left) == value(e.right))
         case ir.Compare():
-            return bool(COMPARISONS[e.fn].holds(_value(e.left, names, game), _value(e.right, names, game)))
+            return bool(COMPARISONS[e.fn].holds(value(e.left), value(e.right)))
         case ir.InRange():
-            return bool(_value(e.low, names, game) <= _value(e.value, names, game) <= _value(e.high, names, game))
+            return bool(value(e.low) <= value(e.value) <= value(e.high))
         case ir.InWords():
-            return _value(e.value, names, game) in e.words
-        case ir.Unoccupied():
-            return True
+            return value(e.value) in e.words
         case _:
             raise NotKnown

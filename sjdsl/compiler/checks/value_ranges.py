@@ -51,12 +51,12 @@ class Here(Record, eq=False):
 
     def knowing(self, condition: ir.Expr, holds: bool = True) -> "Here":
         """Returns this place, where a condition is known to hold (or, with `holds` False, not to hold)."""
-        here, told = self, len(self.played.leaving)
+        here, already = self, len(self.played.leaving)
         for part in conjuncts(condition, holds):
             for subject, fn, other in _comparisons(part):
                 limits = limits_of(fn, subject, interval_of(other, here))
                 here = here if limits is None else here.bounded(subject, limits)
-        del self.played.leaving[told:]  # the condition itself is gone through where it is written
+        del self.played.leaving[already:]  # the condition itself is gone through where it is written
         return here
 
     def bounded(self, e: ir.Expr, limits: Interval) -> "Here":
@@ -88,11 +88,11 @@ def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, i
 def interval_of(e: ir.Expr, here: Here) -> Interval:
     """Returns the interval of a number, of a row that of all its entries; what leaves int32 in it is added to what was found."""
     low, high = _VALUES.get(type(e), _by_type)(e, here)
-    said = here.known.get(form(e), (-inf, inf)) if here.known else (-inf, inf)
-    low, high = max(low, e.type.low, said[0]), min(high, e.type.high, said[1])
+    guarded = here.known.get(form(e), (-inf, inf)) if here.known else (-inf, inf)
+    low, high = max(low, e.type.low, guarded[0]), min(high, e.type.high, guarded[1])
     if e.type.kind == "int" and low <= high and leaves_int32((low, high)):
         here.played.leaving.append(Leaving(e, (low, high), here))
-        return 0, 0  # told once: what is made of it is not at fault
+        return 0, 0  # reported once: what is computed from it is not at fault
     return low, high
 
 
@@ -102,7 +102,7 @@ def leaves_int32(interval: Interval) -> bool:
 
 
 def visit(node: ir.Node, here: Here) -> None:
-    """Goes through a part of the rules that is no statement."""
+    """Goes through a part of the rules that isn't a statement."""
     match node:
         case ir.Logic():
             for part in node.args:

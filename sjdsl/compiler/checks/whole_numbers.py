@@ -40,14 +40,18 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
     if low < 1 or played.leaving:
         value = played.leaving[0].interval[1] if played.leaving else low
         labels = _values_read(game.episode, played)
-        return [
-            errors.OutOfLimits(game.episode.span, labels=labels, name="the number of steps of an episode", value=value, low=1, high=HIGHEST)
-        ]
+        name = "the number of steps of an episode"
+        return [errors.OutOfLimits(game.episode.span, labels=labels, name=name, value=value, low=1, high=HIGHEST)]
     played.steps = high
     phases = _settled(played)
     events = {target: own for target, own in merged(phases).items() if target.sort == "event"}
-    played.totals = {target.name: _total(target, own, played) for target, own in events.items()}
-    _visit_the_rest(game, Here(played))
+    for target, own in events.items():  # how often it is counted in an episode at most, over all agents
+        receivers = game.agents.number if event_named(game, target.name).per_agent else 1
+        played.totals[target.name] = times(own.high, played.steps * receivers)
+    requires = [check for check in game.checks if check.sort == "require"]  # decided in Python's numbers, before the game is played
+    for part in ir.children(game):
+        if not isinstance(part, ir.Phase) and part not in requires:
+            visit(part, Here(played))
     found: list[Diagnostic] = [_of_number(leaving) for leaving in played.leaving]
     found += [_of_sum(errors.TalliedBeyondInt32, target, own, own[:2]) for target, own in events.items() if leaves_int32(own[:2])]
     fields = [pair for sums in phases for pair in sums.items() if pair[0].sort == "field"]
@@ -58,7 +62,10 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
 def _settled(played: Played) -> list[Sums]:
     """Goes through the phases until no timer rises any more, or the episode is over, and returns what each of them adds."""
     game, phases = played.game, phases_of(played.game)
-    starts: dict[Held, float] = {(timer.held_by.what, timer.name): _highest_start(timer, game) for timer in all_fields(game) if timer.timer}
+    starts: dict[Held, float] = {}  # the largest value that each timer begins with on the map
+    for timer in (field for field in all_fields(game) if field.timer):
+        values = [v for glyph in game.glyphs if glyph.kind == timer.held_by.name for name, v in glyph.starts if name == timer.name]
+        starts[timer.held_by.what, timer.name] = max((value for value in values if isinstance(value, int)), default=0)
     played.timers, round_ = starts, 0
     while True:
         played.leaving, played.sets, played.growth = [], {}, {}
@@ -73,26 +80,6 @@ def _settled(played: Played) -> list[Sums]:
         played.timers, round_ = {**played.timers, **rising}, round_ + 1
 
 
-def _highest_start(timer: ir.VarField, game: ir.Game) -> float:
-    """Returns the largest value that a timer begins with on the map."""
-    starts = [value for glyph in game.glyphs if glyph.kind == timer.held_by.name for name, value in glyph.starts if name == timer.name]
-    return max((value for value in starts if isinstance(value, int)), default=0)
-
-
-def _total(target: Target, in_a_step: Sum, played: Played) -> float:
-    """Returns how often an event is counted in an episode at most, over all agents."""
-    receivers = played.game.agents.number if event_named(played.game, target.name).per_agent else 1
-    return times(in_a_step.high, played.steps * receivers)
-
-
-def _visit_the_rest(game: ir.Game, here: Here) -> None:
-    """Goes through what is no phase. A `require` is decided in Python's numbers, before the game is played."""
-    requires = [check for check in game.checks if check.sort == "require"]
-    for part in ir.children(game):
-        if not isinstance(part, ir.Phase) and part not in requires:
-            visit(part, here)
-
-
 def _in_field(added: Sum) -> Interval:
     """Returns what a field can hold before it is brought into its range: its value and all that a phase adds to it."""
     assert isinstance(added.part.statement, ir.Add)
@@ -100,26 +87,21 @@ def _in_field(added: Sum) -> Interval:
     return range_.low + added.low, range_.high + added.high
 
 
-# ---- what is said
+# ---- messages
 
 
 def _of_number(leaving: Leaving) -> Diagnostic:
-    value = leaving.value
+    value, name = leaving.value, text(leaving.value)
+    name = name[1:-1] if isinstance(value, ir.Arithmetic) and name.startswith("(") else name  # as an author would write it
     labels = _values_read(value, leaving.here.played)
     reached, limit = _beyond(leaving.interval)
-    return errors.BeyondInt32(value.span, labels=labels, name=_plain(value), reached=reached, limit=limit, help=_bounded(leaving))
+    return errors.BeyondInt32(value.span, labels=labels, name=name, reached=reached, limit=limit, help=_bounded(leaving))
 
 
 def _beyond(interval: Interval) -> tuple[float, int]:
     """Returns how far an interval goes beyond int32, and the limit that it goes beyond."""
     low, high = interval
     return (high, HIGHEST) if high > HIGHEST else (low, LOWEST)
-
-
-def _plain(e: ir.Expr) -> str:
-    """Returns a number as an author would write it."""
-    said = text(e)
-    return said[1:-1] if isinstance(e, ir.Arithmetic) and said.startswith("(") else said
 
 
 def _bounded(leaving: Leaving) -> str:

@@ -78,7 +78,7 @@ class Diagnostic(Facts):
     labels: tuple[Label, ...] = ()
     fix: Fix | None = None
     help: str = ""
-    repairs: "Tried | tuple[()]" = ()
+    repairs: "LazyFixes | tuple[()]" = ()
 
     def __init_subclass__(cls, code: str = "", title: str = "", severity: Severity = "error") -> None:
         if code:
@@ -105,9 +105,12 @@ class Diagnostic(Facts):
     def suggestions(self) -> tuple[Suggestion, ...]:
         """The changes that the message suggests, as edits; those of `repairs` are tried when they are first asked for."""
         hint, instead = ("", "") if self.help else self._chosen()
-        found = [Suggestion(_named(self.fix), (self.fix,))] if self.fix is not None else []
+        found = []
+        if self.fix is not None:
+            text = " ".join(self.fix.text.split())
+            found.append(Suggestion(f"write `{text}`" if text else "put a space" if self.fix.text else "delete it", (self.fix,)))
         found += [Suggestion(f"write `{instead}`", (Fix(self.span, instead),))] if instead and hint else []
-        tried = [t for t in (self.repairs, getattr(self, "accepted", ())) if isinstance(t, Tried)]
+        tried = [t for t in (self.repairs, getattr(self, "accepted", ())) if isinstance(t, LazyFixes)]
         return (*found, *(suggestion for one in tried for suggestion in one.suggestions))
 
     def _parts(self, template: str) -> list[str]:
@@ -122,14 +125,14 @@ class Diagnostic(Facts):
         return parts
 
 
-def _named(fix: Fix) -> str:
-    """Returns what an edit does."""
-    text = " ".join(fix.text.split())
-    return f"write `{text}`" if text else "put a space" if fix.text else "delete it"
+class AboutName(Diagnostic):
+    """A mistake about one name."""
+
+    name: str
 
 
-class Tried:
-    """Changes that are tried when they are first asked for: whoever only counts errors does not wait. As text, how they are named."""
+class LazyFixes:
+    """Changes that are tried when they are first asked for, so that nobody waits who only counts errors. As text: their names."""
 
     def __init__(self, find: Callable[[], Iterable[Suggestion]]):
         self._find = find
@@ -159,12 +162,11 @@ class CompileError(Exception):
 
     def __str__(self) -> str:
         """Returns each diagnostic in a line, with what to write instead below it; made when it is shown, as some of that is tried first."""
-        return "\n".join(map(_in_plain_text, self.diagnostics))
-
-
-def _in_plain_text(d: Diagnostic) -> str:
-    said = f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}"
-    return f"{said}\n  help: {d.hint}" if d.hint else said
+        lines = []
+        for d in self.diagnostics:
+            lines.append(f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}")
+            lines += [f"  help: {d.hint}"] if d.hint else []
+        return "\n".join(lines)
 
 
 class Near(Record):

@@ -1,6 +1,6 @@
 """Collects the diagnostics of a stage, each once, and declares the exception that skips what cannot be built."""
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
@@ -10,6 +10,8 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, near
 from sjdsl.compiler.diagnostics.source import Span
 
 K = TypeVar("K", bound=Hashable)
+S = TypeVar("S")
+T = TypeVar("T")
 
 
 class Named(Protocol):
@@ -28,10 +30,10 @@ class Poisoned(Exception):
 
 @dataclass
 class Problems:
-    """Collects diagnostics; each mistake once. `unsaid`: kinds that are not recorded."""
+    """Collects diagnostics; each mistake once. `suppressed`: kinds that are not recorded."""
 
     found: list[Diagnostic] = field(default_factory=list)
-    unsaid: tuple[type[Diagnostic], ...] = ()
+    suppressed: tuple[type[Diagnostic], ...] = ()
 
     @property
     def failed(self) -> bool:
@@ -41,7 +43,7 @@ class Problems:
     def add(self, new: Diagnostic) -> None:
         """Records one diagnostic."""
         same = (d for d in self.found if type(d) is type(new) and d.span == new.span)
-        if not isinstance(new, self.unsaid) and all(d.message != new.message for d in same):
+        if not isinstance(new, self.suppressed) and all(d.message != new.message for d in same):
             self.found.append(new)
 
     def fail(self, new: Diagnostic) -> Poisoned:
@@ -64,6 +66,14 @@ class Problems:
         except Poisoned:
             if broken is not None and key is not None:
                 broken.add(key)
+
+    def each(self, parts: Iterable[S], build: Callable[[S], T]) -> list[T]:
+        """Returns what is built of each part, without those that could not be built."""
+        built: list[T] = []
+        for part in parts:
+            with self.survive():
+                built.append(build(part))
+        return built
 
 
 def named_first(help_: str, span: Span, known: Iterable[str]) -> Fix | None:

@@ -1,11 +1,12 @@
 """Prints diagnostics: as text with the lines they are about, or as plain data for a program."""
 
 import unicodedata
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Severity
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source, Span
 
@@ -28,7 +29,9 @@ class Mark(Record):
 def render(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source], colour: bool) -> str:
     """Returns the diagnostics as text for a terminal, the number of errors and warnings at its end."""
     parts = [_render_one(d, sources, colour) for d in diagnostics]
-    return "\n".join([*parts, _count(diagnostics)]) if parts else ""
+    counts = Counter(d.severity for d in diagnostics)
+    counted = [f"{counts[name]} {name}{'s' * (counts[name] > 1)}" for name in ("error", "warning") if name in counts]
+    return "\n".join([*parts, ", ".join(counted)]) if parts else ""
 
 
 def to_json(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None) -> list[dict[str, Any]]:
@@ -110,16 +113,12 @@ def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[s
         content, columns = _cut(text, here)
         lines.append(f"  {line:>{width}} | {content}".rstrip())
         for mark in here:
-            lines.append(f"  {bar} {_underline(mark, columns, tint)}")
+            start, end = (columns[min(place, len(columns) - 1)] for place in (mark.start, mark.end))
+            marked = f"{mark.sign * max(1, end - start)} {visible(mark.text)}".rstrip()
+            marked = f"{tint if mark.sign == '^' else BLUE}{marked}{PLAIN}" if tint else marked
+            lines.append(f"  {bar} {' ' * start}{marked}")
         before = line
     return lines
-
-
-def _underline(mark: Mark, columns: list[int], tint: str) -> str:
-    start, end = (columns[min(place, len(columns) - 1)] for place in (mark.start, mark.end))
-    signs = mark.sign * max(1, end - start)
-    text = f"{signs} {visible(mark.text)}".rstrip()
-    return " " * start + (f"{tint if mark.sign == '^' else BLUE}{text}{PLAIN}" if tint else text)
 
 
 def _near(line: str, marks: list[Mark]) -> tuple[str, list[Mark]]:
@@ -161,11 +160,3 @@ def visible(text: str) -> str:
 
 def _paint(text: str, tint: str, colour: bool) -> str:
     return f"{tint}{text}{PLAIN}" if colour else text
-
-
-def _count(diagnostics: Sequence[Diagnostic]) -> str:
-    numbers: dict[Severity, int] = {"error": 0, "warning": 0}
-    for d in diagnostics:
-        numbers[d.severity] += 1
-    named = [f"{number} {name}{'s' * (number > 1)}" for name, number in numbers.items() if number]
-    return ", ".join(named)

@@ -6,7 +6,7 @@ Composition -> ir.Game, with every mistake of the game reported at once
 from collections.abc import Mapping
 from typing import Any
 
-from sjdsl.compiler import ast, ir
+from sjdsl.compiler import ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
@@ -15,14 +15,12 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.agents import build_agents
 from sjdsl.compiler.elaborate.declarations import build_kinds, declare_numbers, declare_world
-from sjdsl.compiler.elaborate.hidden import unseen
 from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
-from sjdsl.compiler.elaborate.observations import observables
+from sjdsl.compiler.elaborate.observations import hidden, observables, window
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
-from sjdsl.compiler.elaborate.windows import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 
 
@@ -47,7 +45,64 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     static.phases = tuple(game.phases.values())
     declare_world(game, static, problems)
     rows = _read_map(game, static, overrides, problems)
-    return _build_game(game, static, rows, problems, overrides.num_agents is None and not overrides.sizes), static
+    kinds = build_kinds(game, static, problems)
+    scope = Scope(static, problems)
+    checks_scope = Scope(static, problems, part="checks", events_readable=True)
+    static.requires = requires(game, checks_scope)
+    check_requires(game, checks_scope)
+    agents = build_agents(game, static, problems)
+    begin = start(game, scope)
+    turns = schedule(game, scope)
+    episode = None
+    with problems.survive():
+        episode = _episode(game, scope)
+    view = window(game, scope)
+    seen = observables(game, episode, scope)
+    unseen = hidden(game, scope)
+    measured = measures(game, Scope(static, problems, part="metrics"))
+    checked = checks(game, checks_scope)
+    drawn = looks(game, static, problems)
+    counted: tuple[ir.Event, ...] = ()
+    with problems.survive():
+        counted = events([p for p in (begin, *turns) if p is not None], scope)
+    of_rules, known = set(static.used), set(static.shapes)
+    played = policies(game, scope.with_agent("policy"))
+    of_policies = {name for name in static.shapes if name not in known or Symbol("shape", name) in static.used - of_rules}
+    lineups = scenarios(game, scope)
+    if agents is None or begin is None or episode is None or game.schedule is None:
+        return None, static
+    typed = ir.Game(
+        name=game.name,
+        title=game.title,
+        cites=tuple(game.cites),
+        about=tuple(game.about.items()),
+        variants=tuple(game.variants),
+        sizes=tuple(static.sizes.values()),
+        params=tuple(static.params.values()),
+        episode=episode,
+        kinds=kinds,
+        groups=tuple(static.groups.items()),
+        rows=rows,
+        edges="joined" if static.wraps else "",
+        glyphs=tuple(glyph for _, glyph in static.glyphs),
+        fields=tuple(static.fields.values()),
+        agents=agents,
+        movers=tuple(static.movers.values()),
+        shapes=tuple(shape for name, shape in static.shapes.items() if name not in of_policies),
+        start=begin,
+        schedule=turns,
+        window=view,
+        observables=seen,
+        hidden=unseen,
+        events=counted,
+        measures=measured,
+        checks=checked,
+        looks=drawn,
+        policies=played,
+        policy_shapes=tuple(shape for name, shape in static.shapes.items() if name in of_policies),
+        scenarios=lineups,
+    )
+    return typed, static
 
 
 def _read_map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
@@ -72,72 +127,12 @@ def _read_map(game: Composition, static: Static, overrides: Overrides, problems:
     return rows
 
 
-def _episode(declared: ast.Episode, scope: Scope) -> ir.Expr:
+def _episode(game: Composition, scope: Scope) -> ir.Expr:
     """Returns the steps of an episode: numbers and parameters, for it is as long whatever happens in it."""
-    steps = scope.number(declared.steps, ("steps",), "a number of steps")
+    if game.episode is None:
+        raise scope.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
+    steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
     if any(isinstance(node, ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme) for node in ir.walk(steps)):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
-        raise scope.problems.fail(errors.NotFixed(declared.steps.span, what="the length of an episode", help=help_))
+        raise scope.fail(errors.NotFixed(game.episode.steps.span, what="the length of an episode", help=help_))
     return steps
-
-
-def _build_game(game: Composition, static: Static, rows: tuple[str, ...], problems: Problems, own_number: bool) -> ir.Game | None:
-    kinds = build_kinds(game, static, problems)
-    checks_scope = Scope(static, problems, part="checks", events_readable=True)
-    static.requires = requires(game, checks_scope)
-    check_requires(game, checks_scope)
-    scope = Scope(static, problems)
-    agents = build_agents(game, static, problems)
-    begin = start(game, scope)
-    turns = schedule(game, scope)
-    episode = None
-    with problems.survive():
-        if game.episode is None:
-            raise problems.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
-        episode = _episode(game.episode, scope)
-    view = window(game, scope)
-    seen = observables(game, static, episode, problems)
-    hidden = unseen(game, static, problems)
-    measured = measures(game, Scope(static, problems, part="metrics"))
-    checked = checks(game, checks_scope)
-    drawn = looks(game, static, problems)
-    counted: tuple[ir.Event, ...] = ()
-    with problems.survive():
-        counted = events([p for p in (begin, *turns) if p is not None], scope)
-    of_rules, known = set(static.used), set(static.shapes)
-    played = policies(game, static, problems)
-    of_policies = {name for name in static.shapes if name not in known or Symbol("shape", name) in static.used - of_rules}
-    lineups = scenarios(game, static, problems, own_number)
-    if agents is None or begin is None or episode is None or game.schedule is None:
-        return None
-    return ir.Game(
-        name=game.name,
-        title=game.title,
-        cites=tuple(game.cites),
-        about=tuple(game.about.items()),
-        variants=tuple(game.variants),
-        sizes=tuple(static.sizes.values()),
-        params=tuple(static.params.values()),
-        episode=episode,
-        kinds=kinds,
-        groups=tuple(static.groups.items()),
-        rows=rows,
-        edges="joined" if static.wraps else "",
-        glyphs=tuple(glyph for _, glyph in static.glyphs),
-        fields=tuple(static.fields.values()),
-        agents=agents,
-        movers=tuple(static.movers.values()),
-        shapes=tuple(shape for name, shape in static.shapes.items() if name not in of_policies),
-        start=begin,
-        schedule=turns,
-        window=view,
-        observables=seen,
-        hidden=hidden,
-        events=counted,
-        measures=measured,
-        checks=checked,
-        looks=drawn,
-        policies=played,
-        policy_shapes=tuple(shape for name, shape in static.shapes.items() if name in of_policies),
-        scenarios=lineups,
-    )

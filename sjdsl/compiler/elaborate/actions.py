@@ -1,4 +1,4 @@
-"""Elaborates actions: their names and arguments, what rules ask about them, and the arguments that rules read.
+"""Elaborates actions: their names and arguments, what rules ask about them, the arguments that rules read, and `forbid`.
 
 acts stay, vote(agent)   ->   actions stay, vote(0), vote(1), …
 """
@@ -15,10 +15,22 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.arithmetic import join_types
 from sjdsl.compiler.elaborate.fields import field_type
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, as_agent, check_known_word, check_somebody, not_a_word, not_named
+from sjdsl.compiler.elaborate.lookup import (
+    AGENT_ATTRIBUTES,
+    as_agent,
+    check_arguments,
+    check_free,
+    check_known_word,
+    check_somebody,
+    check_words,
+    not_a_word,
+    not_named,
+)
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, wrong_type
+from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import is_known, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe
 from sjdsl.runtime.actions import BUILT_IN
 
@@ -59,15 +71,14 @@ def declare_actions(game: Composition, scope: Scope) -> None:
 def _arguments(action: ast.Action, game: Composition, scope: Scope) -> tuple[ir.ActionArgument, ...]:
     name = action.name.text
     if name in BUILT_IN:
-        raise scope.problems.fail(errors.WrongArguments(action.span, name=name, wanted="no arguments", given=len(action.arguments)))
+        raise scope.fail(errors.WrongArguments(action.span, name=name, wanted="no arguments", given=len(action.arguments)))
     if name in AGENT_ATTRIBUTES or name in game.agent_fields:
         what = f"a field of the agents, and `agent.{name}` reads it"
-        found = errors.NameTaken(action.name.span, name=name, what=what, help="give the action or the field another name")
-        raise scope.problems.fail(found)
-    names = [argument.name.text for argument in action.arguments if argument.name is not None]
-    for number, argument in enumerate(action.arguments):
-        if argument.name is not None and names.index(argument.name.text) < sum(a.name is not None for a in action.arguments[:number]):
-            scope.problems.add(errors.WrittenTwice(argument.name.span, what=f"the argument `{argument.name.text}`"))
+        raise scope.fail(errors.NameTaken(action.name.span, name=name, what=what, help="give the action or the field another name"))
+    names = [argument.name for argument in action.arguments if argument.name is not None]
+    for number, argument in enumerate(names):
+        if argument.text in [other.text for other in names[:number]]:
+            scope.problems.add(errors.WrittenTwice(argument.span, what=f"the argument `{argument.text}`"))
     return tuple(_argument(argument, name, scope) for argument in action.arguments)
 
 
@@ -76,7 +87,7 @@ def _argument(argument: ast.Argument, action: str, scope: Scope) -> ir.ActionArg
     capped = isinstance(argument.type, ast.Range) and argument.type.capped
     if type_.kind not in ("agent", "word", "int") or capped:
         given = f"{describe(type_)} that is `capped`" if capped else describe(type_)
-        raise scope.problems.fail(errors.WrongType(argument.type.span, wanted="`agent`, a set of words or a range", given=given))
+        raise scope.fail(errors.WrongType(argument.type.span, wanted="`agent`, a set of words or a range", given=given))
     counts = {"agent": scope.static.num_agents, "word": len(type_.words), "int": int(min(type_.high - type_.low, limits.MAX_ACTIONS)) + 1}
     name = "" if argument.name is None else argument.name.text
     return ir.ActionArgument(name=name, type=type_, count=counts[type_.kind], origin=argument.span)
@@ -94,7 +105,7 @@ def _values(argument: ir.ActionArgument) -> tuple[str, ...]:
 
 
 def declared_action(action: ast.Chosen, name: str, scope: Scope) -> ir.ActionWithArguments | None:
-    """Returns the declaration of an action with arguments, None for one without; says so if there is none of this name.
+    """Returns the declaration of an action with arguments, None for one without; reports a name that no action has.
 
     `name`: what a phase's parameter stands for, or the name as written.
     """
@@ -102,25 +113,22 @@ def declared_action(action: ast.Chosen, name: str, scope: Scope) -> ir.ActionWit
     if ALL_ACTIONS in static.broken or name in static.broken_actions:
         raise Poisoned
     if name not in static.action_names:
-        raise scope.problems.fail(errors.NoAction(action.name.span, name=name, near=near(name, static.action_names, "the actions")))
+        raise scope.fail(errors.NoAction(action.name.span, name=name, near=near(name, static.action_names, "the actions")))
     if action.name.text in scope.variables:
         scope.refer(action.name)
     else:
         static.refer(action.name, Symbol("action", name))
     declared = static.with_arguments.get(name)
-    given = 0 if action.arguments is None else len(action.arguments)
-    wanted = 0 if declared is None else len(declared.arguments)
-    if action.arguments is not None and given != wanted:
-        counted = f"{wanted} argument{'s' * (wanted != 1)}"
-        raise scope.problems.fail(errors.WrongArguments(action.span, name=name, wanted=counted, given=given))
+    if action.arguments is not None:
+        check_arguments(name, action.span, len(action.arguments), 0 if declared is None else len(declared.arguments), scope)
     return declared
 
 
-def check_in_step(said: str, span: Span, scope: Scope) -> None:
-    """Says so if a part of the game that speaks of a state asks about what is done in a step."""
+def check_in_step(question: str, span: Span, scope: Scope) -> None:
+    """Reports a question about what is done in a step, in a part of the game that speaks of a state."""
     if scope.part in BETWEEN_STEPS:
         what, wanted = "about what is done in a step", "something about a state"
-        raise scope.problems.fail(errors.WrongSort(span, name=said, what=what, wanted=wanted))
+        raise scope.fail(errors.WrongSort(span, name=question, what=what, wanted=wanted))
 
 
 def action_numbers(action: ast.Chosen, scope: Scope) -> tuple[int, ...]:
@@ -144,17 +152,22 @@ def arguments_given(action: ast.Chosen, declared: ir.ActionWithArguments, scope:
 
 
 def _asked(tree: ast.Expr, declared: ir.ActionArgument, action: ast.Chosen, scope: Scope) -> ir.Expr:
-    type_ = declared.type
+    type_, name = declared.type, action.name.text
     if type_.kind == "word":
-        check_known_word(tree, action.name.text, type_.words, scope)
+        check_known_word(tree, name, type_.words, scope)
     value = scope.expression(tree)
-    if isinstance(value, ir.Number) and type_.kind != "word" and not value.type.by:
-        return _number(tree, value, declared, action, scope)
+    if isinstance(value, ir.Number) and type_.kind != "word" and not value.type.by:  # one of the argument's; for an agent, its number
+        low, high = (0, declared.count - 1) if type_.kind == "agent" else (type_.low, type_.high)
+        if value.type.kind != "int":
+            raise wrong_type(scope, tree, "a whole number", value.type)
+        if not low <= value.value <= high:
+            raise scope.fail(errors.OutOfLimits(tree.span, name=f"the argument of `{name}`", value=value.value, low=low, high=high))
+        return value
     match type_.kind:
         case "agent":
             if not as_agent(value) or isinstance(value, ir.Nobody):
                 given = "nobody" if isinstance(value, ir.Nobody) else describe(value.type)
-                raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent, or the number of one", given=given))
+                raise scope.fail(errors.WrongType(tree.span, wanted="an agent, or the number of one", given=given))
             check_somebody(value, tree.span, scope)
         case "int":
             if value.type.kind != "int" or value.type.by:
@@ -164,21 +177,10 @@ def _asked(tree: ast.Expr, declared: ir.ActionArgument, action: ast.Chosen, scop
             value = narrow_word(value, scope.facts)
             if value.type.kind != "word" or value.type.by:
                 raise wrong_type(scope, tree, describe(type_), value.type)
-            if isinstance(value, ir.Word) and value.value not in type_.words:
-                raise not_a_word(tree.span, value.value, action.name.text, type_.words, scope)
+            if isinstance(value, ir.Word):
+                check_words((value.value,), type_.words, tree.span, name, scope)
             if not set(value.type.words) & set(type_.words):
-                raise scope.problems.fail(errors.NeverEqual(tree.span))
-    return value
-
-
-def _number(tree: ast.Expr, value: ir.Number, declared: ir.ActionArgument, action: ast.Chosen, scope: Scope) -> ir.Expr:
-    """Returns a number that is written, if it is one of the argument's; for an agent, the number of one."""
-    what = f"the argument of `{action.name.text}`"
-    low, high = (0, declared.count - 1) if declared.type.kind == "agent" else (declared.type.low, declared.type.high)
-    if value.type.kind != "int":
-        raise wrong_type(scope, tree, "a whole number", value.type)
-    if not low <= value.value <= high:
-        raise scope.problems.fail(errors.OutOfLimits(tree.span, name=what, value=value.value, low=low, high=high))
+                raise scope.fail(errors.NeverEqual(tree.span))
     return value
 
 
@@ -189,23 +191,20 @@ def fixed_argument(tree: ast.Expr, declared: ir.ActionArgument, action: ast.Chos
         return declared.type.words.index(value.value)
     if isinstance(value, ir.Number):
         return int(value.value - (declared.type.low if declared.type.kind == "int" else 0))
-    raise scope.problems.fail(errors.NotFixed(tree.span, what="an argument that is no new name"))
+    raise scope.fail(errors.NotFixed(tree.span, what="an argument that is no new name"))
 
 
 def check_exists(given: tuple[ir.Given, ...], declared: ir.ActionWithArguments, scope: Scope) -> None:
-    """Says so if an action that is to be taken may not exist: its arguments surely have the values that they are declared to have."""
+    """Reports an action that is to be taken and may not exist: its arguments may have values other than those declared."""
     for asked, argument in zip(given, declared.arguments, strict=True):
-        value, type_ = asked.value, argument.type
+        type_ = argument.type
         if type_.kind == "int":
-            low, high = narrowed(value, scope.facts_and_requires)
+            low, high = narrowed(asked.value, scope.facts_and_requires)
             if low < type_.low or high > type_.high:
-                name = f"the argument of `{declared.name}`"
-                reached = f"{low:g} .. {high:g}"
-                raise scope.problems.fail(errors.OutOfLimits(asked.span, name=name, value=reached, low=type_.low, high=type_.high))
+                name, reached = f"the argument of `{declared.name}`", f"{low:g} .. {high:g}"
+                raise scope.fail(errors.OutOfLimits(asked.span, name=name, value=reached, low=type_.low, high=type_.high))
         elif type_.kind == "word":
-            outside = [word for word in value.type.words if word not in type_.words]
-            if outside:
-                raise not_a_word(asked.span, outside[0], declared.name, type_.words, scope)
+            check_words(asked.value.type.words, type_.words, asked.span, declared.name, scope)
 
 
 # ---- read
@@ -217,7 +216,7 @@ def argument_read(agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], sco
     declared = scope.static.with_arguments[steps[0].name.text]
     number, used = 0, 1
     if len(declared.arguments) > 1 or declared.arguments[0].name:
-        number, used = _named(declared, steps, scope), 2
+        number, used = _argument_named(declared, steps, scope), 2
     scope.static.refer(steps[0].name, Symbol("action", declared.name))
     argument, last = declared.arguments[number], steps[used - 1]
     if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
@@ -225,23 +224,92 @@ def argument_read(agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], sco
     read = ir.ArgumentOf(type=argument.type, agent=agent, action=declared.name, number=number, name=argument.name, origin=last.span)
     check_in_step(text(read), last.span, scope)
     if not is_known(ir.ChoseWith(agent=agent, action=declared.name), scope.facts):
-        raise scope.problems.fail(errors.NotChosen(last.span, agent=text(agent), action=declared.name, path=text(read)))
+        raise scope.fail(errors.NotChosen(last.span, agent=text(agent), action=declared.name, path=text(read)))
     return read, used
 
 
-def _named(declared: ir.ActionWithArguments, steps: tuple[ast.Member | ast.Index, ...], scope: Scope) -> int:
+def _argument_named(declared: ir.ActionWithArguments, steps: tuple[ast.Member | ast.Index, ...], scope: Scope) -> int:
+    """Returns the place of the argument that the second step of a path names."""
     names = [argument.name for argument in declared.arguments]
-    if len(steps) > 1 and isinstance(steps[1], ast.Member) and steps[1].name.text in names:
-        scope.static.refer(steps[1].name, Symbol("argument", steps[1].name.text, declared.name))
-        return names.index(steps[1].name.text)
-    named = [name for name in names if name]
-    how = (
-        f"`.{declared.name}.{named[0]}` is one of them" if named else f"give them names in `acts`: `{declared.name}(first : …, second : …)`"
-    )
+    named, action = [name for name in names if name], declared.name
     if len(steps) > 1 and isinstance(steps[1], ast.Member):
-        found = near(steps[1].name.text, named, "its arguments")
-        raise scope.problems.fail(
-            errors.NoField(steps[1].name.span, owner=f"the action `{declared.name}`", name=steps[1].name.text, near=found)
-        )
-    what = "an action with arguments"
-    raise scope.problems.fail(errors.WrongSort(steps[0].span, name=declared.name, what=what, wanted="a value", help=how))
+        name = steps[1].name
+        if name.text in names:
+            scope.static.refer(name, Symbol("argument", name.text, action))
+            return names.index(name.text)
+        meant = near(name.text, named, "its arguments")
+        raise scope.fail(errors.NoField(name.span, owner=f"the action `{action}`", name=name.text, near=meant))
+    how = f"`.{action}.{named[0]}` is one of them" if named else f"give them names in `acts`: `{action}(first : …, second : …)`"
+    raise scope.fail(errors.WrongSort(steps[0].span, name=action, what="an action with arguments", wanted="a value", help=how))
+
+
+# ---- forbidden
+
+
+def forbids(game: Composition, scope: Scope) -> tuple[ir.Forbid, ...]:
+    """Returns the `forbid` lines, which may read the agent's own fields and the world's."""
+    return tuple(scope.problems.each(game.forbids.values(), lambda forbid: _forbid(forbid, scope)))
+
+
+def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
+    static = scope.static
+    numbers: list[int] = []
+    new_words: dict[str, tuple[ast.Name, ir.ActionArgument]] = {}
+    inner, with_names, names = scope, "", tuple[str, ...]()
+    for chosen in forbid.actions:
+        action = chosen.name.text
+        if action == "stay":
+            what, wanted = "what forbidden actions become", "an action that can be forbidden"
+            raise scope.fail(errors.WrongSort(chosen.name.span, name=action, what=what, wanted=wanted))
+        declared = declared_action(chosen, action, scope)
+        if declared is None:
+            numbers.append(static.actions.index(action))
+            continue
+        bound: dict[int, ast.Name] = {}  # names for arguments: those that mean nothing else
+        for i, tree in enumerate(chosen.arguments or ()):
+            if isinstance(tree, ast.Path) and not tree.steps and tree.name.text not in declared.arguments[i].type.words:
+                if tree.name.text not in static.names() | set(scope.variables):
+                    bound[i] = tree.name
+        if bound and len(forbid.actions) > 1:
+            what, wanted = "a name for an argument", "a number or a word where `forbid` lists several actions"
+            first = next(iter(bound.values()))
+            raise scope.fail(errors.WrongSort(first.span, name=first.text, what=what, wanted=wanted))
+        fixed = {
+            i: fixed_argument(tree, declared.arguments[i], chosen, scope) for i, tree in enumerate(chosen.arguments or ()) if i not in bound
+        }
+        combinations = product(*(range(argument.count) for argument in declared.arguments))
+        numbers += [n for n, values in zip(declared.numbers, combinations, strict=True) if all(values[i] == at for i, at in fixed.items())]
+        if bound:
+            with_names, names = action, tuple(bound[i].text if i in bound else "" for i in range(len(declared.arguments)))
+        for i, name in bound.items():
+            check_free(name, inner, chosen=True)
+            argument = declared.arguments[i]
+            variable: ir.Expr = ir.Local(type=argument.type, name=name.text)
+            if argument.type.kind == "agent":
+                variable = ir.Member(name=name.text, sort=AGENTS)
+            inner = inner.bind_named(name, variable)
+            if argument.type.kind == "word":
+                new_words[name.text] = (name, argument)
+    test = inner.condition(forbid.condition)
+    for node in ir.walk(test):
+        if ir.is_expression(node) and _is_out_of_sight(node):
+            raise scope.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))
+    read = {variable.name for variable in free_variables(test)}
+    for word, (written, argument) in new_words.items():
+        if word not in read:  # a word that is misspelt looks like a new name
+            raise not_a_word(written.span, word, with_names, argument.type.words, scope)
+    numbers = numbers or list(range(len(static.actions)))
+    return ir.Forbid(actions=tuple(numbers), condition=test, action=with_names, names=names, origin=forbid.span)
+
+
+def _is_out_of_sight(node: ir.Node) -> bool:
+    """Returns whether a `forbid` cannot read this: places, other agents, and what is done in the step."""
+    match node:
+        case ir.Count() | ir.Sum() | ir.Extreme() | ir.StandsOn() | ir.Chose() | ir.ChoseWith() | ir.Distance():
+            return True
+        case ir.Attribute(name="row" | "col"):
+            return True
+        case ir.FieldRead():
+            return node.held_by.what == "agent" and not isinstance(node.owner, ir.Member)
+        case _:
+            return False

@@ -1,15 +1,16 @@
-"""Elaborates agents: their number, actions and fields."""
+"""Elaborates agents: their number, actions and fields, and what they block."""
+
+from collections.abc import Mapping
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.elaborate.actions import declare_actions
-from sjdsl.compiler.elaborate.blocking import blocked
+from sjdsl.compiler.elaborate.actions import declare_actions, forbids
 from sjdsl.compiler.elaborate.fields import one_field
-from sjdsl.compiler.elaborate.forbidden import forbids
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, Static
+from sjdsl.compiler.ir.sorts import AGENTS
 
 
 def override_number(game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems) -> None:
@@ -26,14 +27,8 @@ def declare_number(game: Composition, scope: Scope) -> None:
     """Adds the number of agents to the tables."""
     if game.number is not None:
         with scope.problems.survive():
-            scope.static.num_agents = _number(game.number, scope)
-
-
-def _number(number: ast.Expr, scope: Scope) -> int:
-    value = scope.fixed(number, "the number of agents")
-    if value != int(value) or not 1 <= value <= limits.MAX_AGENTS:
-        raise scope.problems.fail(errors.OutOfLimits(number.span, name="the number of agents", value=value, low=1, high=limits.MAX_AGENTS))
-    return int(value)
+            what = "the number of agents"
+            scope.static.num_agents = scope.whole(game.number, what, what, 1, limits.MAX_AGENTS)
 
 
 def declare_agents(game: Composition, scope: Scope) -> None:
@@ -44,7 +39,7 @@ def declare_agents(game: Composition, scope: Scope) -> None:
         problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
     for name, declared in game.agent_fields.items():
         with problems.survive(static.broken, Symbol("field", name, "agent")):
-            static.agent_fields[name] = one_field(declared, scope, ir.Sort("agent"))
+            static.agent_fields[name] = one_field(declared, scope, AGENTS)
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:
         problems.add(errors.MissingPart(span, what="number of agents", how="`agents 2 { acts ... moves relative }`"))
@@ -62,23 +57,42 @@ def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Ag
         actions=static.actions,
         relative=game.moves is None or game.moves.frame.text == "relative",
         fields=tuple(static.agent_fields.values()),
-        forbids=forbids(game, static, problems),
+        forbids=forbids(game, Scope(static, problems).with_agent("forbid")),
         with_arguments=tuple(static.with_arguments.values()),
-        blocks=_blocks(game, static, problems),
+        blocks=_blocks(game, Scope(static, problems).with_agent("blocks")),
         origin=game.agents_span,
     )
 
 
-def _blocks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Block, ...]:
+def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
     """Returns the shapes whose lanes end at agents, perhaps only at those for whom a condition holds."""
     found: list[ir.Block] = []
-    scope = Scope(static, problems, part="blocks").bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
     for blocks in game.agent_blocks.values():
-        with problems.survive():
+        with scope.problems.survive():
             for what in blocks.what:
                 if what.text == "agents":
                     help_ = "agents always block each other: no two are on one cell; name the shapes whose lanes end at an agent"
-                    raise problems.fail(errors.WrongSort(what.span, name="agents", what="the agents", wanted="a shape", help=help_))
+                    raise scope.fail(errors.WrongSort(what.span, name="agents", what="the agents", wanted="a shape", help=help_))
             test = None if blocks.condition is None else scope.condition(blocks.condition)
-            found += blocked(blocks, {ir.Sort("agent"): test}, scope)
+            found += blocked(blocks, {AGENTS: test}, scope)
     return tuple(found)
+
+
+def blocked(blocks: ast.Blocks, tests: Mapping[ir.Sort, ir.Expr | None], scope: Scope) -> list[ir.Block]:
+    """Returns what cells of a kind, or agents, stop: the agents, sorts of movers or shapes by name, where a condition holds.
+
+    tests: the condition as it is asked about movers of a sort; as it is asked about agents it is also asked about the others.
+    """
+    static, found = scope.static, []
+    for what in blocks.what:
+        if {Symbol("shape", what.text), Symbol("name", what.text)} & static.broken:
+            continue
+        if what.text != "agents" and what.text not in static.shapes and what.text not in static.movers:
+            scope.problems.unknown(what, ["agents", *static.movers, *static.shapes], "what a cell can block")
+            continue
+        if what.text != "agents":
+            static.refer(what, Symbol("shape" if what.text in static.shapes else "name", what.text))
+        if what.text in static.shapes and static.shapes[what.text].see_through:
+            scope.problems.add(errors.NeverHappens(what.span, problem=f"the shape `{what.text}` sees through everything"))
+        found.append(ir.Block(what=what.text, condition=tests.get(ir.Sort("mover", (what.text,)), tests.get(AGENTS)), origin=blocks.span))
+    return found

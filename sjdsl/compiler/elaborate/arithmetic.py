@@ -17,59 +17,47 @@ from sjdsl.compiler.ir.types import INTEGER_UNITS, describe, hull, is_number, jo
 
 
 def mismatch(scope: Scope, span: Span, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
-    return scope.problems.fail(errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help))
+    return scope.fail(errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help))
 
 
 def calculation(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: Sequence[ir.Expr], scope: Scope) -> ir.Expr:
     """Returns what a row of the table makes of numbers; constants become one."""
     types = [a.type for a in args]
-    if not (row.rows and _rows_alike(types)):
-        _check_numbers(row, e, trees, types, scope)
+    alike = all(t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types)  # rows of numbers with the same keys
+    if not (row.rows and alike):
+        for tree, type_ in zip(trees, types, strict=True):
+            if not is_number(type_):
+                raise mismatch(scope, e.span, row.verb, types[0], types[1]) if row.verb else wrong_type(scope, tree, "a number", type_)
+        if row.whole_only and any(t.kind != "int" for t in types):
+            raise mismatch(scope, e.span, row.verb, types[0], types[1], f"`{row.name}` is for whole numbers")
     if row.divisor is not None and divisor_can_be_zero(args[row.divisor], scope):
         raise _zero_divisor(trees[row.divisor].span, args[row.divisor], scope)
-    if row.share and is_share(args[0], args[1]):
+    if row.share and _is_share(args[0], args[1]):
         return ir.Arithmetic(type=real(0.0, 1.0, "fraction"), fn=row.name, args=tuple(args), origin=e.span)
     if row.unchanged and types[0].kind == "int":
         return args[0]
     type_ = _result(row, e, args, scope)
     if row.apart is not None:
         one, other = row.apart
-        _check_apart(e, args[one], args[other], scope)
+        a, b, known = args[one], args[other], scope.facts_and_requires
+        # by their ranges (as float32), a guard, and a `require`
+        if not (apart(a, b) or any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))):
+            raise scope.fail(errors.Crossed(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
     if all(isinstance(a, ir.Number) for a in args):
         value = row.fold(*(a.value for a in args if isinstance(a, ir.Number)))
         return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
     return ir.Arithmetic(type=type_, fn=row.name, args=tuple(args), origin=e.span)
 
 
-def _rows_alike(types: Sequence[ir.Type]) -> bool:
-    """Returns whether all are rows of numbers with the same keys."""
-    return all(t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types)
-
-
-def _check_numbers(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], types: Sequence[ir.Type], scope: Scope) -> None:
-    for tree, type_ in zip(trees, types, strict=True):
-        if not is_number(type_):
-            raise mismatch(scope, e.span, row.verb, types[0], types[1]) if row.verb else wrong_type(scope, tree, "a number", type_)
-    if row.whole_only and any(t.kind != "int" for t in types):
-        raise mismatch(scope, e.span, row.verb, types[0], types[1], f"`{row.name}` is for whole numbers")
-
-
-def _check_apart(e: ast.Expr, a: ir.Expr, b: ir.Expr, scope: Scope) -> None:
-    """Reports two numbers that may be equal: by their ranges (as float32), a guard, and a `require`."""
-    known = scope.facts_and_requires
-    if not (apart(a, b) or any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))):
-        raise scope.problems.fail(errors.Crossed(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
-
-
 def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
-    """Reports a divisor that can be 0; what is no number of the game is guarded where it is used."""
+    """Reports a divisor that can be 0; one without parameters can be guarded where it is used."""
     help_ = ""
     if isinstance(divisor, ir.Number):
         help_ = "divide by another number"
     elif not any(isinstance(n, ir.ParamRef) for n in ir.walk(divisor)):
         written = " ".join(scope.static.sources[span.file].text[span.start : span.end].split())
         help_ = f"guard it: `when {written} > 0 {{ … }}`"
-    return scope.problems.fail(errors.ZeroDivisor(span, labels=parameters_read(scope.static, divisor), help=help_))
+    return scope.fail(errors.ZeroDivisor(span, labels=parameters_read(scope.static, divisor), help=help_))
 
 
 def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope) -> ir.Type:
@@ -77,8 +65,14 @@ def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope
     types = [a.type for a in args]
     unit = row.unit(*(t.unit for t in types))
     if unit is None:
-        left, right = _not_mixing(types)
-        raise mismatch(scope, e.span, row.verb or "compare", left, right)
+        before, *others = types
+        for type_ in others[:-1]:  # the first number whose unit does not mix with those before it is named, beside what these are together
+            unit = join_units(before.unit, type_.unit)
+            if unit is None:
+                others = [type_]
+                break
+            before = before.model_copy(update={"unit": unit})
+        raise mismatch(scope, e.span, row.verb or "compare", before, others[-1])
     ends = [(t.low, t.high) for t in types]
     if row.divisor is not None:
         divisor = without_zero(types[row.divisor])
@@ -88,22 +82,11 @@ def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope
     low, high = row.interval(*ends)
     if row.bounded and max(-low, high) > limits.MAX_VALUE:
         labels = parameters_read(scope.static, *args)
-        raise scope.problems.fail(errors.RoundsTooFar(e.span, labels=labels, name=f"`{row.name}`", limit=limits.MAX_VALUE))
+        raise scope.fail(errors.RoundsTooFar(e.span, labels=labels, name=f"`{row.name}`", limit=limits.MAX_VALUE))
     is_whole = row.kind == "whole" or (row.kind == "joined" and all(t.kind == "int" for t in types))
     if not row.keeps_unit and ((not is_whole and unit in INTEGER_UNITS) or (unit == "fraction" and (low < 0 or high > 1))):
         unit = "number"
     return ir.Type(kind="int" if is_whole else "real", unit=unit, low=low, high=high, by=types[0].by)
-
-
-def _not_mixing(types: list[ir.Type]) -> tuple[ir.Type, ir.Type]:
-    """Returns the first number whose unit does not mix with those before it, behind what these are together."""
-    before, *others = types
-    for type_ in others[:-1]:
-        unit = join_units(before.unit, type_.unit)
-        if unit is None:
-            return before, type_
-        before = before.model_copy(update={"unit": unit})
-    return before, others[-1]
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
@@ -120,7 +103,7 @@ def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
     return not (compares(divisor, ">", 0, known) or compares(divisor, ">=", 1, known) or compares(divisor, "!=", 0, known))
 
 
-def is_share(left: ir.Expr, right: ir.Expr) -> bool:
+def _is_share(left: ir.Expr, right: ir.Expr) -> bool:
     """Returns whether the quotient is `count(K where …) / count(G)` with K inside G: a fraction."""
     if not (isinstance(left, ir.Count) and isinstance(right, ir.Count)):
         return False

@@ -6,7 +6,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, declared_name, interval_text, kinds_of_cell, not_a_word, or_nowhere
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_words, declared_name, interval_text, kinds_of_cell, or_nowhere
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
@@ -20,24 +20,20 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
     field = target
     while isinstance(field, ir.At):
         field = field.row
-    if not isinstance(field, ir.FieldRead):
-        raise scope.problems.fail(errors.WrongType(path.span, wanted="a field", given=describe(target.type), help=_written_how(field)))
-    return target, declaration(field, scope)
-
-
-def _written_how(e: ir.Expr) -> str:
-    """Returns how what is no field changes."""
-    match e:
+    if isinstance(field, ir.FieldRead):
+        return target, declaration(field, scope)
+    match field:  # how this changes, if not by `set`
         case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (sort,)))):
-            return f"movers change their places by `move each {sort} ahead` and the like, and by `send {sort} to KIND`"
+            help_ = f"movers change their places by `move each {sort} ahead` and the like, and by `send {sort} to KIND`"
         case ir.Attribute(name="row" | "col"):
-            return "agents change their places by `move` and by `send agent to KIND`"
+            help_ = "agents change their places by `move` and by `send agent to KIND`"
         case ir.Attribute(name="heading"):
-            return "agents turn by their actions, and where they are sent: `send agent to KIND facing north`"
+            help_ = "agents turn by their actions, and where they are sent: `send agent to KIND facing north`"
         case ir.ParamRef() | ir.Number():
-            return "numbers stay as they are; what changes is a field, such as `field pot : 0 .. 9 = 0`"
+            help_ = "numbers stay as they are; what changes is a field, such as `field pot : 0 .. 9 = 0`"
         case _:
-            return "only fields can be written"
+            help_ = "only fields can be written"
+    raise scope.fail(errors.WrongType(path.span, wanted="a field", given=describe(target.type), help=help_))
 
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
@@ -64,9 +60,15 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
         raise wrong_type(scope, s.value, describe(type_), value.type)
     match type_.kind:
         case "word":
-            _check_words(s, type_, target, value, scope)
+            if value.type.kind != "word":
+                raise wrong_type(scope, s.value, describe(type_), value.type)
+            check_words(value.type.words, type_.words, s.value.span, target, scope)
         case "int" | "real":
-            _check_number(s, field, target, value, scope)
+            _check_number(s.value, target, value, scope)
+            low, high = narrowed(value, scope.facts)
+            limit = inf if field.timer else type_.high
+            if type_.kind == "int" and (low < type_.low or high > limit):
+                raise _leaves_range(s.value.span, target, low, high, scope, _instead_of_set(s, field, target, scope))
         case "agent":
             if not as_agent(value):
                 raise wrong_type(scope, s.value, "an agent or nobody", value.type)
@@ -81,34 +83,23 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
                 raise wrong_type(scope, s.value, "a set of agents or nobody", value.type)
         case _:
             raise AssertionError(type_)
-    return ir.Set(target=target, value=value, lot=_lot(s, scope, use), origin=s.span)
+    lot = None
+    if s.lot is not None:
+        if s.lot.text != "lot":
+            raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
+        lot = use.streams.of_statement(use.streams.header(s.span, s.span.end))
+    return ir.Set(target=target, value=value, lot=lot, origin=s.span)
 
 
-def _lot(s: ast.Set, scope: Scope, use: PhaseUse) -> int | None:
-    """Returns the stream on which it is drawn who writes."""
-    if s.lot is None:
-        return None
-    if s.lot.text != "lot":
-        raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
-    return use.streams.of_statement(use.streams.header(s.span, s.span.end))
-
-
-def _check_words(s: ast.Set, type_: ir.Type, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
-    if value.type.kind != "word":
-        raise wrong_type(scope, s.value, describe(type_), value.type)
-    for word in value.type.words:
-        if word not in type_.words:
-            raise not_a_word(s.value.span, word, target, type_.words, scope)
-
-
-def _check_number(s: ast.Set, field: ir.VarField, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
-    _check_unit(s.value, target, value, scope)
+def _check_number(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
+    """Reports a value that a field of numbers can't hold: not a number, another unit, or a real in a field of whole numbers."""
+    if value.type.kind not in ("int", "real"):
+        raise wrong_type(scope, tree, describe(target.type), value.type)
+    if join_units(target.type.unit, value.type.unit) is None:
+        left, right = describe(target.type), describe(value.type)
+        raise scope.fail(errors.UnitMismatch(tree.span, verb="put into one field", left=left, right=right))
     if target.type.kind == "int" and value.type.kind != "int":
-        raise wrong_type(scope, s.value, "a whole number", value.type)
-    low, high = narrowed(value, scope.facts)
-    limit = inf if field.timer else target.type.high
-    if target.type.kind == "int" and (low < target.type.low or high > limit):
-        raise _leaves_range(s.value.span, target, (low, high), value, scope, _instead_of_set(s, field, target, scope))
+        raise wrong_type(scope, tree, "a whole number", value.type)
 
 
 def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scope) -> str:
@@ -120,15 +111,6 @@ def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scop
             added = scope.static.sources[right.span.file].text[right.span.start : right.span.end]
             return f"only `add` stops at the end of a range that is `capped`: write `add {added} to {text(target)}`"
     return "only `add` stops at the end of a range that is `capped`: guard the change with `when`, or bound it with `min` and `max`"
-
-
-def _check_unit(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
-    if value.type.kind not in ("int", "real"):
-        raise wrong_type(scope, tree, describe(target.type), value.type)
-    if join_units(target.type.unit, value.type.unit) is None:
-        raise scope.problems.fail(
-            errors.UnitMismatch(tree.span, verb="put into one field", left=describe(target.type), right=describe(value.type))
-        )
 
 
 def add(s: ast.Add, scope: Scope) -> ir.Stmt:
@@ -144,25 +126,17 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
         raise wrong_type(scope, s.target, "a number, a row of numbers or a set of agents", target.type, help_)
     if value.type.by != target.type.by:
         raise wrong_type(scope, s.value, describe(target.type), value.type)
-    _check_unit(s.value, target, value, scope)
-    if target.type.kind == "int" and value.type.kind != "int":
-        raise wrong_type(scope, s.value, "a whole number", value.type)
-    if target.type.kind == "int" and not field.capped:
-        _check_added(s, target, value, scope)
+    _check_number(s.value, target, value, scope)
+    if (
+        target.type.kind == "int" and not field.capped
+    ):  # it stays in range by what the guards say, and is the only one that reaches its target
+        low, high = narrowed(target, scope.facts) if is_number(target.type) else (target.type.low, target.type.high)
+        low, high = low + value.type.low, high + value.type.high
+        if low < target.type.low or high > target.type.high:
+            raise _leaves_range(s.span, target, low, high, scope)
     return ir.Add(target=target, value=value, origin=s.span)
 
 
-def _check_added(s: ast.Add, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
-    """Without `capped` an add must stay in range by what the guards say, and be the only one that reaches its target."""
-    low, high = narrowed(target, scope.facts) if is_number(target.type) else (target.type.low, target.type.high)
-    reached = (low + value.type.low, high + value.type.high)
-    inside = target.type.low <= reached[0] and reached[1] <= target.type.high
-    if not inside:
-        raise _leaves_range(s.span, target, reached, value, scope)
-
-
-def _leaves_range(span: Span, target: ir.Expr, reached: tuple[float, float], value: ir.Expr, scope: Scope, help_: str = "") -> Poisoned:
-    becomes = interval_text(value.type.model_copy(update={"low": reached[0], "high": reached[1]}))
-    name, declared, low, high = text(target), declared_name(target), target.type.low, target.type.high
-    found = errors.FieldRange(span, name=name, declared=declared, low=low, high=high, reached=becomes, help=help_)
-    return scope.problems.fail(found)
+def _leaves_range(span: Span, target: ir.Expr, low: float, high: float, scope: Scope, help_: str = "") -> Poisoned:
+    name, declared, type_, reached = text(target), declared_name(target), target.type, interval_text(low, high)
+    return scope.fail(errors.FieldRange(span, name=name, declared=declared, low=type_.low, high=type_.high, reached=reached, help=help_))

@@ -7,46 +7,44 @@ from typing import Any
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label, near
-from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.keys import entries_of, level_of
 from sjdsl.compiler.elaborate.lookup import table_words
 from sjdsl.compiler.elaborate.scope import Scope
-from sjdsl.compiler.elaborate.table_entries import entries_of
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")
+Tree = ast.Expr | ast.Table
 
 
 def constant(declared: ast.Constant, scope: Scope, override: object = None) -> None:
     """Adds one `size` or `param` to the static tables; a size may take another value than the written one."""
-    unit = declared.unit.text
+    unit, name, static = declared.unit.text, declared.name.text, scope.static
     if unit not in UNITS:
         raise scope.problems.unknown(declared.unit, UNITS, "the units", guesses.UNITS)
     if unit == "word":
-        _word(declared, scope)
+        type_, word = _word(declared, scope)
+        static.params[name] = ir.Param(name=name, type=type_, value=word, origin=declared.span)
         return
     if declared.is_size and (declared.by is not None or isinstance(declared.value, ast.Table)):
-        raise scope.problems.fail(errors.Unsupported(declared.span, what="a size that is a table", help="a `param` can be one"))
-    low, high = _limits(declared, unit, scope)
+        raise scope.fail(errors.Unsupported(declared.span, what="a size that is a table", help="a `param` can be one"))
+    low, high = _limits(declared, scope)
     level = None if declared.by is None else level_of(declared.by, scope)
     by, value = _value(declared.value, unit, scope, level)
     if override is not None and declared.is_size:
-        value = _overridden(declared, override, by, scope)
+        value = _overridden(declared, override, scope)
     outside = [(keys, n) for keys, n in zip(product(*(each.names for each in by)), _flat(value), strict=True) if not low <= n <= high]
     if outside:
         _report_outside(declared, outside, (low, high), level, scope)
         if not isinstance(value, tuple):
-            value = type(value)(min(max(value, low), high))  # told once: the rest is read with a number that is allowed
+            value = type(value)(min(max(value, low), high))  # reported once: the rest is read with a number that is allowed
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
-    name = declared.name.text
     if declared.is_size:
-        if not by:
-            type_ = type_.model_copy(update={"low": value, "high": value})
-        scope.static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
+        type_ = type_.model_copy(update={"low": value, "high": value})
+        static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
     else:
-        scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+        static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
 
 
 def _report_outside(
@@ -56,64 +54,58 @@ def _report_outside(
     level: Level | None,
     scope: Scope,
 ) -> None:
-    """Reports the numbers of one declaration that are outside its limits, as one mistake."""
-    spans = list(dict.fromkeys(_entry(declared.value, keys, level, scope).span for keys, _ in outside))
-    labels = (*_where_limits(declared, spans[0]), *(Label(span, "and this") for span in spans[1:]))
+    """Reports the numbers of one declaration that are outside its limits, as one mistake.
+
+    The comment beside a number may say why its limits are as they are, after its source: `# paper: why`.
+    """
+    first, *others = dict.fromkeys(_entry(declared.value, keys, level, scope).span for keys, _ in outside)
+    labels = [Label(span, "and this") for span in others]
+    reason = ""
+    if declared.low is not None:
+        if (declared.low.span.file, declared.low.span.line) != (first.file, first.line):  # the number is a variant's, or an entry's
+            labels.insert(0, Label(declared.low.span, "its limits are here"))
+        _, _, comment = scope.static.sources[declared.span.file].text[declared.span.end :].partition("\n")[0].partition("#")
+        _, _, why = comment.partition(": ")
+        reason = f" ({why.strip()})" if why else ""
     name, value, (low, high) = f"`{declared.name.text}`", outside[0][1], between
-    found = errors.OutOfLimits(spans[0], labels=labels, name=name, value=value, low=low, high=high, reason=_reason(declared, scope))
-    scope.problems.add(found)
+    scope.problems.add(errors.OutOfLimits(first, labels=tuple(labels), name=name, value=value, low=low, high=high, reason=reason))
 
 
-def _where_limits(declared: ast.Constant, span: Span) -> tuple[Label, ...]:
-    """Returns where the limits are written, if that is in another line than the number (a variant's, an entry's)."""
-    if declared.low is None or (declared.low.span.file, declared.low.span.line) == (span.file, span.line):
-        return ()
-    return (Label(declared.low.span, "its limits are here"),)
-
-
-def _reason(declared: ast.Constant, scope: Scope) -> str:
-    """Returns why the limits are as they are: what the comment beside a number says after its source, as in `# paper: why`."""
-    text = scope.static.sources[declared.span.file].text
-    _, _, comment = text[declared.span.end :].partition("\n")[0].partition("#")
-    _, _, reason = comment.partition(": ")
-    return f" ({reason.strip()})" if reason and declared.low is not None else ""
-
-
-def _overridden(declared: ast.Constant, override: object, by: tuple[Level, ...], scope: Scope) -> int | float:
+def _overridden(declared: ast.Constant, override: object, scope: Scope) -> int | float:
+    """Returns the value that a caller gives a size."""
     whole = declared.unit.text in INTEGER_UNITS
     number = override.item() if hasattr(override, "item") and getattr(override, "shape", None) == () else override
-    if not by and not isinstance(number, bool) and isinstance(number, int | float):
+    if not isinstance(number, bool) and isinstance(number, int | float):
         if isinstance(number, int) and abs(number) > limits.MAX_VALUE:
-            raise scope.problems.fail(limits.too_much(f"`{declared.name.text}` is {number}", limits.MAX_VALUE, declared.span))
+            raise scope.fail(limits.too_much(f"`{declared.name.text}` is {number}", limits.MAX_VALUE, declared.span))
         if isfinite(number) and (not whole or number == int(number)):
             return int(number) if whole else float(number)
     wanted = "a whole number" if whole else "a number"
-    raise scope.problems.fail(errors.WrongType(declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)))
+    raise scope.fail(errors.WrongType(declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)))
 
 
-def _limits(declared: ast.Constant, unit: str, scope: Scope) -> tuple[float, float]:
+def _limits(declared: ast.Constant, scope: Scope) -> tuple[float, float]:
+    unit = declared.unit.text
     low, high = UNIT_LIMITS[unit]
     if declared.low is None or declared.high is None:
         return low, high
     own_low, own_high = (scope.fixed(e, "the limits of a number") for e in (declared.low, declared.high))
     if own_low > own_high or own_low < low or own_high > high:
         name, given = f"the limits of `{declared.name.text}`", f"{own_low:g} .. {own_high:g}"
-        raise scope.problems.fail(errors.OutOfLimits(declared.low.span, name=name, value=given, low=low, high=high))
+        raise scope.fail(errors.OutOfLimits(declared.low.span, name=name, value=given, low=low, high=high))
     for tree, value in ((declared.low, own_low), (declared.high, own_high)):
         if unit in INTEGER_UNITS and value != int(value):
-            raise scope.problems.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value:g}"))
+            raise scope.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value:g}"))
     return own_low, own_high
 
 
-def _value(
-    tree: ast.Expr | ast.Table, unit: str, scope: Scope, level: Level | None = None
-) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
+def _value(tree: Tree, unit: str, scope: Scope, level: Level | None = None) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
     """Returns the levels and the value (nested as the levels) of a number or table. `level`: the first one, where it is declared."""
     if level is not None:
         trees = entries_of(tree, level, scope)
         made = {id(entry): _value(entry, unit, scope) for entry in {id(entry): entry for entry in trees}.values()}
         if len({by for by, _ in made.values()}) > 1:
-            raise scope.problems.fail(errors.UnequalRows(tree.span))
+            raise scope.fail(errors.UnequalRows(tree.span))
         return (level, *made[id(trees[0])][0]), tuple(made[id(entry)][1] for entry in trees)
     if not isinstance(tree, ast.Table):
         return (), _number(tree, unit, scope)
@@ -121,9 +113,8 @@ def _value(
     words = _declared_words(tree, names, scope)
     inner = [_value(e.value, unit, scope) for e in tree.entries]
     if any(i[0] != inner[0][0] for i in inner):
-        raise scope.problems.fail(errors.UnequalRows(tree.span))
-    order = [names.index(w) for w in words]
-    return (Level("word", words), *inner[0][0]), tuple(inner[i][1] for i in order)
+        raise scope.fail(errors.UnequalRows(tree.span))
+    return (Level("word", words), *inner[0][0]), tuple(inner[names.index(w)][1] for w in words)
 
 
 def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
@@ -135,70 +126,63 @@ def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> t
     closest = max(sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=())
     unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
     if unknown is not None and set(names) & set(closest):
-        raise scope.problems.fail(errors.WordOutside(unknown.span, word=unknown.text, owner="this table", words=closest))
+        raise scope.fail(errors.WordOutside(unknown.span, word=unknown.text, owner="this table", words=closest))
     if unknown is not None:
         meant = near(unknown.text, [w for s in sets for w in s])
-        listed = ", ".join(dict.fromkeys(names))
-        help_ = (
-            f"the words of a table are those of a field, a row (`by`) or an event: declare one, `field NAME : {{ {listed} }} = {names[0]}`"
-        )
-        raise scope.problems.fail(errors.UnknownName(unknown.span, name=unknown.text, near=meant, help="" if meant.nearest else help_))
+        declare = f"declare one, `field NAME : {{ {', '.join(dict.fromkeys(names))} }} = {names[0]}`"
+        help_ = "" if meant.nearest else f"the words of a table are those of a field, a row (`by`) or an event: {declare}"
+        raise scope.fail(errors.UnknownName(unknown.span, name=unknown.text, near=meant, help=help_))
     if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
         return tuple(w for w in closest if w in names)
     missing = tuple(w for w in closest if w not in names)
-    raise scope.problems.fail(errors.TableLacks(table.span, words=missing) if missing else errors.TableGap(table.span))
+    raise scope.fail(errors.TableLacks(table.span, words=missing) if missing else errors.TableGap(table.span))
 
 
 def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
     built = scope.expression(tree)
     if not isinstance(built, ir.Number):
         scope.fixed(tree, "the value of a number")
-        raise scope.problems.fail(errors.WrongType(tree.span, wanted="a number", given=describe(built.type)))
+        raise scope.fail(errors.WrongType(tree.span, wanted="a number", given=describe(built.type)))
     value = built.value
     whole = unit in INTEGER_UNITS
     if not isfinite(value) or (whole and value != int(value)):
-        raise scope.problems.fail(errors.WrongType(tree.span, wanted="a whole number" if whole else "a number", given=f"{value:g}"))
+        raise scope.fail(errors.WrongType(tree.span, wanted="a whole number" if whole else "a number", given=f"{value:g}"))
     if abs(value) > limits.MAX_VALUE:
-        raise scope.problems.fail(limits.too_much(f"this number is {value:.15g}", limits.MAX_VALUE, tree.span))
+        raise scope.fail(limits.too_much(f"this number is {value:.15g}", limits.MAX_VALUE, tree.span))
     if built.type.unit not in ("number", unit) and not (unit == "reward" and built.type.unit == "count"):
-        raise scope.problems.fail(errors.UnitMismatch(tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`"))
+        raise scope.fail(errors.UnitMismatch(tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`"))
     return int(value) if whole else float(value)
 
 
-def _word(declared: ast.Constant, scope: Scope) -> None:
-    """A parameter whose entries are words: over the table's own words if they serve, else the first set that has them all."""
+def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[str, ...]]:
+    """Returns the type and value of a parameter of words: over the table's own words if they serve, else the first set that has them all."""
     if declared.is_size:
-        raise scope.problems.fail(errors.WrongType(declared.span, wanted="a number for a `size`", given="a word"))
+        raise scope.fail(errors.WrongType(declared.span, wanted="a number for a `size`", given="a word"))
     by: tuple[Level, ...] = ()
-    entries: list[ast.Expr | ast.Table] = [declared.value]
+    entries: list[Tree] = [declared.value]
     if declared.by is not None:
         by = (level_of(declared.by, scope),)
         entries = entries_of(declared.value, by[0], scope)
     elif isinstance(declared.value, ast.Table):
         by = (Level("word", _declared_words(declared.value, table_words(declared.value, scope), scope)),)
-        order = {e.key.text: e.value for e in declared.value.entries}
-        entries = [order[w] for w in by[0].names]
-    known = {id(e): _one_word(e, scope) for e in {id(e): e for e in entries}.values()}
-    values = [known[id(e)] for e in entries]
+        written = {e.key.text: e.value for e in declared.value.entries}
+        entries = [written[w] for w in by[0].names]
+    known: dict[int, str] = {}
+    for entry in {id(e): e for e in entries}.values():
+        built = None if isinstance(entry, ast.Table) else scope.expression(entry)
+        if not isinstance(built, ir.Word):
+            given = "a table" if built is None else describe(built.type)
+            raise scope.fail(errors.WrongType(entry.span, wanted="a word", given=given))
+        known[id(entry)] = built.value
+    values = tuple(known[id(e)] for e in entries)
     sets = [*(level.names for level in by if level.sort == "word"), *scope.static.word_sets]
     words = next((s for s in sets if set(values) <= set(s)), None)
     if words is None:
-        raise scope.problems.fail(errors.NeverEqual(declared.value.span))
-    type_ = ir.Type(kind="word", words=words, by=by)
-    value = tuple(values) if by else values[0]
-    name = declared.name.text
-    scope.static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
+        raise scope.fail(errors.NeverEqual(declared.value.span))
+    return ir.Type(kind="word", words=words, by=by), values if by else values[0]
 
 
-def _one_word(tree: ast.Expr | ast.Table, scope: Scope) -> str:
-    built = None if isinstance(tree, ast.Table) else scope.expression(tree)
-    if not isinstance(built, ir.Word):
-        given = "a table" if built is None else describe(built.type)
-        raise scope.problems.fail(errors.WrongType(tree.span, wanted="a word", given=given))
-    return built.value
-
-
-def _entry(value: ast.Expr | ast.Table, keys: tuple[str, ...], level: Level | None, scope: Scope) -> ast.Expr | ast.Table:
+def _entry(value: Tree, keys: tuple[str, ...], level: Level | None, scope: Scope) -> Tree:
     """Returns the entry of a table that was read without mistakes, or the number itself. `level`: the first one, where it is declared."""
     if level is not None:
         value, keys = entries_of(value, level, scope)[level.names.index(keys[0])], keys[1:]

@@ -18,67 +18,44 @@ MANY = 4  # numbers shown beside a requirement
 
 def with_declaration_labels(found: list[Diagnostic], game: Composition) -> list[Diagnostic]:
     """Returns the diagnostics, those about a name or a word from another line with the place where it is declared."""
-    named = {name.text: name.span for name in reversed(list(_names(game)))}
-    types = dict(_types(game))
-    return [d if d.labels else replace(d, labels=_labels(d, named, types, game)) for d in found]
-
-
-def _labels(d: Diagnostic, named: dict[str, Span], types: dict[str, Span], game: Composition) -> tuple[Label, ...]:
-    match d:
-        case errors.WordOutside():
-            span, text = types.get(d.declared), "its words are declared here"
-        case errors.FieldRange():
-            span, text = types.get(d.declared), "its range is declared here"
-        case errors.TooFewCells() | errors.NoFreeCell() | errors.TakenOrNowhere():
-            span, text = _number_of_agents(game), "so many agents"
-        case errors.NotKnown():
-            span, text = named.get(d.near.nearest), f"`{d.near.nearest}` is declared here"
-        case _:
-            return ()
-    if span is None or (span.file, span.line) == (d.span.file, d.span.line):
-        return ()
-    return (Label(span, text),)
-
-
-def _number_of_agents(game: Composition) -> Span | None:
-    """Returns where the number of agents is written: the value of the size that `agents` names, or the number itself."""
-    number = game.number
+    named, ranges = _places(game)
+    number = game.number  # of agents: the value of the size that it names, or the number itself
     if isinstance(number, ast.Path) and number.name.text in game.constants:
-        return game.constants[number.name.text].value.span
-    return None if number is None else number.span
+        agents: Span | None = game.constants[number.name.text].value.span
+    else:
+        agents = None if number is None else number.span
+    labelled = []
+    for d in found:
+        span, text = None, ""
+        match d:
+            case errors.WordOutside():
+                span, text = ranges.get(d.declared), "its words are declared here"
+            case errors.FieldRange():
+                span, text = ranges.get(d.declared), "its range is declared here"
+            case errors.TooFewCells() | errors.NoFreeCell() | errors.TakenOrNowhere():
+                span, text = agents, "so many agents"
+            case errors.NotKnown():
+                span, text = named.get(d.near.nearest), f"`{d.near.nearest}` is declared here"
+        elsewhere = span is not None and (span.file, span.line) != (d.span.file, d.span.line)
+        labelled.append(replace(d, labels=(Label(span, text),)) if span is not None and elsewhere and not d.labels else d)
+    return labelled
 
 
-def _attributes(game: Composition) -> Iterator[ast.Field | ast.Timer]:
-    """Yields every field and timer."""
-    for kind in game.kinds.values():
-        yield from (a for a in kind.attributes if isinstance(a, ast.Field | ast.Timer))
-    yield from game.agent_fields.values()
-    yield from game.fields.values()
-
-
-def _names(game: Composition) -> Iterator[ast.Name]:
-    """Yields the names of all declarations, and the words and actions they declare."""
+def _places(game: Composition) -> tuple[dict[str, Span], dict[str, Span]]:
+    """Returns where each name, word and action is declared, and where the words or the range of each field, event and action are."""
+    attributes = [a for kind in game.kinds.values() for a in kind.attributes if isinstance(a, ast.Field | ast.Timer)]
+    attributes += [*game.agent_fields.values(), *game.fields.values()]
+    fields = [a for a in attributes if isinstance(a, ast.Field)]
+    actions = () if game.acts is None else game.acts.actions
     tables = (game.constants, game.kinds, game.groups, game.shapes, game.defines, game.phases, game.metrics)
-    yield from (node.name for table in tables for node in table.values())
-    for declared in _attributes(game):
-        yield declared.name
-    yield from (action.name for action in game.acts.actions) if game.acts is not None else ()
-    for declared in _attributes(game):
-        if isinstance(declared, ast.Field) and isinstance(declared.type, ast.Words):
-            yield from declared.type.names
-
-
-def _types(game: Composition) -> Iterator[tuple[str, Span]]:
-    """Yields the fields, and the events that declare words, with the place of the words or the range."""
-    for declared in _attributes(game):
-        if isinstance(declared, ast.Field):
-            yield declared.name.text, declared.type.span
+    names = [node.name for table in tables for node in table.values()] + [node.name for node in (*attributes, *actions)]
+    names += [name for field in fields if isinstance(field.type, ast.Words) for name in field.type.names]
+    ranges = {field.name.text: field.type.span for field in fields}
     for metric in game.metrics.values():
         if isinstance(metric, ast.Event) and metric.by is not None:
-            yield metric.name.text, metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
-    for action in () if game.acts is None else game.acts.actions:
-        if action.arguments:
-            yield action.name.text, action.span
+            ranges[metric.name.text] = metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
+    ranges |= {action.name.text: action.span for action in actions if action.arguments}
+    return {name.text: name.span for name in reversed(names)}, ranges
 
 
 def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:

@@ -9,17 +9,18 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate import shapes
-from sjdsl.compiler.elaborate.agents import declare_agents, declare_number, override_number
-from sjdsl.compiler.elaborate.blocking import blocked
+from sjdsl.compiler.elaborate.agents import blocked, declare_agents, declare_number, override_number
 from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.movers import declare_movers
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
 SEEN = {"outside": "what an agent sees off the map", "everyone": "all agents, in `observe`"}  # no names of kinds
+Tables = Mapping[str, Mapping[str, ast.Constant | ast.Define | ast.Field | ast.Timer | ast.Kind | ast.Group | ast.Movers]]
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
 
 
@@ -60,41 +61,26 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
 
     owners: tuple[ast.Kind | ast.Movers, ...] = (*game.kinds.values(), *game.movers.values())
     attributes = [a for owner in owners for a in owner.attributes] + list(game.agent_fields.values())
-    for item in [*attributes, *game.fields.values()]:
-        if isinstance(item, ast.Field):
-            if isinstance(item.type, ast.Words):
-                add(item.type.names)
-            if isinstance(item.by, ast.Words):
-                add(item.by.names)
-    for metric in game.metrics.values():
-        if isinstance(metric, ast.Event) and isinstance(metric.by, ast.Words):
-            add(metric.by.names)
-    for number in game.constants.values():
-        if isinstance(number.by, ast.Words):
-            add(number.by.names)
-    for action in () if game.acts is None else game.acts.actions:
-        for argument in action.arguments:
-            if isinstance(argument.type, ast.Words):
-                add(argument.type.names)
+    fields = [a for a in [*attributes, *game.fields.values()] if isinstance(a, ast.Field)]
+    arguments = [argument for action in (() if game.acts is None else game.acts.actions) for argument in action.arguments]
+    events = [metric for metric in game.metrics.values() if isinstance(metric, ast.Event)]
+    sets = [each for field in fields for each in (field.type, field.by)]
+    for each in (*sets, *(e.by for e in events), *(number.by for number in game.constants.values()), *(a.type for a in arguments)):
+        if isinstance(each, ast.Words):
+            add(each.names)
     static.word_sets.append(HEADINGS)
 
 
 def _check_names(game: Composition, static: Static, problems: Problems) -> None:
     """One name space: sizes, params, defines, world fields, kinds, groups, words."""
     taken: dict[str, str] = {}
-    tables = (
-        ("a number", game.constants),
-        ("a define", game.defines),
-        ("a field of the world", game.fields),
-        ("a kind", game.kinds),
-        ("a group", game.groups),
-        ("a sort of movers", game.movers),
-    )
-    for what, table in tables:
+    cells: Tables = {"a kind": game.kinds, "a group": game.groups, "a sort of movers": game.movers}
+    tables: Tables = {"a number": game.constants, "a define": game.defines, "a field of the world": game.fields, **cells}
+    for what, table in tables.items():
         for name, node in table.items():
             if name in RESERVED_VARIABLES:
                 problems.add(errors.NameTaken(node.name.span, name=name, what="something of the language"))
-            elif name in SEEN and what in ("a kind", "a group", "a sort of movers"):
+            elif name in SEEN and what in cells:
                 problems.add(errors.NameTaken(node.name.span, name=name, what=SEEN[name]))
             elif name in taken:
                 problems.add(errors.NameTaken(node.name.span, name=name, what=taken[name]))
@@ -123,11 +109,14 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
             _glyphs(kind, scope)
     for group in game.groups.values():
         with problems.survive(static.broken, Symbol("name", group.name.text)):
-            static.groups[group.name.text] = tuple(_kind(name, scope) for name in group.kinds)
+            for kind_name in group.kinds:
+                if kind_name.text not in static.kinds:
+                    raise problems.unknown(kind_name, static.kinds, "the kinds")
+                static.refer(kind_name, Symbol("name", kind_name.text))
+            static.groups[group.name.text] = tuple(kind_name.text for kind_name in group.kinds)
     for declared in game.fields.values():
         with problems.survive(static.broken, Symbol("name", declared.name.text)):
-            made_field = one_field(declared, scope, ir.Sort("world"))
-            static.fields[made_field.name] = made_field
+            static.fields[declared.name.text] = one_field(declared, scope, ir.Sort("world"))
     declare_agents(game, scope)
     declare_movers(game, scope)
 
@@ -141,13 +130,6 @@ def _check_counts(game: Composition, problems: Problems) -> None:
         ("phases", len(game.phases), limits.MAX_PHASES),
     )
     problems.found += [limits.too_much(f"the game has {given} {what}", limit, game.span) for what, given, limit in counts if given > limit]
-
-
-def _kind(name: ast.Name, scope: Scope) -> str:
-    if name.text not in scope.static.kinds:
-        raise scope.problems.unknown(name, scope.static.kinds, "the kinds")
-    scope.static.refer(name, Symbol("name", name.text))
-    return name.text
 
 
 def _glyphs(kind: ast.Kind, scope: Scope) -> None:
@@ -178,28 +160,19 @@ def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[
     """Returns the kinds with their fields and what they block; conditions read the cell's fields and `agent`."""
     made = []
     for name, fields in static.kinds.items():
-        kind = game.kinds[name]
+        kind, scope = game.kinds[name], Scope(static, problems, part="blocks")
         found: list[ir.Block] = []
-        for attribute in kind.attributes:
-            if not isinstance(attribute, ast.Blocks):
-                continue
+        for blocks in (a for a in kind.attributes if isinstance(a, ast.Blocks)):
             with problems.survive():
-                found += _one_blocks(attribute, name, Scope(static, problems, part="blocks"))
+                sorts = dict.fromkeys(ir.Sort("mover", (what.text,)) if what.text in static.movers else AGENTS for what in blocks.what)
+                found += blocked(blocks, {sort: _blocks_when(blocks, name, sort, scope) for sort in sorts}, scope)
         made.append(ir.Kind(name=name, glyph=kind.glyph.text, fields=tuple(fields.values()), blocks=tuple(found), origin=kind.span))
     return tuple(made)
 
 
-def _one_blocks(attribute: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block]:
-    static = scope.static
-    sorts = dict.fromkeys(ir.Sort("mover", (what.text,)) if what.text in static.movers else ir.Sort("agent") for what in attribute.what)
-    tests = {sort: _blocks_when(attribute, kind, sort, scope) for sort in sorts}
-    return blocked(attribute, tests, scope)
-
-
-def _blocks_when(attribute: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> ir.Expr | None:
+def _blocks_when(blocks: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> ir.Expr | None:
     """Returns the condition of `blocks`, about the cell and about who moves: an agent (or the anchor of a shape), or a mover of a sort."""
-    if attribute.condition is None:
+    if blocks.condition is None:
         return None
-    who = ir.Member(name=sort.name, sort=sort)
-    cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
-    return scope.bind(kind, cell).bind(who.name, who).condition(attribute.condition)
+    cell, who = ir.Member(name=kind, sort=ir.Sort("cell", (kind,))), ir.Member(name=sort.name, sort=sort)
+    return scope.bind(kind, cell).bind(who.name, who).condition(blocks.condition)

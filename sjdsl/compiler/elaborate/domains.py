@@ -11,43 +11,38 @@ from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, 
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
 
 def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
     """Returns a domain and the scope inside it."""
-    chosen = d.bind or d.kind
     if d.kind.text == "agent":
-        var = ir.Member(name=_own_name(chosen, scope), sort=ir.Sort("agent"), origin=d.kind.span)
+        sort = AGENTS
     elif d.kind.text in scope.static.movers:
         scope.static.use(d.kind, Symbol("name", d.kind.text))
-        var = ir.Member(name=_own_name(chosen, scope), sort=ir.Sort("mover", (d.kind.text,)), origin=d.kind.span)
+        sort = ir.Sort("mover", (d.kind.text,))
     else:
-        kinds = kinds_named(d.kind, scope)
-        var = ir.Member(name=_own_name(chosen, scope), sort=ir.Sort("cell", kinds), origin=d.kind.span)
+        sort = ir.Sort("cell", kinds_named(d.kind, scope))
+    chosen = d.bind or d.kind
+    var = ir.Member(name=_own_name(chosen, scope), sort=sort, origin=d.kind.span)
     check_free(chosen, scope, d.bind is not None)
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
     inner = with_member(d.bind, d.kind, var, scope)
     on = None
     if d.on is not None:
-        on, inner = _on(d, var, inner)
+        if sort.what == "cell":
+            wanted = "an agent (`agent on KIND`)"
+            raise scope.fail(errors.WrongSort(d.kind.span, name=d.kind.text, what="a kind of cell", wanted=wanted))
+        under = d.on.bind or d.on.kind
+        check_free(under, inner, d.on.bind is not None)
+        on = ir.Member(name=_own_name(under, inner), sort=ir.Sort("cell", kinds_named(d.on.kind, inner)), origin=d.on.span)
+        inner = with_member(d.on.bind, d.on.kind, on, inner)
     where = None
     if d.where is not None:
         where = inner.condition(d.where)
         inner = inner.knowing([where])
     return ir.Domain(var=var, on=on, restriction=restriction, where=where, origin=d.span), inner
-
-
-def _on(d: ast.Domain, var: ir.Member, scope: Scope) -> tuple[ir.Member, Scope]:
-    assert d.on is not None
-    if var.sort.what == "cell":
-        raise scope.problems.fail(
-            errors.WrongSort(d.kind.span, name=d.kind.text, what="a kind of cell", wanted="an agent (`agent on KIND`)")
-        )
-    name = d.on.bind or d.on.kind
-    check_free(name, scope, d.on.bind is not None)
-    on = ir.Member(name=_own_name(name, scope), sort=ir.Sort("cell", kinds_named(d.on.kind, scope)), origin=d.on.span)
-    return on, with_member(d.on.bind, d.on.kind, on, scope)
 
 
 def with_member(name: ast.Name | None, kind: ast.Name, var: ir.Member | None, scope: Scope) -> Scope:
@@ -92,13 +87,13 @@ def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member,
         case ast.Members():
             members = tuple(_variable(name, scope) for name in restriction.names)
             if any(m.sort != var.sort and {m.sort.what, var.sort.what} != {"cell"} for m in members):
-                raise scope.problems.fail(errors.WrongType(restriction.span, wanted="variables of the same sort", given="a mixture"))
+                raise scope.fail(errors.WrongType(restriction.span, wanted="variables of the same sort", given="a mixture"))
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
             if var.sort.what == "cell" and value.type.kind == "cell" and not value.type.by:
                 if not set(var.kinds) & set(value.type.kinds):
-                    raise scope.problems.fail(errors.NeverOneCell(restriction.span))
+                    raise scope.fail(errors.NeverOneCell(restriction.span))
                 return ir.InCell(value=value, origin=restriction.span)
             if var.sort.what != "agent" or (value.type.kind != "agents" and not as_agent(value)):
                 raise wrong_type(scope, restriction, "a shape of something, or a field that holds agents or a cell", value.type)
@@ -112,7 +107,7 @@ def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     if member.sort.what != "cell":
         check_placed(member, ref.span, f"{shape.name} of {anchor.text}", scope)
     if shape.directed and member.sort.what == "cell":
-        raise scope.problems.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))
+        raise scope.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))
     return ir.Near(shape=shape.name, anchor=member, origin=ref.span)
 
 
@@ -124,7 +119,7 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
             raise Poisoned
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
-        raise scope.problems.fail(errors.WrongSort(name.span, name=name.text, what="a value", wanted="an agent or a cell"))
+        raise scope.fail(errors.WrongSort(name.span, name=name.text, what="a value", wanted="an agent or a cell"))
     raise unknown(name, scope)
 
 
@@ -165,14 +160,11 @@ def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
         case None if d.var.sort.what == "cell":
             return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
         case None:
-            return static.can_be_away and not _somebody_is_here(d.var, scope)
+            # a domain around has an agent (or such a mover); other parts of a game may speak of one that is away
+            somebody = any(isinstance(v, ir.Member) and v.sort == d.var.sort for v in scope.variables.values())
+            here = somebody and scope.part in ("phase", "start", "metrics", "checks", "policy")
+            return static.can_be_away and not here
         case ir.Among():
             return d.var.sort.what == "cell"
         case _:
             return True
-
-
-def _somebody_is_here(var: ir.Member, scope: Scope) -> bool:
-    """Returns whether a domain around has an agent (or such a mover); other parts of a game may speak of one that is away."""
-    agents = (v for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort == var.sort)
-    return scope.part in ("phase", "start", "metrics", "checks", "policy") and any(agents)

@@ -11,26 +11,27 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate import actions
 from sjdsl.compiler.elaborate.arithmetic import calculation, compare, join_types
 from sjdsl.compiler.elaborate.cases import case
-from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
     as_agent,
     check_known_word,
     check_placed,
+    check_words,
     kinds_named,
     kinds_of_cell,
-    not_a_word,
     not_named,
     or_nowhere,
+    use_define,
 )
 from sjdsl.compiler.elaborate.paths import distance, path
-from sjdsl.compiler.elaborate.row_functions import beyond_one, extreme_of_row, lowest, mix, shifted, sum_of_row
+from sjdsl.compiler.elaborate.row_functions import beyond_one, lowest, mix, row_of_numbers, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, REDUCTIONS, Calculation, Function
-from sjdsl.compiler.ir.types import hull, integer, is_number, real, times
+from sjdsl.compiler.ir.types import element, integer, is_number, real, times
 
 WHERE_BEFORE_STANDS = "`before` stands in `always` and `once` of `checks`, not inside another; a rule keeps what it needs later in a field"
 
@@ -49,7 +50,7 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
         case ast.Call():
             return call(e, scope)
         case ast.Count():
-            return count(e, scope)
+            return count(e.domain, e.span, scope)
         case ast.Quantified():
             return quantified(e, scope)
         case ast.Total():
@@ -58,10 +59,25 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return extreme(e, scope)
         case ast.Case():
             return case(e, scope)
+        case ast.Unary(op="not"):
+            return ir.Not(value=scope.condition(e.operand), origin=e.span)
         case ast.Unary():
-            return unary(e, scope)
+            operand = scope.expression(e.operand)
+            if e.op in PREFIX:
+                return calculation(PREFIX[e.op], e, [e.operand], [operand], scope)
+            if not is_number(operand.type):
+                raise wrong_type(scope, e.operand, "a number", operand.type)
+            return operand
+        case ast.Binary(op="and" | "or"):
+            return logic(e, scope)
+        case ast.Binary(op="is" | "is not"):
+            same = identity(e, scope)
+            return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
         case ast.Binary():
-            return binary(e, scope)
+            left, right = scope.expressions((e.left, e.right))
+            if e.op in COMPARISONS:
+                return compare(e, left, right, scope)
+            return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
         case ast.Chose():
             return chose(e, scope)
         case ast.Standing():
@@ -70,30 +86,6 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return within(e, scope)
         case _:
             assert_never(e)
-
-
-def unary(e: ast.Unary, scope: Scope) -> ir.Expr:
-    if e.op == "not":
-        return ir.Not(value=scope.condition(e.operand), origin=e.span)
-    operand = scope.expression(e.operand)
-    if e.op in PREFIX:
-        return calculation(PREFIX[e.op], e, [e.operand], [operand], scope)
-    if not is_number(operand.type):
-        raise wrong_type(scope, e.operand, "a number", operand.type)
-    return operand
-
-
-def binary(e: ast.Binary, scope: Scope) -> ir.Expr:
-    if e.op in ("and", "or"):
-        return logic(e, scope)
-    if e.op in ("is", "is not"):
-        left, right = compared(e, scope)
-        same = identity(e, left, right, scope)
-        return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
-    left, right = scope.expressions((e.left, e.right))
-    if e.op in COMPARISONS:
-        return compare(e, left, right, scope)
-    return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
 
 
 def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
@@ -105,8 +97,8 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
     return ir.Logic(fn="and" if e.op == "and" else "or", args=args, origin=e.span)
 
 
-def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
-    """Returns both sides of `x is y`; where x is a word, y is not any name."""
+def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
+    """`x is y` between words, agents, cells, or a set of agents and nobody; where x is a word, y is not any name."""
     try:
         left = scope.expression(e.left)
     except Poisoned:
@@ -115,57 +107,43 @@ def compared(e: ast.Binary, scope: Scope) -> list[ir.Expr]:
         raise
     if left.type.kind == "word" and not left.type.by:
         check_known_word(e.right, left, left.type.words, scope)
-    return [left, scope.expression(e.right)]
-
-
-def identity(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
-    """`x is y` between words, agents, or a set of agents and nobody."""
-    kinds = {left.type.kind, right.type.kind}
+    right = scope.expression(e.right)
     if left.type.by or right.type.by:
         raise wrong_type(scope, e.left if left.type.by else e.right, "a single value", left.type if left.type.by else right.type)
     if isinstance(left, ir.Word) and isinstance(right, ir.Word):  # one of them is what a phase is used with
         return ir.Truth(value=left.value == right.value, origin=e.span)
-    if kinds == {"word"}:
-        check_words_meet(e, left, right, scope)
-        return ir.Same(left=left, right=right, origin=e.span)
+    kinds = {left.type.kind, right.type.kind}
     if kinds == {"agents", "agent"} and isinstance(right, ir.Nobody):
         return ir.IsEmpty(container=left, origin=e.span)
-    if any(x.type.kind == "cell" for x in (left, right)):
+    if "cell" in kinds:
         left, right = or_nowhere(left), or_nowhere(right)
     cells = [kinds_of_cell(x) for x in (left, right)]
-    if None not in cells:
+    movers = isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.sort.what == "mover" and left.sort == right.sort
+    if kinds == {"word"}:
+        for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
+            if isinstance(literal, ir.Word):
+                check_words((literal.value,), other.type.words, tree.span, other, scope)
+        if not set(left.type.words) & set(right.type.words):
+            raise scope.fail(errors.NeverEqual(e.span))
+    elif None not in cells:
         if all(cells) and not set(cells[0] or ()) & set(cells[1] or ()):
-            raise scope.problems.fail(errors.NeverOneCell(e.span))
-        return ir.Same(left=left, right=right, origin=e.span)
-    if all(as_agent(x) for x in (left, right)):
-        return ir.Same(left=left, right=right, origin=e.span)
-    if isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.sort.what == "mover" and left.sort == right.sort:
-        return ir.Same(left=left, right=right, origin=e.span)
-    if isinstance(left, ir.Member) and left.sort.what == "mover":
-        raise wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
-    help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
-    wanted = "a word, an agent or a cell"
-    single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None
-    bad = (e.right, right) if single else (e.left, left)
-    raise wrong_type(scope, bad[0], wanted, bad[1].type, help_)
-
-
-def check_words_meet(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
-    for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
-        if isinstance(literal, ir.Word) and literal.value not in other.type.words:
-            raise not_a_word(tree.span, literal.value, other, other.type.words, scope)
-    if not set(left.type.words) & set(right.type.words):
-        raise scope.problems.fail(errors.NeverEqual(e.span))
+            raise scope.fail(errors.NeverOneCell(e.span))
+    elif not (movers or (as_agent(left) and as_agent(right))):
+        if isinstance(left, ir.Member) and left.sort.what == "mover":
+            raise wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
+        single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None
+        tree, wrong = (e.right, right) if single else (e.left, left)
+        help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
+        raise wrong_type(scope, tree, "a word, an agent or a cell", wrong.type, help_)
+    return ir.Same(left=left, right=right, origin=e.span)
 
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.agent)
     if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
         raise not_named(agent, e.agent, scope)
-    name = e.action.name.text
-    bound = scope.variables.get(name)
-    if isinstance(bound, str):
-        name = bound
+    bound = scope.variables.get(e.action.name.text)
+    name = bound if isinstance(bound, str) else e.action.name.text  # what a phase's parameter stands for
     actions.check_in_step(f"{agent.name} chose {name}", e.span, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} chose {name}", scope)
@@ -181,7 +159,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             if e.kind.text in scope.variables and cell is None:
                 raise Poisoned
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
-            raise scope.problems.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
+            raise scope.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.sort.what != "cell"):
@@ -200,8 +178,7 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
         if isinstance(value, ir.Word) and all(map(scope.static.is_word, names)):  # what a phase is used with
             return ir.Truth(value=value.value in names, origin=e.span)
         for name in e.container.names:
-            if name.text not in value.type.words:
-                raise not_a_word(name.span, name.text, value, value.type.words, scope)
+            check_words((name.text,), value.type.words, name.span, value, scope)
             scope.static.refer(name, Symbol("word", name.text))
         return ir.InWords(value=value, words=names, origin=e.span)
     if e.high is not None:
@@ -217,9 +194,9 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     return ir.InSet(value=value, container=container, origin=e.span)
 
 
-def count(e: ast.Count, scope: Scope) -> ir.Expr:
-    built, _ = domain(e.domain, scope)
-    return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=e.span)
+def count(d: ast.Domain, span: Span, scope: Scope) -> ir.Expr:
+    built, _ = domain(d, scope)
+    return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=span)
 
 
 def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
@@ -228,29 +205,23 @@ def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
     if e.word == "all":
         if domain_.where is None:
             help_ = f"write what holds for all of them: `all({written(domain_, scope)} where …)`"
-            raise scope.problems.fail(errors.WrongType(e.span, wanted="a condition after `where`", given="`all` without one", help=help_))
+            raise scope.fail(errors.WrongType(e.span, wanted="a condition after `where`", given="`all` without one", help=help_))
         domain_ = replace(domain_, where=ast.Unary(domain_.where.span, "not", domain_.where))
-    members = count(ast.Count(e.span, domain_), scope)
-    return ir.Compare(
-        fn=">" if e.word == "any" else "==", left=members, right=ir.Number(type=integer(0, 0, "number"), value=0), origin=e.span
-    )
+    members, none = count(domain_, e.span, scope), ir.Number(type=integer(0, 0, "number"), value=0)
+    return ir.Compare(fn=">" if e.word == "any" else "==", left=members, right=none, origin=e.span)
 
 
 def total(e: ast.Total, scope: Scope) -> ir.Expr:
     """`sum(row)` and `sum(e over D)`."""
     if e.domain is None:
-        row = scope.expression(e.value)
-        if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
-            raise wrong_type(scope, e.value, "a row of numbers", row.type, "write `sum(e over D)` to add over a domain")
-        return sum_of_row(row).model_copy(update={"origin": e.span})
+        return sum_of_row(row_of_numbers(e.value, scope, help_="write `sum(e over D)` to add over a domain"), e.span)
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
     if not is_number(value.type):
         raise wrong_type(scope, e.value, "a number", value.type)
     most = most_members(built, scope)
-    low, high = hull([value.type.model_copy(update={"low": 0, "high": 0}), value.type])
-    type_ = value.type.model_copy(update={"low": times(low, most), "high": times(high, most)})
-    return ir.Sum(type=beyond_one(type_), value=value, domain=built, origin=e.span)
+    low, high = times(min(value.type.low, 0), most), times(max(value.type.high, 0), most)
+    return ir.Sum(type=beyond_one(value.type.model_copy(update={"low": low, "high": high})), value=value, domain=built, origin=e.span)
 
 
 def call(e: ast.Call, scope: Scope) -> ir.Expr:
@@ -263,18 +234,16 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         found = [row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks]
         raise scope.problems.unknown(e.name, [*found, *scope.static.defines], "the functions and defines", guesses.FUNCTIONS)
     if row.reduces is not None and len(e.arguments) == 1:
-        return extreme_of_row(e, scope.expression(e.arguments[0]), scope)
-    arity(e, row, scope)
-    return BUILDERS[row.builds](row, e, scope)
-
-
-def arity(e: ast.Call, row: Function, scope: Scope) -> None:
+        values = row_of_numbers(e.arguments[0], scope, "a row of numbers, or several numbers")
+        return ir.SumRow(type=element(values.type), row=values, fn=name, origin=e.span)  # type: ignore[arg-type]
     if not row.least <= len(e.arguments) <= row.most:
         wanted = f"{row.least} arguments" if row.least != 1 else "1 argument"
         wanted = wanted if row.most == row.least else f"{row.least} or more arguments"
-        raise scope.problems.fail(errors.WrongArguments(e.span, name=e.name.text, wanted=wanted, given=len(e.arguments)))
+        raise scope.fail(errors.WrongArguments(e.span, name=name, wanted=wanted, given=len(e.arguments)))
+    return BUILDERS[row.builds](row, e, scope)
 
 
+# What makes each class of node of a call.
 def calculated(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     assert isinstance(row, Calculation)
     return calculation(row, e, e.arguments, scope.expressions(e.arguments), scope)
@@ -283,13 +252,12 @@ def calculated(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     table = scope.expression(e.arguments[0])
     if scope.part != "checks":
-        raise scope.problems.fail(errors.WrongSort(e.name.span, name=e.name.text, what="a class of games", wanted="a value"))
+        raise scope.fail(errors.WrongSort(e.name.span, name=e.name.text, what="a class of games", wanted="a value"))
     if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
         raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
     return ir.MatrixClass(name=row.name, table=table, origin=e.span)
 
 
-# What makes each class of node of a call.
 def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
     """Returns the least or greatest value over a domain."""
     reduction = REDUCTIONS.get(e.name.text)
@@ -302,7 +270,7 @@ def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
         if tree is not None and part is not None and not is_number(part.type):
             raise wrong_type(scope, tree, "a number", part.type)
     if otherwise is None and can_be_empty(built, scope):
-        raise scope.problems.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope)))
+        raise scope.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope)))
     types = [value.type] if otherwise is None else [value.type, otherwise.type]
     type_ = join_types(types, scope, "compare", e)
     return ir.Extreme(type=type_, fn=e.name.text, value=value, domain=built, otherwise=otherwise, origin=e.span)  # type: ignore[arg-type]
@@ -316,13 +284,12 @@ def written(d: ast.Domain, scope: Scope) -> str:
 def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `before(e)`; what is known of the state now, and who has a place now, says nothing of that state."""
     if not scope.about_steps:
-        wrong = errors.WrongType(e.span, wanted="a value of one state", given="`before`, which is about a step", help=WHERE_BEFORE_STANDS)
-        raise scope.problems.fail(wrong)
+        given = "`before`, which is about a step"
+        raise scope.fail(errors.WrongType(e.span, wanted="a value of one state", given=given, help=WHERE_BEFORE_STANDS))
     (value,) = e.arguments
-    bodies = (
-        {v.name for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort.what != "cell"} if scope.static.can_be_away else ()
-    )
-    inner = replace(scope, about_steps=False, facts=(), elsewhere=frozenset(bodies)).expression(value)
+    bodies = {v.name for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort.what != "cell"}
+    elsewhere = frozenset(bodies if scope.static.can_be_away else ())
+    inner = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere).expression(value)
     if inner.type.kind in ("member", "mix"):
         raise wrong_type(scope, value, "a value", inner.type)
     return ir.Before(type=inner.type, value=inner, origin=e.span)

@@ -6,7 +6,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, guesses, limits
 from sjdsl.compiler.elaborate.keys import level_of
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, interval_text, not_a_word
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, check_words, interval_text
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
 
@@ -46,47 +46,42 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
 
 
 def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
+    static = scope.static
     match declared:
         case ast.Words():
             return words(tuple(dict.fromkeys(n.text for n in declared.names)))
         case ast.Range():
             return _range_type(declared, scope)
         case ast.CellType():
-            return _cell_type(declared, scope)
+            if declared.sort.text != "cell":
+                raise scope.problems.unknown(declared.sort, ("cell", "set"), "what is of something")
+            if declared.of.text not in static.cell_types:
+                raise scope.problems.unknown(declared.of, static.cell_types, "the kinds and groups")
+            static.refer(declared.of, Symbol("name", declared.of.text))
+            return ir.Type(kind="cell", kinds=static.cell_types[declared.of.text])
+        case ast.NamedType(name=ast.Name(text="agent")):
+            return ir.AGENTS if declared.set_of else ir.AGENT
+        case ast.NamedType(name=ast.Name(text="reward"), set_of=False):
+            return ir.Type(kind="real", unit="reward")
+        case ast.NamedType(name=ast.Name(text=sort)) if sort in static.mover_sorts:
+            help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {sort}`"
+            raise scope.fail(errors.Unsupported(declared.span, what="a field that holds a mover", help=help_))
         case ast.NamedType():
-            if declared.name.text == "agent":
-                return ir.AGENTS if declared.set_of else ir.AGENT
-            if declared.name.text == "reward" and not declared.set_of:
-                return ir.Type(kind="real", unit="reward")
-            if declared.name.text in scope.static.mover_sorts:
-                help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {declared.name.text}`"
-                raise scope.problems.fail(errors.Unsupported(declared.span, what="a field that holds a mover", help=help_))
             instead = {guess: help_.format(name=field) for guess, help_ in guesses.TYPES.items()}
             raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields", instead)
 
 
-def _cell_type(declared: ast.CellType, scope: Scope) -> ir.Type:
-    if declared.sort.text != "cell":
-        raise scope.problems.unknown(declared.sort, ("cell", "set"), "what is of something")
-    if declared.of.text not in scope.static.cell_types:
-        raise scope.problems.unknown(declared.of, scope.static.cell_types, "the kinds and groups")
-    scope.static.refer(declared.of, Symbol("name", declared.of.text))
-    return ir.Type(kind="cell", kinds=scope.static.cell_types[declared.of.text])
-
-
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
-    low, high = scope.expression(declared.low), scope.expression(declared.high)
-    values = [scope.fixed(e, "the range of a field") for e in (declared.low, declared.high)]
-    if max(map(abs, values)) > limits.MAX_VALUE:
-        problem = f"an end of this range is {max(values, key=abs):.15g}"
-        raise scope.problems.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
-    if any(v != int(v) for v in values) or values[0] > values[1]:
-        help_ = "" if values[0] > values[1] else guesses.REAL_FIELD.format(name="NAME")
-        raise scope.problems.fail(
-            errors.WrongType(declared.span, wanted="a range of whole numbers, the smaller first", given="another one", help=help_)
-        )
-    unit = join_units(low.type.unit, high.type.unit)
-    return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=values[0], high=values[1])
+    units = [scope.expression(e).type.unit for e in (declared.low, declared.high)]
+    low, high = (scope.fixed(e, "the range of a field") for e in (declared.low, declared.high))
+    if max(abs(low), abs(high)) > limits.MAX_VALUE:
+        problem = f"an end of this range is {max(low, high, key=abs):.15g}"
+        raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
+    if low != int(low) or high != int(high) or low > high:
+        wanted, help_ = "a range of whole numbers, the smaller first", "" if low > high else guesses.REAL_FIELD.format(name="NAME")
+        raise scope.fail(errors.WrongType(declared.span, wanted=wanted, given="another one", help=help_))
+    unit = join_units(*units)
+    return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=low, high=high)
 
 
 def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | float | str | None:
@@ -96,9 +91,8 @@ def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | floa
             return None
         if type_.unit == "reward":
             return 0.0
-        raise scope.problems.fail(
-            errors.MissingPart(declared.span, what=f"starting value for `{declared.name.text}`", how="`= value` after its type")
-        )
+        what = f"starting value for `{declared.name.text}`"
+        raise scope.fail(errors.MissingPart(declared.span, what=what, how="`= value` after its type"))
     return starting(declared.start, declared.name.text, type_, scope)
 
 
@@ -112,25 +106,17 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
         case ir.Nowhere() if type_.kind == "cell":
             return None
         case ir.Word() if type_.kind == "word":
-            if value.value not in type_.words:
-                raise not_a_word(tree.span, value.value, name, type_.words, scope)
+            check_words((value.value,), type_.words, tree.span, name, scope)
             return value.value
         case ir.Number() if type_.kind in ("int", "real"):
             if type_.kind == "int" and value.value != int(value.value):
                 help_ = guesses.REAL_FIELD.format(name=name)
-                raise scope.problems.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_))
+                raise scope.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_))
             if type_.kind == "int" and not type_.low <= value.value <= type_.high:
-                raise scope.problems.fail(
-                    errors.FieldRange(
-                        tree.span,
-                        name=name,
-                        declared=name,
-                        low=type_.low,
-                        high=type_.high,
-                        reached=interval_text(value.type),
-                        help="begin with a number of the range, or widen the range",
-                    )
-                )
+                reached = interval_text(value.type.low, value.type.high)
+                help_ = "begin with a number of the range, or widen the range"
+                found = errors.FieldRange(tree.span, name=name, declared=name, low=type_.low, high=type_.high, reached=reached, help=help_)
+                raise scope.fail(found)
             return int(value.value) if type_.kind == "int" else float(value.value)
         case _:
             nobody = {"agent": "nobody", "agents": "nobody", "cell": "nowhere"}.get(type_.kind)

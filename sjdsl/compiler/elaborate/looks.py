@@ -1,5 +1,6 @@
 """Elaborates `look`: colours and sprites of cells, agents and movers; no rule depends on them."""
 
+import re
 from dataclasses import replace
 from typing import Literal
 
@@ -13,6 +14,7 @@ from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
 
+HEXADECIMAL = re.compile("#[0-9a-fA-F]{6}")
 SPRITES = ("tree", "apple", "water", "mushroom", "ore", "gem", "coin", "wall", "floor", "animal", "raft", "pot")
 
 # The colours a file can name. Those after grey are Okabe and Ito's (2008, "Color universal design"), which people with any kind of
@@ -31,34 +33,16 @@ COLOURS: dict[str, str] = {
     "pink": "#cc79a7",
     "brown": "#8c5a2b",
 }
-READABLE = (
-    ir.Member,
-    ir.FieldRead,
-    ir.At,
-    ir.Word,
-    ir.Number,
-    ir.Truth,
-    ir.Nobody,
-    ir.Same,
-    ir.Compare,
-    ir.InRange,
-    ir.InWords,
-    ir.IsEmpty,
-    ir.Not,
-    ir.Logic,
-    ir.SumRow,
-    ir.Named,
-    ir.Narrowed,
-)
+READABLE = (  # what the condition of a look may be made of: a picture is drawn from the fields of a cell, an agent or a mover alone
+    ir.Member | ir.FieldRead | ir.At | ir.Word | ir.Number | ir.Truth | ir.Nobody | ir.Same | ir.Compare | ir.InRange | ir.InWords
+    | ir.IsEmpty | ir.Not | ir.Logic | ir.SumRow | ir.Named | ir.Narrowed
+)  # fmt: skip
 
 
 def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Look, ...]:
     """Returns the looks in the order of the file, those of one kind together; what only they read still counts as unused."""
-    found = []
-    for look in (look for alike in game.looks.values() for look in alike):
-        with problems.survive():
-            found.append(_look(look, Scope(replace(static, used=set()), problems, part="look")))
-    return tuple(found)
+    written = (look for alike in game.looks.values() for look in alike)
+    return tuple(problems.each(written, lambda look: _look(look, Scope(replace(static, used=set()), problems, part="look"))))
 
 
 def _look(look: ast.Look, scope: Scope) -> ir.Look:
@@ -66,44 +50,34 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     kinds = () if name == "agent" else (name,) if name in static.movers else static.kinds_of(name)
     if kinds is None:
         meant = near(name, ["agent", *static.kinds, *static.groups, *static.movers])
-        raise scope.problems.fail(errors.UnknownName(look.what.span, name=name, near=meant))
+        raise scope.fail(errors.UnknownName(look.what.span, name=name, near=meant))
     if name != "agent":
         static.refer(look.what, Symbol("name", name))
     what: Literal["agent", "cell", "mover"] = "agent" if name == "agent" else "mover" if name in static.movers else "cell"
     test = None
     if look.where is not None:
-        inner = scope.bind(name, ir.Member(name=name, sort=ir.Sort(what, kinds)))
-        test = inner.condition(look.where)
-        _check_reads(test, look, scope.problems)
-    body, badge = (None if paint is None else _paint(paint, scope.problems) for paint in (look.body, look.badge))
+        test = scope.bind(name, ir.Member(name=name, sort=ir.Sort(what, kinds))).condition(look.where)
+        for node in ir.walk(test):
+            field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
+            between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word | ir.Number)
+            if ir.is_expression(node) and (not isinstance(node, READABLE) or field_of_other or between_cells):
+                raise scope.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))
+    body, badge = (None if paint is None else _paint(paint, scope) for paint in (look.body, look.badge))
     return ir.Look(what=what, name=name, kinds=kinds, condition=test, body=body, badge=badge, origin=look.span)
 
 
-def _check_reads(test: ir.Expr, look: ast.Look, problems: Problems) -> None:
-    """A picture is drawn from the fields of a cell, an agent or a mover alone."""
-    for node in ir.walk(test):
-        field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
-        between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word | ir.Number)
-        if ir.is_expression(node) and (not isinstance(node, READABLE) or field_of_other or between_cells):
-            raise problems.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))
-
-
-def _paint(paint: ast.Paint, problems: Problems) -> ir.Paint:
+def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
     """Returns the colour and the sprite; their names have none in common, so that their order is free."""
-    said: dict[str, str] = {}
+    chosen: dict[str, str] = {}
     for word in paint.words:
         sort = "sprite" if isinstance(word, ast.Name) and word.text in SPRITES else "colour"
-        is_colour = word.text in COLOURS if isinstance(word, ast.Name) else _is_hexadecimal(word.text)
+        is_colour = word.text in COLOURS if isinstance(word, ast.Name) else HEXADECIMAL.fullmatch(word.text)
         if sort == "colour" and not is_colour:
             known = (*SPRITES, *COLOURS)
             meant = word.text if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
             sprites, colours = ", ".join(SPRITES), ", ".join(COLOURS)
-            raise problems.fail(errors.NoPaint(word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours))
-        if sort in said:
-            raise problems.fail(errors.WrittenTwice(word.span, what=f"a {sort} of one look"))
-        said[sort] = word.text
-    return ir.Paint(**said, origin=paint.span)
-
-
-def _is_hexadecimal(colour: str) -> bool:
-    return len(colour) == 7 and colour[0] == "#" and all(c in "0123456789abcdefABCDEF" for c in colour[1:])
+            raise scope.fail(errors.NoPaint(word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours))
+        if sort in chosen:
+            raise scope.fail(errors.WrittenTwice(word.span, what=f"a {sort} of one look"))
+        chosen[sort] = word.text
+    return ir.Paint(**chosen, origin=paint.span)

@@ -9,35 +9,97 @@ from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
+from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.elaborate.actions import action_numbers
 from sjdsl.compiler.elaborate.declaration_labels import numbers_read
-from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.domains import domain
-from sjdsl.compiler.elaborate.map_counts import of_the_map
-from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.lookup import use_define
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.types import describe, is_number
+from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.types import describe, integer, is_number
 
 REQUIRES = "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; `always` speaks of every state of play"
 
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     """Returns the conditions of all `require`s, about numbers and the map only; proofs elsewhere rely on them."""
-    found = []
-    for check in _written(game):
-        if isinstance(check, ast.Require):
-            with scope.problems.survive(), scope.static.requiring():
-                test = of_the_map(scope.condition(check.condition), scope.static)
-                for node in ir.walk(test):
-                    if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
-                        raise scope.problems.fail(errors.NotFixed(node.origin or check.span, what="what a `require` reads", help=REQUIRES))
-                found.append(test)
-    return tuple(found)
+
+    def requirement(check: ast.Require) -> ir.Expr:
+        test = _required(check, scope)
+        for node in ir.walk(test):
+            if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
+                raise scope.fail(errors.NotFixed(node.origin or check.span, what="what a `require` reads", help=REQUIRES))
+        return test
+
+    written = chain.from_iterable(game.checks.values())
+    return tuple(scope.problems.each((check for check in written if isinstance(check, ast.Require)), requirement))
 
 
-def _written(game: Composition) -> Iterable[ast.Check]:
-    return chain.from_iterable(game.checks.values())
+def _required(check: ast.Require, scope: Scope) -> ir.Expr:
+    with scope.static.requiring():
+        return _with_map_counts(scope.condition(check.condition), scope.static)
+
+
+def _with_map_counts(test: ir.Expr, static: Static) -> ir.Expr:
+    """Returns a condition in which the counts of the map, as it is at the start, are numbers; other counts stay.
+
+    require count(gate) >= count(agent)   ->   7 >= 7
+
+    Raises Poisoned for a game without a sound map.
+    """
+
+    def counted(node: ir.Node) -> ir.Node:
+        found = _members_at_start(node.domain, static) if isinstance(node, ir.Count) else None
+        if found is None or not isinstance(node, ir.Count):
+            return node
+        number = ir.Number(type=integer(found, found), value=found, origin=node.origin)
+        return ir.Named(type=number.type, name=f"count({domain_text(node.domain)})", value=number, origin=node.origin)
+
+    result: ir.Expr = rewrite(test, counted)
+    return result
+
+
+def _members_at_start(d: ir.Domain, static: Static) -> int | None:
+    """Returns how many members a domain has at the start; None if that is not the map's alone."""
+    if d.on is not None or d.restriction is not None:
+        return None
+    if d.var.sort.what != "cell":
+        everybody = static.num_agents if d.var.sort.what == "agent" else static.movers[d.var.sort.name].number
+        return everybody if d.where is None else None
+    if d.where is not None and not _is_about_fields(d.where, d.var):
+        return None
+    if not static.rows:
+        raise Poisoned
+
+    def is_member(meaning: ir.GlyphMeaning) -> bool:
+        starts = {name: field.start for name, field in static.kinds[meaning.kind].items()} | dict(meaning.starts)
+
+        def at_start(node: ir.Node) -> ir.Node:
+            if not isinstance(node, ir.FieldRead):
+                return node
+            value = starts[node.name]
+            if value is None:
+                return ir.Nobody()
+            return ir.Word(type=node.type, value=value) if isinstance(value, str) else ir.Number(type=node.type, value=value)
+
+        return d.where is None or holds(rewrite(d.where, at_start), {})
+
+    meanings = {meaning.glyph: is_member(meaning) for _, meaning in static.glyphs if meaning.kind in d.var.kinds}
+    return sum(meanings.get(glyph, False) for row in static.rows for glyph in row)
+
+
+def _is_about_fields(test: ir.Expr, cell: ir.Member) -> bool:
+    """Returns whether a condition compares fields of the cell with words and numbers, and reads nothing else."""
+    values = ir.Number | ir.Truth | ir.Word | ir.Nobody | ir.Named | ir.Arithmetic | ir.FieldRead | ir.Member
+    tests = ir.Compare | ir.InRange | ir.InWords | ir.Same | ir.Not | ir.Logic
+    plain = all(isinstance(n, values | tests) for n in ir.walk(test))
+    reads = [n for n in ir.walk(test) if isinstance(n, ir.FieldRead)]
+    simple = all(isinstance(n.owner, ir.Member) and n.owner.name == cell.name and not n.type.by for n in reads)
+    return plain and simple and sum(isinstance(n, ir.Member) for n in ir.walk(test)) == len(reads)
 
 
 def check_requires(game: Composition, scope: Scope) -> None:
@@ -45,13 +107,10 @@ def check_requires(game: Composition, scope: Scope) -> None:
     values = {p.name: p.value for p in scope.static.params.values()}
     for test in scope.static.requires:
         if not holds(test, values):
-            shown = ", ".join(f"{n} is {values[n]}" for n in sorted(_params(test)) if not isinstance(values[n], tuple))
+            read = sorted({n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)})
+            shown = ", ".join(f"{n} is {values[n]}" for n in read if not isinstance(values[n], tuple))
             problem = text(test) + (f" ({shown})" if shown else "")
             scope.problems.add(errors.RequireFalse(test.origin or game.span, labels=numbers_read(test, game), problem=problem))
-
-
-def _params(test: ir.Expr) -> set[str]:
-    return {n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)}
 
 
 def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
@@ -62,9 +121,8 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
         mine = [t for t in tallies if t.event == event.name.text]
         per_agent = {t.receiver is not None for t in mine} or {True}
         if len(per_agent) > 1:
-            raise scope.problems.fail(
-                errors.WrittenTwice(event.span, what=f"event `{event.name.text}` counted with and without `for`, so it")
-            )
+            what = f"event `{event.name.text}` counted with and without `for`, so it"
+            raise scope.fail(errors.WrittenTwice(event.span, what=what))
         by = scope.static.event_levels.get(event.name.text)
         found.append(ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span))
     return tuple(found)
@@ -72,40 +130,36 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
 
 def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
     """Returns the `mean` and `final` metrics, numbers over the state."""
-    found = []
-    for metric in game.metrics.values():
-        if isinstance(metric, ast.Measure):
-            with scope.problems.survive():
-                value = scope.expression(metric.value)
-                if not is_number(value.type):
-                    raise wrong_type(scope, metric.value, "a number", value.type)
-                found.append(ir.Measure(name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span))
-    return tuple(found)
+
+    def measure(metric: ast.Measure) -> ir.Measure:
+        value = scope.expression(metric.value)
+        if not is_number(value.type):
+            raise wrong_type(scope, metric.value, "a number", value.type)
+        return ir.Measure(name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span)
+
+    return tuple(scope.problems.each((metric for metric in game.metrics.values() if isinstance(metric, ast.Measure)), measure))
 
 
 def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
     """Returns the checks of a game, their expressions typed."""
-    found = []
-    for check in _written(game):
-        with scope.problems.survive():
-            found.append(_check(check, game, scope))
-    return tuple(found)
+    return tuple(scope.problems.each(chain.from_iterable(game.checks.values()), lambda check: _check(check, game, scope)))
 
 
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
+    steps = replace(scope, about_steps=True)
     match check:
         case ast.Require():
-            with scope.static.requiring():
-                test = of_the_map(scope.condition(check.condition), scope.static)
-            return ir.Check(sort="require", values=(test,), origin=check.span)
+            return ir.Check(sort="require", values=(_required(check, scope),), origin=check.span)
         case ast.Always():
-            return ir.Check(sort="always", values=(replace(scope, about_steps=True).condition(check.condition),), origin=check.span)
+            return ir.Check(sort="always", values=(steps.condition(check.condition),), origin=check.span)
         case ast.Once():
-            steps = replace(scope, about_steps=True)
             values = (steps.condition(check.trigger), steps.condition(check.condition))
             return ir.Check(sort="once", values=values, origin=check.span)
         case ast.Conserved():
-            return ir.Check(sort="conserved", values=(_single(check.value, scope.expression(check.value), scope),), origin=check.span)
+            value = scope.expression(check.value)
+            if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
+                raise wrong_type(scope, check.value, "one value (a number, a word, a condition)", value.type)
+            return ir.Check(sort="conserved", values=(value,), origin=check.span)
         case ast.Monotone():
             return _monotone(check, scope)
         case ast.Symmetric():
@@ -116,13 +170,9 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
                 scope.static.refer(check.what, Symbol("name", check.what.text))
             return ir.Check(sort="symmetric", words=(check.what.text,), origin=check.span)
         case ast.Expect():
-            return _expect(check, game, scope)
-
-
-def _single(tree: ast.Expr, value: ir.Expr, scope: Scope) -> ir.Expr:
-    if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
-        raise wrong_type(scope, tree, "one value (a number, a word, a condition)", value.type)
-    return value
+            test = scope.condition(check.condition)
+            policies = tuple(_policy(p, game, scope) for p in check.policies)
+            return ir.Check(sort="expect", values=(test,), policies=policies, episodes=check.episodes, origin=check.span)
 
 
 def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
@@ -130,27 +180,20 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
     for name in (check.value, check.argument):
         if name.text not in scope.static.defines:
             meant = near(name.text, scope.static.defines, "the defines")
-            raise scope.problems.fail(errors.WrongSort(name.span, name=name.text, what="no define", wanted="a define", near=meant))
+            raise scope.fail(errors.WrongSort(name.span, name=name.text, what="no define", wanted="a define", near=meant))
         values.append(use_define(name, (), scope))
         if not is_number(values[-1].type):
-            raise scope.problems.fail(errors.WrongType(name.span, wanted="a number", given=describe(values[-1].type)))
+            raise scope.fail(errors.WrongType(name.span, wanted="a number", given=describe(values[-1].type)))
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
     words = (check.direction.text, check.value.text, check.argument.text)
     return ir.Check(sort="monotone", values=tuple(values), words=words, origin=check.span)
 
 
-def _expect(check: ast.Expect, game: Composition, scope: Scope) -> ir.Check:
-    test = scope.condition(check.condition)
-    policies = tuple(_policy(p, game, scope) for p in check.policies)
-    return ir.Check(sort="expect", values=(test,), policies=policies, episodes=check.episodes, origin=check.span)
-
-
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
     name = policy.name.text
     if policy.domain is not None:
-        seeker = scope.bind("agent", ir.Member(name="agent", sort=ir.Sort("agent")))
-        built, _ = domain(policy.domain, seeker)
+        built, _ = domain(policy.domain, scope.bind("agent", ir.Member(name="agent", sort=AGENTS)))
         return ir.Policy(name="seek", domain=built, origin=policy.span)
     if name in game.policies and not policy.actions:
         scope.static.refer(policy.name, Symbol("policy", name))

@@ -1,36 +1,38 @@
-"""Elaborates `observe`: what an agent sees in its window, as planes in a fixed order."""
+"""Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, field_symbol
-from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import errors, guesses
-from sjdsl.compiler.diagnostics.diagnostic import Fix
+from sjdsl.compiler.compose import Composition, path_text
+from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics.diagnostic import Fix, near
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.elaborate.hidden import hides_others, is_of_a_plane
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, no_field
-from sjdsl.compiler.elaborate.observation_help import attribute_unseen, no_agent_field, no_cell_field, of_a_kind, without_field
-from sjdsl.compiler.elaborate.observation_help import labels as example_labels
+from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.paths import attribute_types
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
-from sjdsl.compiler.elaborate.seen_conditions import check_places, joined, observer_scope
-from sjdsl.compiler.ir.implications import facts, narrowed
+from sjdsl.compiler.ir.implications import Fact, facts, is_known, narrowed
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
 What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
+Key = tuple[What, str, str]  # what, kind, field
+SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # how far an agent sees unless the game says otherwise
 RELATIVE = ("same heading", "turned right", "opposite", "turned left")  # how the heading of a mover is seen
+WHOSE = ("nobody", "self", "other")  # how an agent that a field holds is seen
 OWNERS: dict[str, What] = {
     "agent": "own",
     "other": "other",
     "everyone": "everyone",
 }  # how a path to a field of agents begins -> what is seen
-Key = tuple[What, str, str]  # what, kind, field
-WHOSE = ("nobody", "self", "other")  # how an agent that a field holds is seen
+WHO = {"agent": "the observer itself", "other": "the other agents", "everyone": "all agents"}  # these, as messages call them
+PLANES = ("marks", "content")
+FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide content on agents`"
 
 
 class Seen(Record):
@@ -45,18 +47,56 @@ class Seen(Record):
     value: ir.Expr | None = None
 
 
-def observables(game: Composition, static: Static, episode: ir.Expr | None, problems: Problems) -> tuple[ir.Observable, ...]:
+# ---- the window
+
+
+def window(game: Composition, scope: Scope) -> ir.Window:
+    """Returns what an observation covers: as far to each side as anyone sees."""
+    plain = next((w for w in game.windows if w.condition is None), None)
+    usual = SIDES if plain is None else _sides(plain, SIDES, scope)
+    origin = game.windows[0].span if game.windows else None
+    observer = scope.with_agent("observe")
+
+    def view(tree: ast.Window) -> ir.View:
+        assert tree.condition is not None
+        sides = _sides(tree, usual, scope)
+        return ir.View(**sides, condition=observer.condition(tree.condition), origin=tree.span)
+
+    views = scope.problems.each((w for w in game.windows if w.condition is not None), view)
+    if views:
+        views.append(ir.View(**usual, condition=None, origin=plain.span if plain is not None else origin))
+    farthest = {side: max(usual[side], *(getattr(view, side) for view in views), 0) for side in SIDES}
+    return ir.Window(**farthest, views=tuple(views), origin=origin)
+
+
+def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, int]:
+    """Returns how far a window goes to each side; to sides that are not named as far as usual."""
+    sides = dict(usual)
+    for i, (name, value) in enumerate(tree.sides):
+        if name.text in [n.text for n, _ in tree.sides[:i]]:
+            scope.problems.add(errors.WrittenTwice(name.span, what=f"`{name.text}`"))
+        if name.text not in SIDES:
+            scope.problems.unknown(name, tuple(SIDES), "the sides of a window", guesses.SIDES)
+            continue
+        with scope.problems.survive():
+            sides[name.text] = scope.whole(value, "the window", f"the window {name.text}", 0, limits.MAX_WINDOW)
+    return sides
+
+
+# ---- what is seen
+
+
+def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tuple[ir.Observable, ...]:
     """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
+    static = scope.static
     step = ir.Step(type=integer(0, inf, "steps"))
     static.of_observed = () if episode is None else facts(ir.Compare(fn="<=", left=step, right=episode))
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
-        for field in fields.values():
-            if field.type.kind == "word" and not field.type.by:
-                seen["cell", kind, field.name] = ir.Observable(
-                    what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin
-                )
-    if not any(isinstance(o, ast.Hide) and hides_others(o) and o.condition is None for o in game.observables.values()):
+        for f in fields.values():
+            if f.type.kind == "word" and not f.type.by:
+                seen["cell", kind, f.name] = ir.Observable(what="cell", kind=kind, field=f.name, type=f.type, origin=f.origin)
+    if not any(isinstance(o, ast.Hide) and _hides_others(o) and o.condition is None for o in game.observables.values()):
         seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
     for sort, movers in static.movers.items():
         seen["mover", sort, ""] = ir.Observable(what="mover", kind=sort, type=words((sort,)), origin=movers.origin)
@@ -65,26 +105,25 @@ def observables(game: Composition, static: Static, episode: ir.Expr | None, prob
     for observable in game.observables.values():
         kinds = set(static.kinds_of(observable.what.name.text) or ()) - lost
         lost |= kinds
-        with problems.survive():
+        with scope.problems.survive():
             if isinstance(observable, ast.Show):
-                _show(observable, seen, shown, static, problems)
-            elif not is_of_a_plane(observable, static):
-                _hide(observable, seen, static, problems)
+                _show(observable, seen, shown, scope)
+            elif not _is_of_a_plane(observable, static):
+                _hide(observable, seen, scope)
             lost -= kinds
-    _put_looks(seen, lost, game, static, problems)
+    _leave_looks_alone(seen, lost, game, scope)
     order = ("cell", "heading", "other", "mover", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
-def _put_looks(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, static: Static, problems: Problems) -> None:
+def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, scope: Scope) -> None:
     """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
     for observable in game.observables.values():
-        kind = next((k for k in static.kinds_of(observable.what.name.text) or () if k in whole), "")
+        kind = next((k for k in scope.static.kinds_of(observable.what.name.text) or () if k in whole), "")
         if kind and observable.what.steps and not (isinstance(observable, ast.Hide) and observable.condition is None):
-            problems.add(
-                errors.WrittenTwice(observable.span, what=f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)")
-            )
+            what = f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"
+            scope.problems.add(errors.WrittenTwice(observable.span, what=what))
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
         del seen[key]
     detailed = {kind: field for what, kind, field in seen if what == "cell" and field and kind not in lost}
@@ -92,8 +131,8 @@ def _put_looks(seen: dict[Key, ir.Observable], lost: set[str], game: Composition
         for label in seen["cell", kind, ""].labels:
             if label.name in detailed:
                 given = f"a kind whose cells do not all look alike: its `{detailed[label.name]}` is seen"
-                help = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
-                problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help))
+                help_ = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
+                scope.problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help_))
 
 
 def _entries(observable: ir.Observable) -> list[ir.Observable]:
@@ -106,19 +145,63 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     return [observable.model_copy(update={"type": one, "word": entry}) for entry in observable.type.by[0].entries]
 
 
-def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems) -> list[Seen]:
+def observer_scope(what: str, kind: str, named: str, scope: Scope) -> Scope:
+    """Returns what conditions may name: `agent`, the observer, and the cell or agent that is seen. `named`: a group that a cell is called by."""
+    observer = scope.with_agent("observe").but(facts=scope.static.of_observed)
+    match what:
+        case "cell":
+            cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
+            return observer.bind(kind, cell).bind(named, cell)
+        case "mover":
+            return observer.bind(kind, ir.Member(name=kind, sort=ir.Sort("mover", (kind,))))
+        case "other" | "heading":
+            return observer.bind("other", ir.Member(name="other", sort=AGENTS))
+        case "everyone":
+            return observer.bind("everyone", ir.Member(name="everyone", sort=AGENTS))
+        case _:
+            return observer
+
+
+def check_places(what: str, test: ir.Expr | None, known: Iterable[Fact], scope: Scope) -> None:
+    """Reports a condition that asks where an agent of `everyone` is, who may be away. `known`: what holds where it is asked."""
+    if test is None or what != "everyone" or not scope.static.can_be_away:
+        return
+    asked = next((node for node in ir.walk(test) if _asks_place(node)), None)
+    everyone = ir.Member(name="everyone", sort=AGENTS)
+    away = ir.Attribute(type=ir.CONDITION, owner=everyone, name="away")
+    first = test.args[0] if isinstance(test, ir.Logic) and test.fn == "and" else None
+    sure = (*known, *(facts(first) if first is not None and not any(map(_asks_place, ir.walk(first))) else ()))
+    if asked is not None and not is_known(ir.Not(value=away), sure):
+        gone = "`as { gone where everyone.away, near where distance(agent, everyone) < 3, far }`"
+        what, help_ = "the place of an agent of `everyone`, who may be away", f"ask that first: {gone}, or `not everyone.away and …`"
+        raise scope.fail(errors.Unsupported(asked.origin or test.span, what=what, help=help_))
+
+
+def _asks_place(node: ir.Node) -> bool:
+    match node:
+        case ir.Attribute(owner=ir.Member(name="everyone"), name="row" | "col"):
+            return True
+        case ir.Distance():
+            return any(isinstance(place, ir.Member) and place.name == "everyone" for place in (node.left, node.right))
+        case _:
+            return False
+
+
+# ---- what a path names
+
+
+def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
     """Returns what a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, a world field; of a group that of each kind."""
-    path = observable.what
+    path, static = observable.what, scope.static
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
     numbered = len(members) > 1 and members[-1].text == "index" and isinstance(observable, ast.Show) and not observable.labels
     members = members[:-1] if numbered else members
     if len(members) + numbered != len(path.steps) or len(members) > 1:
-        raise problems.fail(
-            errors.WrongType(path.span, wanted="`agent.field`, `other.field`, `everyone.field` or `kind.field`", given="another path")
-        )
+        wanted = "`agent.field`, `other.field`, `everyone.field` or `kind.field`"
+        raise scope.fail(errors.WrongType(path.span, wanted=wanted, given="another path"))
     if numbered or members:
-        return [replace(seen, numbered=numbered) for seen in _of_owner(head, members[0], path, static, problems)]
+        return [replace(seen, numbered=numbered) for seen in _of_owner(path.name, members[0], scope)]
     kinds = static.kinds_of(head)
     if head in static.movers or kinds:
         static.refer(path.name, Symbol("name", head))
@@ -127,107 +210,147 @@ def _resolve(observable: ast.Show | ast.Hide, static: Static, problems: Problems
     if kinds is not None and (head in static.kinds or (isinstance(observable, ast.Show) and observable.labels)):
         return [Seen(("cell", kind, "")) for kind in kinds]
     if isinstance(observable, ast.Show) and (head == "step" or head in static.defines):
-        return [_computed(path, static, problems)]
+        return [_computed(path, scope)]
     if head not in static.fields:
-        raise without_field(observable, static, problems)
+        raise _without_field(observable, scope)
     static.use(path.name, Symbol("name", head))
     return [Seen(("world", "", head), static.fields[head])]
 
 
-def _computed(path: ast.Path, static: Static, problems: Problems) -> Seen:
+def _computed(path: ast.Path, scope: Scope) -> Seen:
     """Returns `step` or a define, with what the numbers in it can be between two steps."""
-    scope = observer_scope("world", "", "", static, problems)
-    value, name = scope.expression(path), path.name.text
+    observer = observer_scope("world", "", "", scope)
+    value, name = observer.expression(path), path.name.text
     if value.type.by or value.type.kind in ("member", "mix"):
-        raise wrong_type(scope, path, "a single value", value.type)
-    low, high = narrowed(value, scope.facts)
+        raise wrong_type(observer, path, "a single value", value.type)
+    low, high = narrowed(value, observer.facts)
     type_ = words(("no", "yes")) if value.type.kind == "condition" else value.type.model_copy(update={"low": low, "high": high})
     return Seen(("world", "", name), ir.VarField(name=name, held_by=ir.Sort("world"), type=type_), value=value)
 
 
-def _of_owner(head: str, name: ast.Name, path: ast.Path, static: Static, problems: Problems) -> list[Seen]:
-    """Returns what `head.name` is: of agents, or of the cells of a kind or group."""
+def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
+    """Returns what `owner.name` is: of agents, of movers, or of the cells of a kind or group."""
+    static, head = scope.static, owner.text
     if head in static.movers and Symbol("field", name.text, head) not in static.broken:
         fields = static.mover_fields(head)
         if name.text not in fields:
-            raise no_field(name, f"a mover `{head}`", fields, guesses.PLACES, problems)
-        static.refer(path.name, Symbol("name", head))
+            raise no_field(name, f"a mover `{head}`", fields, guesses.PLACES, scope.problems)
+        static.refer(owner, Symbol("name", head))
         static.refer(name, Symbol("field", name.text, head))
         return [Seen(("mover", head, name.text), fields[name.text])]
     kinds = static.kinds_of(head)
     owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
-    if any(Symbol("field", name.text, owner) in static.broken for owner in owners):
+    if any(Symbol("field", name.text, each) in static.broken for each in owners):
         raise Poisoned
     if head in static.fields and name.text == "index":
-        static.use(path.name, Symbol("name", head))
+        static.use(owner, Symbol("name", head))
         return [Seen(("world", "", head), static.fields[head])]
+    if head == "other" and name.text == "heading":
+        return [Seen(("heading", "", ""))]
     if head in OWNERS:
-        if head == "other" and name.text == "heading":
-            return [Seen(("heading", "", ""))]
         if name.text in static.agent_fields:
             static.refer(name, Symbol("field", name.text, "agent"))
-        field = static.agent_fields.get(name.text) or _attribute(head, name, static, problems)
+        field = static.agent_fields.get(name.text) or _attribute(head, name, scope)
         return [Seen((OWNERS[head], "", name.text), field)]
     if kinds is None:
-        raise problems.unknown(path.name, [*OWNERS, *static.kinds, *static.groups], "what has fields")
-    static.refer(path.name, Symbol("name", head))
+        raise scope.problems.unknown(owner, [*OWNERS, *static.kinds, *static.groups], "what has fields")
+    static.refer(owner, Symbol("name", head))
     for kind in kinds:
         if name.text not in static.kinds[kind]:
-            if head in static.kinds:
-                raise no_cell_field(head, name, static.kinds[kind], problems)
-            raise no_field(name, f"the kind `{kind}` of the group", static.kinds[kind], guesses.PLACES, problems)
+            called, instead = f"the kind `{kind}`", dict(guesses.PLACES)
+            if head in static.groups:
+                called = f"{called} of the group"
+            elif name.text in CELL_ATTRIBUTES:
+                instead = {name.text: "where a cell is, an agent sees by its place in the window; fields of cells are shown"}
+            raise no_field(name, called, static.kinds[kind], instead, scope.problems)
         static.refer(name, Symbol("field", name.text, kind))
     return [Seen(("cell", kind, name.text), static.kinds[kind][name.text]) for kind in kinds]
 
 
-def _attribute(head: str, name: ast.Name, static: Static, problems: Problems) -> ir.VarField:
+def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
     """Returns what every agent has of itself, as if it were a field; conditions are the words `no` and `yes`."""
     if name.text not in AGENT_ATTRIBUTES:
-        raise no_agent_field(name, static, problems)
+        instead: Mapping[str, str] = guesses.AGENT_FIELDS | guesses.PLACES
+        raise no_field(name, "an agent", [*scope.static.agent_fields, *AGENT_ATTRIBUTES], instead, scope.problems)
     if name.text == "away" and head != "everyone":
-        raise attribute_unseen(head, name, problems)
-    type_ = attribute_types(static)[name.text]
-    return ir.VarField(name=name.text, held_by=ir.Sort("agent"), type=words(("no", "yes")) if type_.kind == "condition" else type_)
+        help_ = "an agent that is away sees nothing, and is not seen; `show everyone.away` tells all who is away"
+        what, wanted = "the same whenever it is seen", "something that can change"
+        raise scope.fail(errors.WrongSort(name.span, name=f"{head}.{name.text}", what=what, wanted=wanted, help=help_))
+    type_ = attribute_types(scope.static)[name.text]
+    return ir.VarField(name=name.text, held_by=AGENTS, type=words(("no", "yes")) if type_.kind == "condition" else type_)
 
 
-def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], static: Static, problems: Problems) -> None:
+def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
+    """Reports `show NAME` where the world has no such field, with what agents and cells have that can be shown."""
+    static, name, verb = scope.static, observable.what.name, "show" if isinstance(observable, ast.Show) else "hide"
+    if name.text in WHO:
+        fields = [f"`{verb} {name.text}.{field}`" for field in static.agent_fields]
+        help_ = "agents are always seen; fields of theirs can be shown, if the game declares some"
+        if name.text == "other" and verb == "hide":
+            help_ = "agents are always seen; `hide other.heading` hides which way they face, `hide other.heading when c` while c holds"
+        elif fields:
+            help_ = f"say which field: {' or '.join(fields[:3])}"
+        return scope.fail(errors.WrongSort(name.span, name=name.text, what=WHO[name.text], wanted="a field", help=help_))
+    if name.text in static.groups:
+        help_ = _fields_of_a_kind(static.groups[name.text][0], verb, static)
+        return scope.fail(errors.WrongSort(name.span, name=name.text, what="a group of kinds", wanted="a field", help=help_))
+    owners = ["agent", "other"] * (name.text in static.agent_fields)
+    owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
+    help_ = f"a field is written with its owner: {' or '.join(f'`{verb} {o}.{name.text}`' for o in owners)}" if owners else ""
+    values = ["step", *static.defines] if isinstance(observable, ast.Show) else []
+    known = "the fields of the world, the defines, and what has fields," if values else "the fields of the world, and what has fields,"
+    return scope.problems.unknown(name, [*static.fields, *values, *WHO, *static.kinds], known, {name.text: help_})
+
+
+def _fields_of_a_kind(kind: str, verb: str, static: Static) -> str:
+    """Returns what can be shown or hidden of cells of a kind."""
+    fields = {kind: [f.name for f in own.values() if f.type.kind == "word"] for kind, own in static.kinds.items()}
+    plain = next((name for name, words in fields.items() if name != kind and not words), "outside")
+    one = f"write which field, `{verb} {kind}.{fields[kind][0]}`; " if fields[kind] else ""
+    return f"{one}`show {kind} as {{ {plain} }}` makes its cells look like `{plain}`"
+
+
+# ---- shown
+
+
+def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], scope: Scope) -> None:
     """`shown`: what was shown before, perhaps under another name."""
-    for found in _resolve(show, static, problems):
+    for found in _resolve(show, scope):
         what, kind, name = found.key
         if found.key in shown:
-            problems.add(
-                errors.WrittenTwice(show.span, what=f"what is seen of {f'`{kind}.{name}`' if name and kind else f'`{name or kind}`'}")
-            )
+            path = f"{kind}.{name}" if name and kind else name or kind
+            scope.problems.add(errors.WrittenTwice(show.span, what=f"what is seen of `{path}`"))
         shown.add(found.key)
         if what == "cell" and not name:
-            seen[found.key] = _look(show, kind, static, problems)
+            seen[found.key] = _look(show, kind, scope)
         elif found.field is not None:
-            static.used.add(field_symbol(name, "agent" if what in OWNERS.values() else kind))
-            seen[found.key] = _shown(show, found, found.field, static, problems)
+            scope.static.used.add(field_symbol(name, "agent" if what in OWNERS.values() else kind))
+            seen[found.key] = _shown(show, found, found.field, scope)
         elif what == "mover":
-            told = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
-            raise problems.fail(errors.WrittenTwice(show.span, what=told))
+            twice = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
+            raise scope.fail(errors.WrittenTwice(show.span, what=twice))
         elif show.condition is not None and found.key in seen:  # headings of others, which are seen anyway
-            shown_when = observer_scope(what, "", "", static, problems).condition(show.condition)
+            shown_when = observer_scope(what, "", "", scope).condition(show.condition)
             seen[found.key] = seen[found.key].model_copy(update={"hidden_when": ir.Not(value=shown_when, origin=show.span)})
 
 
-def _shown(show: ast.Show, found: Seen, field: ir.VarField, static: Static, problems: Problems) -> ir.Observable:
+def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.Observable:
     """Returns a field as it is seen."""
     what, kind, name = found.key
-    scope = observer_scope(what, kind, show.what.name.text, static, problems)
-    condition = None if show.condition is None else scope.condition(show.condition)
-    check_places(what, condition, (), static, problems)
-    labels, type_ = _labels(show, what, scope.knowing(() if condition is None else (condition,)), problems), field.type
+    observer = observer_scope(what, kind, show.what.name.text, scope)
+    condition = None if show.condition is None else observer.condition(show.condition)
+    check_places(what, condition, (), scope)
+    labels, type_ = _labels(show, what, observer.knowing(() if condition is None else (condition,))), field.type
     if not labels and type_.kind == "agent" and not type_.by:
         if found.numbered:
-            type_ = words(("nobody", *map(str, range(static.num_agents))))
+            type_ = words(("nobody", *map(str, range(scope.static.num_agents))))
         else:
             labels = _whose(found.key, field)
     elif found.numbered:
-        raise problems.fail(errors.WrongType(show.what.span, wanted="a field that holds an agent before `.index`", given="another field"))
+        wanted = "a field that holds an agent before `.index`"
+        raise scope.fail(errors.WrongType(show.what.span, wanted=wanted, given="another field"))
     elif not labels:
-        _check_plain(show, what, type_, problems)
+        _check_plain(show, what, type_, scope)
     if what == "mover" and name == "heading":
         type_ = words(RELATIVE)
     observable = ir.Observable(what=what, kind=kind, field=name, type=type_, value=found.value, labels=labels, origin=show.span)
@@ -244,79 +367,121 @@ def _whose(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     called = kind or next((n for n, w in OWNERS.items() if w == what), "")
     owner = None if what == "world" else ir.Member(name=called, sort=field.held_by)
     held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, name=name)
-    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", sort=ir.Sort("agent"))), None)
+    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", sort=AGENTS)), None)
     return tuple(ir.Label(name=label, condition=test) for label, test in zip(WHOSE, tests, strict=True))
 
 
-def _check_plain(show: ast.Show, what: What, type_: ir.Type, problems: Problems) -> None:
-    """Reports a field that cannot be shown as it is."""
-    told = f"`show {path_text(show.what)}{example_labels(path_text(show.what), type_.kind)}`"
-    fix = Fix(show.span, told.strip("`"))
+def _check_plain(show: ast.Show, what: What, type_: ir.Type, scope: Scope) -> None:
+    """Reports a field that cannot be shown as it is, with labels to show it by."""
+    path = path_text(show.what)
+    labels = {
+        "agent": f"mine where {path} is agent, theirs",
+        "agents": f"ours where agent in {path}, theirs",
+        "cell": f"somewhere where {path} is not nowhere, unset",
+    }.get(type_.kind, f"some where {path} > 0, none_left")
+    shown = f"show {path} as {{ {labels} }}"
+    help_, fix, problem = f"write `{shown}`", Fix(show.span, shown), ""
     if type_.kind in ("agent", "agents"):
-        wrong = errors.WrongType(
-            show.span,
-            wanted="a field with labels",
-            given="a field that holds agents, whose numbers mean nothing to an observer",
-            help=f"write {told}",
-            fix=fix,
-        )
-        raise problems.fail(wrong)
+        given = "a field that holds agents, whose numbers mean nothing to an observer"
+        raise scope.fail(errors.WrongType(show.span, wanted="a field with labels", given=given, help=help_, fix=fix))
     if type_.kind == "cell":
-        raise problems.fail(
-            errors.Unsupported(show.span, what="showing a field that holds a cell without labels", help=f"write {told}", fix=fix)
-        )
-    if type_.kind == "real" or (type_.kind == "int" and type_.low < 0):
-        problem = "showing a number that is not a count from 0 to 255"
-        raise problems.fail(errors.Unsupported(show.span, what=problem, help=f"show it with labels, {told}", fix=fix))
-    if what == "cell" and type_.kind != "word":
-        raise problems.fail(errors.Unsupported(show.span, what="showing a number of a cell without labels", help=f"write {told}", fix=fix))
+        problem = "showing a field that holds a cell without labels"
+    elif type_.kind == "real" or (type_.kind == "int" and type_.low < 0):
+        problem, help_ = "showing a number that is not a count from 0 to 255", f"show it with labels, `{shown}`"
+    elif what == "cell" and type_.kind != "word":
+        problem = "showing a number of a cell without labels"
+    if problem:
+        raise scope.fail(errors.Unsupported(show.span, what=problem, help=help_, fix=fix))
 
 
-def _look(show: ast.Show, kind: str, static: Static, problems: Problems) -> ir.Observable:
+def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
     """Returns how cells of a kind look: like the first label whose condition holds."""
     if not show.labels or show.condition is not None:
-        help = of_a_kind(kind, "show", static)
         given = "a condition for the whole kind" if show.labels else "a kind without it"
-        raise problems.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given=given, help=help))
-    labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, static, problems), problems)
+        help_ = _fields_of_a_kind(kind, "show", scope.static)
+        raise scope.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given=given, help=help_))
+    labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, scope))
     names = tuple(dict.fromkeys(label.name for label in labels))
     return ir.Observable(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
 
 
-def path_text(path: ast.Path) -> str:
-    """Returns a path of names as it is written."""
-    return ".".join([path.name.text, *(s.name.text for s in path.steps if isinstance(s, ast.Member))])
-
-
-def _labels(show: ast.Show, what: What, scope: Scope, problems: Problems) -> tuple[ir.Label, ...]:
+def _labels(show: ast.Show, what: What, scope: Scope) -> tuple[ir.Label, ...]:
     found: list[ir.Label] = []
-    for i, label in enumerate(show.labels):
-        last = i == len(show.labels) - 1
-        if last != (label.where is None):
-            raise problems.fail(
-                errors.LastLabelConditional(label.span) if last else errors.LabelUnconditional(label.span, name=label.label.text)
-            )
+    for label in show.labels:
+        last, name = label is show.labels[-1], label.label.text
+        if last and label.where is not None:
+            raise scope.fail(errors.LastLabelConditional(label.span))
+        if not last and label.where is None:
+            raise scope.fail(errors.LabelUnconditional(label.span, name=name))
         test = None if label.where is None else scope.condition(label.where)
         before = tuple(ir.Not(value=other.condition) for other in found if other.condition is not None)
-        check_places(what, test, scope.knowing(before).facts, scope.static, problems)
-        found.append(ir.Label(name=label.label.text, condition=test, origin=label.span))
+        check_places(what, test, scope.knowing(before).facts, scope)
+        found.append(ir.Label(name=name, condition=test, origin=label.span))
     return tuple(found)
 
 
-def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], static: Static, problems: Problems) -> None:
-    for found in _resolve(hide, static, problems):
+# ---- hidden
+
+
+def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
+    for found in _resolve(hide, scope):
         what, kind, name = found.key
         if what == "cell" and not name:
-            help = of_a_kind(kind, "hide", static)
-            raise problems.fail(errors.WrongType(hide.what.span, wanted="something that is seen of cells", given="a kind", help=help))
+            help_ = _fields_of_a_kind(kind, "hide", scope.static)
+            raise scope.fail(errors.WrongType(hide.what.span, wanted="something that is seen of cells", given="a kind", help=help_))
         if hide.condition is None:
             seen.pop(found.key, None)
             continue
         shown = seen.get(found.key)
-        test = observer_scope(what, kind, hide.what.name.text, static, problems).condition(hide.condition)
-        check_places(what, test, (), static, problems)
+        test = observer_scope(what, kind, hide.what.name.text, scope).condition(hide.condition)
+        check_places(what, test, (), scope)
         if shown is None:
-            problems.add(errors.NeverHappens(hide.span, problem="it is not seen anyway"))
+            scope.problems.add(errors.NeverHappens(hide.span, problem="it is not seen anyway"))
             continue
-        tests = [test] if shown.hidden_when is None else [shown.hidden_when, test]
-        seen[found.key] = shown.model_copy(update={"hidden_when": joined(tests)})
+        if shown.hidden_when is not None:
+            test = ir.Logic(fn="or", args=(shown.hidden_when, test), origin=test.origin)
+        seen[found.key] = shown.model_copy(update={"hidden_when": test})
+
+
+def _hides_others(hide: ast.Hide) -> bool:
+    """Returns whether a `hide` is about other agents as a whole."""
+    return hide.what.name.text == "other" and not hide.what.steps and hide.on is None
+
+
+def _is_of_a_plane(hide: ast.Hide, static: Static) -> bool:
+    """Returns whether a `hide` is about marks, content or other agents, and not about a field."""
+    name = hide.what.name.text
+    return _hides_others(hide) or hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
+
+
+def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
+    """Returns what of some cells an observation leaves out, as written.
+
+    observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="river", kinds=("water", "channel"))
+    """
+    written = (o for o in game.observables.values() if isinstance(o, ast.Hide) and _is_of_a_plane(o, scope.static))
+    return tuple(scope.problems.each(written, lambda hide: _hidden(hide, scope)))
+
+
+def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
+    what, on, static = hide.what.name.text, hide.on, scope.static
+    if _hides_others(hide):
+        test = None if hide.condition is None else observer_scope("other", "", "", scope).condition(hide.condition)
+        return ir.Hidden(what="others", on="agents", when=test, origin=hide.span)
+    if hide.what.steps or what not in PLANES:
+        raise scope.fail(errors.WrongType(hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}"))
+    if what == "content" and (on is None or on.text != "agents"):
+        help_ = "write `hide content on agents`; `show gate as { floor }` makes cells of one kind look like those of another"
+        raise scope.fail(errors.WrongType(hide.span, wanted="`on agents`", given="content of other cells", help=help_))
+    if on is None or on.text == "agents":
+        if hide.condition is not None:
+            given = "a condition without a kind of cells"
+            raise scope.fail(errors.WrongType(hide.span, wanted="`on KIND` before `when`", given=given, help=f"write {FORMS}"))
+        return ir.Hidden(what=what, on="map" if on is None else "agents", origin=hide.span)  # type: ignore[arg-type]
+    kinds = static.kinds_of(on.text)
+    if kinds is None:
+        raise scope.fail(errors.UnknownName(on.span, name=on.text, near=near(on.text, [*static.kinds, *static.groups, "agents"])))
+    static.refer(on, Symbol("name", on.text))
+    cell = ir.Member(name=on.text, sort=ir.Sort("cell", kinds))
+    test = None if hide.condition is None else scope.with_agent("observe").bind(on.text, cell).condition(hide.condition)
+    return ir.Hidden(what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span)

@@ -30,13 +30,8 @@ WHAT_PATHS_BEGIN_WITH: dict[tuple[type[Node], str], tuple[Space, ...]] = {
     (ast.Tally, "event"): ("metric",), (ast.Turn, "arguments"): (*SHARED, "action"),
 }  # fmt: skip
 BOUND = {
-    (ast.Phase, "parameters"),
-    (ast.Define, "parameters"),
-    (ast.Domain, "bind"),
-    (ast.On, "bind"),
-    (ast.Let, "name"),
-    (ast.Draw, "name"),
-}
+    (ast.Phase, "parameters"), (ast.Define, "parameters"), (ast.Domain, "bind"), (ast.On, "bind"), (ast.Let, "name"), (ast.Draw, "name"),
+}  # fmt: skip
 
 
 def occurrences(file: ast.File, names: Names, resolved: Iterable[tuple[Span, Symbol]] = ()) -> list[Occurrence]:
@@ -71,7 +66,9 @@ class _Reader:
         if isinstance(node, ast.Forbid):
             for action in node.actions:
                 inner = self._arguments_named(action, inner)
-        for part, value in sorted(vars(node).items(), key=_order):
+        # domains come first, for their names hold in all of the node; the name of a `let` or `draw` last, for it holds behind it
+        order = {part: 0 if isinstance(value, ast.Domain) else 2 if part == "name" else 1 for part, value in vars(node).items()}
+        for part, value in sorted(vars(node).items(), key=lambda item: order[item[0]]):
             inner = self._part(node, part, value, inner, owner)
         return inner if isinstance(node, ast.Let | ast.Draw | ast.Domain | ast.On) else scope
 
@@ -181,8 +178,3 @@ class _Reader:
         node = self.names.nodes.get(Symbol("action", action))
         types = [a.type for a in node.arguments] if isinstance(node, ast.Action) else []
         return AGENT if any(isinstance(t, ast.NamedType) and t.name.text == "agent" for t in types) else NOTHING
-
-
-def _order(part: tuple[str, object]) -> int:
-    """Domains come first, for their names hold in all of the node; the name of a `let` or `draw` last, for it holds behind it."""
-    return 0 if isinstance(part[1], ast.Domain) else 2 if part[0] == "name" else 1

@@ -6,7 +6,6 @@ from sjdsl.compiler.diagnostics import errors, guesses
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.actions import argument_read
-from sjdsl.compiler.elaborate.defines import use as use_define
 from sjdsl.compiler.elaborate.keys import key_of
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
@@ -20,10 +19,12 @@ from sjdsl.compiler.elaborate.lookup import (
     kinds_of_cell,
     no_field,
     unknown,
+    use_define,
 )
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe, element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -52,16 +53,13 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         if bound is None:
             raise Poisoned
         if isinstance(bound, str):
-            raise scope.problems.fail(errors.WrongSort(e.name.span, name=name, what=f"the action `{bound}`", wanted="a value"))
+            raise scope.fail(errors.WrongSort(e.name.span, name=name, what=f"the action `{bound}`", wanted="a value"))
         return bound.model_copy(update={"origin": e.span})
     if name == "step":
         return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
     if name in static.sizes:
         static.use(e.name, Symbol("name", name))
-        size = static.sizes[name]
-        if size.type.by:
-            raise scope.problems.fail(errors.Unsupported(e.span, what="a size that is a table"))
-        return ir.Number(type=size.type, value=size.value, origin=e.span)  # type: ignore[arg-type]
+        return ir.Number(type=static.sizes[name].type, value=static.sizes[name].value, origin=e.span)  # type: ignore[arg-type]
     if name in static.params:
         static.use(e.name, Symbol("name", name))
         return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
@@ -71,7 +69,11 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         static.use(e.name, Symbol("name", name))
         return ir.FieldRead(type=static.fields[name].type, owner=None, held_by=ir.Sort("world"), name=name, origin=e.span)
     if scope.events_readable and name in static.events:
-        return event_total(e, scope)
+        static.refer(e.name, Symbol("metric", name))
+        type_ = integer(0, float("inf"), "count")
+        if name in static.event_levels and e.steps:
+            type_ = type_.model_copy(update={"by": (static.event_levels[name],)})
+        return ir.EventTotal(type=type_, name=name, origin=e.span)
     if static.is_word(name):
         static.refer(e.name, Symbol("word", name))
         return ir.Word(type=words((name,)), value=name, origin=e.span)
@@ -80,42 +82,34 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     raise unknown(e.name, scope)
 
 
-def event_total(e: ast.Path, scope: Scope) -> ir.Expr:
-    scope.static.refer(e.name, Symbol("metric", e.name.text))
-    type_ = integer(0, float("inf"), "count")
-    if e.name.text in scope.static.event_levels and e.steps:
-        type_ = type_.model_copy(update={"by": (scope.static.event_levels[e.name.text],)})
-    return ir.EventTotal(type=type_, name=e.name.text, origin=e.span)
-
-
 def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
-    """Returns `owner.name`: a field or a read-only attribute of an agent or a cell."""
+    """Returns `owner.name`: a field or a read-only attribute of an agent, a mover or a cell."""
     if kinds_of_cell(owner) is not None:
         return cell_member(owner, name, scope)
-    if isinstance(owner, ir.Member) and owner.sort.what == "mover":
-        return mover_member(owner, name, scope)
-    if (isinstance(owner, ir.Member) and owner.sort.what == "agent") or owner.type.kind == "agent":
-        return agent_member(owner, name, scope)
-    raise scope.problems.fail(errors.WrongType(name.span, wanted="an agent or a cell before the point", given=describe(owner.type)))
-
-
-def agent_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
-    static = scope.static
-    check_somebody(owner, name.span, scope)
-    if name.text in static.agent_fields:
-        static.use(name, Symbol("field", name.text, "agent"))
-        type_ = static.agent_fields[name.text].type
-        return ir.FieldRead(type=type_, owner=owner, held_by=ir.Sort("agent"), name=name.text, origin=name.span)
-    types = attribute_types(static)
-    if name.text in ("row", "col") and not isinstance(owner, ir.Member):
-        raise _perhaps_away(owner, name.span, "row or column", f"x.{name.text}", scope)
+    static, types = scope.static, attribute_types(scope.static)
+    if isinstance(owner, ir.Member) and owner.sort.what == "mover":  # its heading is a field
+        held_by, fields, called = owner.sort, static.mover_fields(owner.sort.name), f"a mover `{owner.sort.name}`"
+        types["index"] = integer(0, static.movers[owner.sort.name].number - 1, "number")
+        known: tuple[str, ...] = MOVER_ATTRIBUTES
+        instead = guesses.PLACES
+    elif as_agent(owner):
+        check_somebody(owner, name.span, scope)
+        held_by, fields, called = AGENTS, static.agent_fields, "an agent"
+        known, instead = AGENT_ATTRIBUTES, guesses.AGENT_FIELDS | guesses.PLACES
+    else:
+        raise scope.fail(errors.WrongType(name.span, wanted="an agent or a cell before the point", given=describe(owner.type)))
+    if name.text in fields:
+        static.use(name, Symbol("field", name.text, held_by.name))
+        return ir.FieldRead(type=fields[name.text].type, owner=owner, held_by=held_by, name=name.text, origin=name.span)
     if name.text in ("row", "col"):
+        if not isinstance(owner, ir.Member):
+            raise _perhaps_away(owner, name.span, "row or column", f"x.{name.text}", scope)
         check_placed(owner, name.span, f"{text(owner)}.{name.text}", scope)
     if name.text in types:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
-    if Symbol("field", name.text, "agent") in static.broken:
+    if Symbol("field", name.text, held_by.name) in static.broken:
         raise Poisoned
-    raise no_field(name, "an agent", [*static.agent_fields, *AGENT_ATTRIBUTES], guesses.AGENT_FIELDS | guesses.PLACES, scope.problems)
+    raise no_field(name, called, [*fields, *known], instead, scope.problems)
 
 
 def attribute_types(static: Static) -> dict[str, ir.Type]:
@@ -130,61 +124,35 @@ def attribute_types(static: Static) -> dict[str, ir.Type]:
     }
 
 
-def mover_member(owner: ir.Member, name: ast.Name, scope: Scope) -> ir.Expr:
-    """Returns a field or a read-only attribute of a mover; its heading is a field."""
-    static, sort = scope.static, owner.sort.name
-    fields = static.mover_fields(sort)
-    if name.text in fields:
-        static.use(name, Symbol("field", name.text, sort))
-        return ir.FieldRead(type=fields[name.text].type, owner=owner, held_by=owner.sort, name=name.text, origin=name.span)
-    if name.text in ("row", "col"):
-        check_placed(owner, name.span, f"{text(owner)}.{name.text}", scope)
-    types = attribute_types(static) | {"index": integer(0, static.movers[sort].number - 1, "number")}
-    if name.text in types:
-        return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
-    if Symbol("field", name.text, sort) in static.broken:
-        raise Poisoned
-    raise no_field(name, f"a mover `{sort}`", [*fields, *MOVER_ATTRIBUTES], guesses.PLACES, scope.problems)
-
-
 def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: Scope) -> Poisoned:
     what = f"the {asked} of an agent that a field holds: it may be away"
     help_ = f"name it: `each agent as x in {text(agent)}` has those who are there, and `{instead}`"
-    return scope.problems.fail(errors.Unsupported(span, what=what, help=help_))
+    return scope.fail(errors.Unsupported(span, what=what, help=help_))
 
 
 def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
-    said = f"distance({', '.join(map(_written, e.arguments))})"
+    question = f"distance({', '.join(tree.name.text if isinstance(tree, ast.Path) else '…' for tree in e.arguments)})"
     values = scope.expressions(e.arguments)
-    left, right = (placed(tree, value, said, scope) for tree, value in zip(e.arguments, values, strict=True))
-    return ir.Distance(type=integer(0, farthest(scope.static), "cells"), left=left, right=right, origin=e.span)
+    left, right = (placed(tree, value, question, scope) for tree, value in zip(e.arguments, values, strict=True))
+    rows, cols = scope.static.map_rows, scope.static.map_cols
+    farthest = rows // 2 + cols // 2 if scope.static.wraps else max(rows + cols - 2, 0)  # steps between two cells
+    return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
 
 
-def farthest(static: Static) -> int:
-    """Returns the steps between the two cells of the map that are farthest apart."""
-    if static.wraps:
-        return static.map_rows // 2 + static.map_cols // 2
-    return max(static.map_rows + static.map_cols - 2, 0)
-
-
-def placed(tree: ast.Expr, place: ir.Expr, said: str, scope: Scope) -> ir.Expr:
-    """Returns an agent or a cell that has a place; `said`: what asks for it."""
+def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Expr:
+    """Returns an agent or a cell that has a place; `question`: what asks for it."""
     if place.type.kind == "cell" and not place.type.by:
         check_somewhere(place, tree.span, scope)
         return place
     if isinstance(place, ir.Nobody) or not (isinstance(place, ir.Member) or place.type.kind == "agent"):
         given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
-        raise scope.problems.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
+        raise scope.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
     if not isinstance(place, ir.Member):
         raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
     if place.sort.what != "cell":
-        check_placed(place, tree.span, said, scope)
+        check_placed(place, tree.span, question, scope)
     return place
-
-
-def _written(tree: ast.Expr) -> str:
-    return tree.name.text if isinstance(tree, ast.Path) else "…"
 
 
 def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
@@ -205,24 +173,24 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         found.append(fields[name.text])
         static.use(name, Symbol("field", name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
-        raise scope.problems.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
+        raise scope.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
     return ir.FieldRead(type=found[0].type, owner=owner, held_by=ir.Sort("cell", kinds), name=name.text, origin=name.span)
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     """Returns `row[key]`, the key of the sort that the row is by, or a mix over its entries."""
     if not row.type.by:
-        raise scope.problems.fail(errors.WrongType(step.span, wanted="a row or table before `[`", given=describe(row.type)))
+        raise scope.fail(errors.WrongType(step.span, wanted="a row or table before `[`", given=describe(row.type)))
     level = row.type.by[0]
     key = key_of(step.key, row, level, scope)
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
-            raise scope.problems.fail(errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type)))
+            raise scope.fail(errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type)))
         return row.model_copy(update={"word": level.keys[level.place_of(key.value)], "type": element(row.type)})  # type: ignore[arg-type]
     type_ = element(row.type)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
-            raise scope.problems.fail(errors.WrongType(step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix"))
+            raise scope.fail(errors.WrongType(step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix"))
         type_ = type_.model_copy(update={"kind": "real", "unit": type_.unit if type_.unit == "reward" else "number"})
         if row.type.unit in ("probability", "fraction"):
             type_ = type_.model_copy(update={"unit": row.type.unit})

@@ -2,7 +2,8 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, kinds_of_cell, not_a_word, or_nowhere
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_words, kinds_of_cell, or_nowhere
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
 from sjdsl.compiler.ir.operations import Function
@@ -12,10 +13,19 @@ from sjdsl.compiler.ir.types import describe, element, hull, integer, is_number,
 NO_ORDER = "agents have no order: ask for one with `where`"
 
 
-def sum_of_row(row: ir.Expr) -> ir.SumRow:
+def row_of_numbers(tree: ast.Expr, scope: Scope, wanted: str = "a row of numbers", help_: str = "") -> ir.Expr:
+    """Returns a row of numbers, or says that `wanted` is wanted."""
+    row = scope.expression(tree)
+    if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
+        raise wrong_type(scope, tree, wanted, row.type, help_)
+    return row
+
+
+def sum_of_row(row: ir.Expr, origin: Span | None = None) -> ir.SumRow:
     """Returns the sum of all entries."""
     n = len(row.type.by[0])
-    return ir.SumRow(type=beyond_one(row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})), row=row)
+    type_ = row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})
+    return ir.SumRow(type=beyond_one(type_), row=row, origin=origin)
 
 
 def beyond_one(type_: ir.Type) -> ir.Type:
@@ -25,23 +35,9 @@ def beyond_one(type_: ir.Type) -> ir.Type:
     return type_
 
 
-def extreme_of_row(e: ast.Call, row: ir.Expr, scope: Scope) -> ir.Expr:
-    """Returns `min(row)` or `max(row)`."""
-    if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
-        raise wrong_type(scope, e.arguments[0], "a row of numbers, or several numbers", row.type)
-    return ir.SumRow(type=element(row.type), row=row, fn=e.name.text, origin=e.span)  # type: ignore[arg-type]
-
-
-def _row_of_numbers(e: ast.Call, scope: Scope) -> ir.Expr:
-    row = scope.expression(e.arguments[0])
-    if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
-        raise wrong_type(scope, e.arguments[0], "a row of numbers", row.type)
-    return row
-
-
 def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `lowest(row)` or `highest(row)`."""
-    row = _row_of_numbers(e, scope)
+    row = row_of_numbers(e.arguments[0], scope)
     level = row.type.by[0]
     if level.sort == "agent":
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
@@ -51,12 +47,12 @@ def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 
 def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `mix(row)`, of a row that is known not to be empty."""
-    row = _row_of_numbers(e, scope)
+    row = row_of_numbers(e.arguments[0], scope)
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
     entries = sum_of_row(row)
     if not compares(entries, ">", 0, scope.facts) and not narrowed(entries, scope.facts)[0] > 0:
-        raise scope.problems.fail(errors.EmptyMix(e.span, row=text(row)))
+        raise scope.fail(errors.EmptyMix(e.span, row=text(row)))
     return ir.Mix(type=ir.Type(kind="mix", words=row.type.by[0].names), row=row, origin=e.span)
 
 
@@ -69,7 +65,7 @@ def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
     by = scope.fixed(e.arguments[1], "by how many places a row is shifted")
     if by != int(by):
-        raise scope.problems.fail(errors.WrongType(e.arguments[1].span, wanted="a whole number of places", given=f"{by:g}"))
+        raise scope.fail(errors.WrongType(e.arguments[1].span, wanted="a whole number of places", given=f"{by:g}"))
     filler = _filler(e.arguments[2], row, scope)
     type_ = row.type
     if is_number(element(type_)):
@@ -96,10 +92,8 @@ def _filler(tree: ast.Expr, row: ir.Expr, scope: Scope) -> ir.Expr:
     }
     if not fits[one.kind]:
         raise wrong_type(scope, tree, describe(one), filler.type)
-    outside = [word for word in filler.type.words if word not in one.words]
-    if outside:
-        raise not_a_word(tree.span, outside[0], row, one.words, scope)
+    check_words(filler.type.words, one.words, tree.span, row, scope)
     if is_number(one) and join_units(one.unit, filler.type.unit) is None:
         left, right = describe(one), describe(filler.type)
-        raise scope.problems.fail(errors.UnitMismatch(tree.span, verb="put into one row", left=left, right=right))
+        raise scope.fail(errors.UnitMismatch(tree.span, verb="put into one row", left=left, right=right))
     return filler

@@ -6,6 +6,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.elaborate.lookup import check_arguments
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.statements import block
 from sjdsl.compiler.elaborate.streams import PhaseUse, Streams
@@ -33,19 +34,14 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     if game.schedule is None:
         scope.problems.add(errors.MissingPart(game.span, what="schedule", how="`schedule phase -> phase` with its phases in order"))
         return ()
-    turns: list[ir.Turn] = []
-    labels: list[str] = []
-    functions = Names({"start"})
     if len(game.schedule.turns) > limits.MAX_TURNS:
         what = f"a schedule of more than {limits.MAX_TURNS} turns"
         scope.problems.add(errors.Unsupported(game.schedule.span, what=what))
         return ()
     _check_written(game, game.schedule, scope)
-    for turn in game.schedule.turns:
-        with scope.problems.survive():
-            made = _turn(turn, game, scope, labels, functions)
-            if made is not None:
-                turns.append(made)
+    written = [turn for turn in game.schedule.turns if turn.name.text in game.phases or turn.name.text == "tick"]
+    labels, functions = list[str](), Names({"start"})
+    turns = scope.problems.each(written, lambda turn: _turn(turn, game, scope, labels, functions))
     scheduled = {t.name.text for t in game.schedule.turns} | {"start"}
     for phase in game.phases.values():
         if phase.name.text not in scheduled:
@@ -67,21 +63,17 @@ def _check_written(game: Composition, schedule: ast.Schedule, scope: Scope) -> N
         scope.problems.add(errors.PhasesNotWritten(missing[others[0]], name=others[0], names=others))
 
 
-def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], functions: Names) -> ir.Turn | None:
+def _turn(turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], functions: Names) -> ir.Turn:
     name = turn.name.text
     if name == "tick":
         if turn.arguments:
             scope.problems.add(errors.WrongArguments(turn.span, name="tick", wanted="no arguments", given=len(turn.arguments)))
         return ir.Tick(origin=turn.span)
-    phase = game.phases.get(name)
-    if phase is None:
-        return None
+    phase = game.phases[name]
     scope.static.refer(turn.name, Symbol("phase", name))
     if name == "start":
-        raise scope.problems.fail(errors.StartScheduled(turn.name.span, name=name))
-    if len(turn.arguments) != len(phase.parameters):
-        wanted = f"{len(phase.parameters)} argument{'s' * (len(phase.parameters) != 1)}"
-        raise scope.problems.fail(errors.WrongArguments(turn.span, name=name, wanted=wanted, given=len(turn.arguments)))
+        raise scope.fail(errors.StartScheduled(turn.name.span, name=name))
+    check_arguments(name, turn.span, len(turn.arguments), len(phase.parameters), scope)
     values: dict[str, ir.Expr | str | None] = {}
     shown = []
     for parameter, argument in zip(phase.parameters, turn.arguments, strict=True):
@@ -108,7 +100,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
             return argument.name.text
     value = scope.expression(argument)
     if not all(isinstance(node, ALIKE) for node in ir.walk(value)):
-        raise scope.problems.fail(errors.NotFixed(argument.span, what="what a phase is used with", help=USED_WITH))
+        raise scope.fail(errors.NotFixed(argument.span, what="what a phase is used with", help=USED_WITH))
     return value
 
 

@@ -9,18 +9,16 @@ from typing import Any, Literal
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.implications import Fact, facts
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import describe, is_number
-from sjdsl.near_names import nearest
 
 Part = Literal["phase", "start", "blocks", "forbid", "observe", "metrics", "checks", "look", "policy"]
-
-
 ALL_ACTIONS = Symbol("action", "", "agent")
 
 
@@ -86,7 +84,7 @@ class Static:
 
     @contextmanager
     def requiring(self) -> Iterator[None]:
-        """What is read of numbers here is no use of them."""
+        """Numbers that are read in here don't count as used."""
         before = set(self.used)
         yield
         read = {d for d in self.used - before if d.name in self.params or d.name in self.sizes}
@@ -134,19 +132,18 @@ class Scope(Record):
     about_steps: bool = False
     elsewhere: frozenset[str] = frozenset()
 
+    def fail(self, new: Diagnostic) -> Poisoned:
+        """Records one diagnostic and returns what to raise: `raise scope.fail(...)`."""
+        return self.problems.fail(new)
+
     def expression(self, e: ast.Expr) -> ir.Expr:
         """Returns the typed form of any expression."""
         return self.static.elaborate_expression(e, self)
 
     def expressions(self, trees: Sequence[ast.Expr]) -> list[ir.Expr]:
         """Returns the typed forms; reports the mistakes of all before giving up."""
-        built, poisoned = [], False
-        for tree in trees:
-            try:
-                built.append(self.expression(tree))
-            except Poisoned:
-                poisoned = True
-        if poisoned:
+        built = self.problems.each(trees, self.expression)
+        if len(built) < len(trees):
             raise Poisoned
         return built
 
@@ -173,8 +170,15 @@ class Scope(Record):
             return built.value
         for node in ir.walk(built):
             if isinstance(node, ir.ParamRef):
-                raise self.problems.fail(errors.ShapeParam(e.span, name=node.name, what=what))
-        raise self.problems.fail(errors.NotFixed(e.span, what=what))
+                raise self.fail(errors.ShapeParam(e.span, name=node.name, what=what))
+        raise self.fail(errors.NotFixed(e.span, what=what))
+
+    def whole(self, e: ast.Expr, what: str, name: str, low: int, high: int) -> int:
+        """Returns a whole number from `low` to `high` that is known when compiled; `name`: what messages call it."""
+        value = self.fixed(e, what)
+        if value != int(value) or not low <= value <= high:
+            raise self.fail(errors.OutOfLimits(e.span, name=name, value=value, low=low, high=high))
+        return int(value)
 
     def but(self, **changes: Any) -> "Scope":
         """Returns this scope with other values in some fields; `dataclasses.replace` would take several times as long."""
@@ -210,14 +214,15 @@ class Scope(Record):
         """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""
         return self.but(problems=Problems(self.problems.found, errors.GUARDABLE))
 
-    def near(self, name: str) -> str:
-        """Returns the known name closest to `name`."""
-        return nearest(name, self.static.names() | set(self.variables))
+    def with_agent(self, part: Part) -> "Scope":
+        """Returns a scope of another part of the game, in which `agent` stands for any one of them."""
+        return Scope(self.static, self.problems, part=part).bind("agent", ir.Member(name="agent", sort=AGENTS))
 
 
-def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", told: str = "") -> Poisoned:
+def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", described: str = "") -> Poisoned:
+    """Reports that something else is wanted in the place of `e`. `described`: what it is instead, if its type doesn't say that well."""
     bound = scope.variables.get(e.name.text) if isinstance(e, ast.Path) and given.kind == "member" else None
-    told = told or describe(given)
+    described = described or describe(given)
     if isinstance(bound, ir.Member):
-        told = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{bound.sort.name}`"}[bound.sort.what]
-    return scope.problems.fail(errors.WrongType(e.span, wanted=wanted, given=told, help=help))
+        described = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{bound.sort.name}`"}[bound.sort.what]
+    return scope.fail(errors.WrongType(e.span, wanted=wanted, given=described, help=help))

@@ -10,15 +10,31 @@ from sjdsl.compiler.elaborate.scope import Scope
 
 Offset = tuple[int, int]
 BUILT_IN = {"line": ("n",), "fan": ("length", "radius"), "disc": ("r",), "diamond": ("r",), "square": ("r",)}
-SEE_THROUGH = ("disc", "diamond", "square")
+SEE_THROUGH: dict[str, Callable[[int, int, int], bool]] = {  # whether a cell so far ahead and to the right is within r
+    "disc": lambda ahead, right, r: ahead * ahead + right * right <= r * r,
+    "diamond": lambda ahead, right, r: abs(ahead) + abs(right) <= r,
+    "square": lambda *_: True,
+}
 
 
 def declared(shape: ast.Shape, scope: Scope) -> ir.Shape:
     """Returns a named shape."""
-    if shape.call is None:
-        return picture(shape, scope)
-    built = built_in(ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments), scope)
-    return built.model_copy(update={"name": shape.name.text, "origin": shape.span})
+    if shape.call is not None:
+        built = built_in(ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments), scope)
+        return built.model_copy(update={"name": shape.name.text, "origin": shape.span})
+    rows = [row.text for row in shape.rows]
+    problem = _picture_problem(rows)
+    if problem:
+        raise scope.fail(errors.BadPicture(shape.span, problem=problem))
+    anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
+    anchor_col = rows[anchor_row].index("^")
+    cells = {(anchor_row - r, c - anchor_col) for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "x"}
+    lanes = []
+    for right in sorted({c for _, c in cells}):  # a column is a lane, ahead and behind
+        ahead = sorted(a for a, c in cells if c == right and a >= 0)
+        behind = sorted((a for a, c in cells if c == right and a < 0), reverse=True)
+        lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
+    return ir.Shape(name=shape.name.text, lanes=tuple(lanes), see_through=False, directed=True, origin=shape.span)
 
 
 def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
@@ -36,35 +52,18 @@ def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     return static.shapes.setdefault(shape.name, shape)
 
 
-def picture(shape: ast.Shape, scope: Scope) -> ir.Shape:
-    """Returns the shape of a picture: `^` the agent facing up, `x` its cells; a column is a lane."""
-    rows = [row.text for row in shape.rows]
-    problem = _picture_problem(rows)
-    if problem:
-        raise scope.problems.fail(errors.BadPicture(shape.span, problem=problem))
-    anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
-    anchor_col = rows[anchor_row].index("^")
-    cells = {(anchor_row - r, c - anchor_col) for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "x"}
-    lanes = []
-    for right in sorted({c for _, c in cells}):
-        ahead = sorted(a for a, c in cells if c == right and a >= 0)
-        behind = sorted((a for a, c in cells if c == right and a < 0), reverse=True)
-        lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
-    return ir.Shape(name=shape.name.text, lanes=tuple(lanes), see_through=False, directed=True, origin=shape.span)
-
-
 def _picture_problem(rows: list[str]) -> str:
-    if sum(row.count("^") for row in rows) != 1:
-        return f"this picture has {sum(row.count('^') for row in rows)} `^`, and needs one"
-    if any(set(row) - set("^x.") for row in rows):
+    """Returns what is wrong with a picture, in which `^` is the agent facing up and `x` its cells; empty if nothing is."""
+    agents, cells = ("".join(rows).count(sign) for sign in "^x")
+    if agents != 1:
+        return f"this picture has {agents} `^`, and needs one"
+    if set("".join(rows)) - set("^x."):
         return "a picture is made of `^`, `x` and `.`"
     if len({len(row) for row in rows}) != 1:
         return "the rows of this picture have different lengths"
-    if not any("x" in row for row in rows):
+    if not cells:
         return "this picture has no cell `x`"
-    if sum(row.count("x") for row in rows) > limits.MAX_SHAPE_CELLS:
-        return f"this picture has more than {limits.MAX_SHAPE_CELLS} cells"
-    return ""
+    return f"this picture has more than {limits.MAX_SHAPE_CELLS} cells" if cells > limits.MAX_SHAPE_CELLS else ""
 
 
 def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
@@ -78,32 +77,18 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if len(arguments) != len(BUILT_IN[name]):
         wanted = f"{len(BUILT_IN[name])} number{'s' * (len(BUILT_IN[name]) > 1)} ({', '.join(BUILT_IN[name])})"
         help_ = f"`{name}(r, centre)` includes the middle" if name in SEE_THROUGH else ""
-        raise scope.problems.fail(errors.WrongArguments(ref.span, name=name, wanted=wanted, given=len(arguments), help=help_))
-    numbers = [_reach(a, scope) for a in arguments]
+        raise scope.fail(errors.WrongArguments(ref.span, name=name, wanted=wanted, given=len(arguments), help=help_))
+    numbers = [scope.whole(a, "a shape", "the reach of a shape", 1, 64) for a in arguments]
     label = f"{name}({', '.join(map(str, numbers))}{', centre' if centre else ''})"
-    lanes = _round(name, numbers[0], centre) if name in SEE_THROUGH else _directed(name, numbers)
+    see_through, r = name in SEE_THROUGH, numbers[0]
+    if see_through:
+        around = ((a, c) for a in range(r, -r - 1, -1) for c in range(-r, r + 1) if centre or (a, c) != (0, 0))
+        lanes: tuple[tuple[Offset, ...], ...] = (tuple(cell for cell in around if SEE_THROUGH[name](*cell, r)),)
+    else:
+        lanes = _directed(name, numbers)
     if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
-        raise scope.problems.fail(errors.Unsupported(ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"))
-    see_through = name in SEE_THROUGH
+        raise scope.fail(errors.Unsupported(ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"))
     return ir.Shape(name=label, lanes=lanes, see_through=see_through, directed=not see_through, origin=ref.span)
-
-
-def _reach(e: ast.Expr, scope: Scope) -> int:
-    value = scope.fixed(e, "a shape")
-    if value != int(value) or not 1 <= value <= 64:
-        raise scope.problems.fail(errors.OutOfLimits(e.span, name="the reach of a shape", value=value, low=1, high=64))
-    return int(value)
-
-
-def _round(name: str, r: int, centre: bool) -> tuple[tuple[Offset, ...], ...]:
-    within: dict[str, Callable[[int, int], bool]] = {
-        "disc": lambda a, c: a * a + c * c <= r * r,
-        "diamond": lambda a, c: abs(a) + abs(c) <= r,
-        "square": lambda _a, _c: True,
-    }
-    span = range(-r, r + 1)
-    cells = tuple((a, c) for a in reversed(span) for c in span if within[name](a, c) and (centre or (a, c) != (0, 0)))
-    return (cells,)
 
 
 def _directed(name: str, numbers: list[int]) -> tuple[tuple[Offset, ...], ...]:

@@ -1,5 +1,6 @@
 """Elaborates statements: from AST to typed IR."""
 
+from collections.abc import Sequence
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
@@ -11,11 +12,10 @@ from sjdsl.compiler.elaborate.assignments import add, set_
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, with_member
 from sjdsl.compiler.elaborate.domains import near as near_shape
-from sjdsl.compiler.elaborate.effects import body, give, send, tally
+from sjdsl.compiler.elaborate.effects import body, give, send, shift, tally
 from sjdsl.compiler.elaborate.lookup import check_free, interval_text
 from sjdsl.compiler.elaborate.movers import move
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.elaborate.shifts import shift
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import Fact, compares, conjuncts, contradict, narrow_word, narrowed
@@ -40,17 +40,23 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
     """Returns one statement and the scope after it."""
     match s:
         case ast.Let():
-            return let(s, scope)
+            value = narrow_word(scope.expression(s.value), scope.facts)
+            check_free(s.name, scope, chosen=True)
+            if isinstance(value, ir.Member):
+                raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
+            local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
+            inner = scope.bind_named(s.name, local)
+            if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
+                inner = inner.knowing([ir.Not(value=ir.Same(left=local, right=ir.Nobody()))])
+            return ir.Let(name=s.name.text, value=value, origin=s.span), inner
         case ast.Draw():
             return draw(s, scope, use)
         case ast.Each() | ast.Pick() | ast.First():
             return quantifier(s, scope, use), scope
         case ast.Match():
             return match_(s, scope, use), scope
-        case ast.When():
-            return when(s, scope, use), scope
-        case ast.Chance():
-            return chance(s, scope, use), scope
+        case ast.When() | ast.Chance():
+            return branched(s, scope, use), scope
         case ast.Set():
             return set_(s, scope, use), scope
         case ast.Add():
@@ -84,26 +90,14 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
     return built
 
 
-def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
-    value = narrow_word(scope.expression(s.value), scope.facts)
-    check_free(s.name, scope, chosen=True)
-    if isinstance(value, ir.Member):
-        raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
-    local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
-    inner = scope.bind_named(s.name, local)
-    if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
-        inner = inner.knowing([ir.Not(value=ir.Same(left=local, right=ir.Nobody()))])
-    return ir.Let(name=s.name.text, value=value, origin=s.span), inner
-
-
 def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
     check_free(s.name, scope, chosen=True)
     stream = use.streams.of_statement(use.streams.header(s.span, s.span.end))
     name = s.name.text
     match s.source:
         case ast.Words():
-            names = tuple(n.text for n in s.source.names)
             _check_declared(s.source.names, scope)
+            names = tuple(n.text for n in s.source.names)
             statement = ir.Draw(name=name, type=words(names), words=names, stream=stream, origin=s.span)
         case ast.Table():
             statement = _weighted(s, s.source, scope, stream)
@@ -118,54 +112,46 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
     return statement, scope.bind_named(s.name, local)
 
 
-def _check_declared(names: tuple[ast.Name, ...], scope: Scope) -> None:
+def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
     _check_different(names, "word", scope)
     for name in names:
         if not name.text.isidentifier():
             help_ = "one `draw` has words alone, `{ red: 0.5, blue: 0.5 }`, or whole numbers alone, each for itself, `{ 1: 0.5, 3: 0.5 }`"
-            raise scope.problems.fail(errors.WrongType(name.span, wanted="a word", given=f"`{name.text}`", help=help_))
+            raise scope.fail(errors.WrongType(name.span, wanted="a word", given=f"`{name.text}`", help=help_))
         if not scope.static.is_word(name.text):
-            known = [w for ws in scope.static.word_sets for w in ws]
-            listed = ", ".join(n.text for n in names)
-            how = f"the words of a `draw` are those of a field, a row (`by`) or an event: declare some, `field NAME : {{ {listed} }} = {names[0].text}`"
-            meant = near(name.text, known)
-            raise scope.problems.fail(errors.UnknownName(name.span, name=name.text, near=meant, help="" if meant.nearest else how))
+            meant = near(name.text, [w for ws in scope.static.word_sets for w in ws])
+            declare = f"declare some, `field NAME : {{ {', '.join(n.text for n in names)} }} = {names[0].text}`"
+            how = "" if meant.nearest else f"the words of a `draw` are those of a field, a row (`by`) or an event: {declare}"
+            raise scope.fail(errors.UnknownName(name.span, name=name.text, near=meant, help=how))
         scope.static.refer(name, Symbol("word", name.text))
 
 
-def _check_different(names: tuple[ast.Name, ...], what: str, scope: Scope) -> None:
+def _check_different(names: Sequence[ast.Name], what: str, scope: Scope) -> None:
     for i, name in enumerate(names):
         if name.text in [n.text for n in names[:i]]:
-            raise scope.problems.fail(errors.WrittenTwice(name.span, what=f"the {what} `{name.text}`"))
+            raise scope.fail(errors.WrittenTwice(name.span, what=f"the {what} `{name.text}`"))
 
 
 def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
+    """Returns the type of a number drawn between two others."""
     unit = low.type.unit if low.type.unit != "number" else high.type.unit
     if "number" not in (low.type.unit, high.type.unit) and low.type.unit != high.type.unit:
-        raise scope.problems.fail(errors.UnitMismatch(s.span, verb="draw between", left=low.type.unit, right=high.type.unit))
+        raise scope.fail(errors.UnitMismatch(s.span, verb="draw between", left=low.type.unit, right=high.type.unit))
     known = scope.facts_and_requires
     if low.type.high > high.type.low and not (compares(high, ">=", low, known) or compares(high, ">", low, known)):
-        raise scope.problems.fail(errors.Crossed(s.span, labels=parameters_read(scope.static, low, high), low=text(low), high=text(high)))
+        raise scope.fail(errors.Crossed(s.span, labels=parameters_read(scope.static, low, high), low=text(low), high=text(high)))
     if "real" in (low.type.kind, high.type.kind):
-        return _real_range(s, low, high, scope)
+        for tree, bound in ((s.source, low), (s.high, high)):
+            if not is_number(bound.type):
+                raise wrong_type(scope, tree, "a number", bound.type)  # type: ignore[arg-type]
+        joined = join_units(low.type.unit, high.type.unit)
+        return real(low.type.low, high.type.high, "number" if joined in (None, *INTEGER_UNITS) else joined)
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
-        given = f"{most:g}" if most < float("inf") else "endlessly many"
-        problem = f"this draw is from {given} numbers"
-        help_ = "give the parameters limits, `in a .. b`"
-        scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, help_))
+        problem = f"this draw is from {f'{most:g}' if most < float('inf') else 'endlessly many'} numbers"
+        scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, "give the parameters limits, `in a .. b`"))
         raise Poisoned
     return integer(low.type.low, high.type.high, unit)
-
-
-def _real_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
-    """Returns the type of a real number drawn between two others."""
-    assert s.high is not None
-    for tree, bound in ((s.source, low), (s.high, high)):
-        if not is_number(bound.type):
-            raise wrong_type(scope, tree, "a number", bound.type)  # type: ignore[arg-type]
-    unit = join_units(low.type.unit, high.type.unit)
-    return real(low.type.low, high.type.high, "number" if unit in (None, *INTEGER_UNITS) else unit)
 
 
 def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:
@@ -178,15 +164,23 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
     weights = []
     for entry in table.entries:
         if isinstance(entry.value, ast.Table):
-            raise scope.problems.fail(errors.WrongType(entry.span, wanted="a probability", given="a table"))
+            raise scope.fail(errors.WrongType(entry.span, wanted="a probability", given="a table"))
         weights.append(probability(entry.value, scope))
     values = [w.value for w in weights if isinstance(w, ir.Number)]
     if len(values) == len(weights):
         total = sum(values)
         if abs(total - 1) > 1e-6:
-            raise scope.problems.fail(errors.Weights(table.span, total=total))
-    elif not _required_one(weights, scope):
-        raise scope.problems.fail(errors.Weights(table.span, total="something known only when it runs"))
+            raise scope.fail(errors.Weights(table.span, total=total))
+    else:  # weights from parameters need `require a + b + c == 1`, or the form p, q, 1 - p - q
+        one = ir.Number(type=weights[0].type, value=1)
+        rest: ir.Expr = one
+        for weight in weights[:-1]:
+            rest = ir.Arithmetic(type=one.type, fn="-", args=(rest, weight))
+        sum_ = weights[0]
+        for weight in weights[1:]:
+            sum_ = ir.Arithmetic(type=one.type, fn="+", args=(sum_, weight))
+        if form(weights[-1]) != form(rest) and not compares(sum_, "==", one, scope.facts_and_requires):
+            raise scope.fail(errors.Weights(table.span, total="something known only when it runs"))
     if are_numbers:
         numbers = tuple(int(key.text) for key in keys)
         type_ = integer(min(numbers), max(numbers), "number")
@@ -195,27 +189,15 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
     return ir.Draw(name=s.name.text, type=words(names), words=names, weights=tuple(weights), stream=stream, origin=s.span)
 
 
-def _required_one(weights: list[ir.Expr], scope: Scope) -> bool:
-    """Weights from parameters need `require a + b + c == 1`, or the form p, q, 1 - p - q."""
-    one, last = ir.Number(type=weights[0].type, value=1), weights[-1]
-    rest: ir.Expr = one
-    for weight in weights[:-1]:
-        rest = ir.Arithmetic(type=one.type, fn="-", args=(rest, weight))
-    total = weights[0]
-    for weight in weights[1:]:
-        total = ir.Arithmetic(type=one.type, fn="+", args=(total, weight))
-    return form(last) == form(rest) or compares(total, "==", one, scope.facts_and_requires)
-
-
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
     header = use.streams.header(s.span, s.block.span.start)
     how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if isinstance(s, ast.Pick) and how_many is not None and how_many.type.low < 0:
-        raise scope.problems.fail(errors.Negative(s.number.span, name="the number picked"))
+        raise scope.fail(errors.Negative(s.number.span, name="the number picked"))
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
-        raise scope.problems.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
+        raise scope.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
     body = inside(s.block, header, inner, use)
     otherwise: tuple[ir.Stmt, ...] = ()
     if not isinstance(s, ast.Each) and s.otherwise is not None:
@@ -253,7 +235,7 @@ def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> 
     if isinstance(b, ast.Block):
         return inside(b, header, scope, use)
     use.streams.around.append(header)
-    statement = when(b, scope, use) if isinstance(b, ast.When) else chance(b, scope, use)
+    statement = branched(b, scope, use)
     use.streams.around.pop()
     return (statement,)
 
@@ -264,38 +246,50 @@ def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
     left, inner = domain(s.left, scope)
     right, inner = domain(s.right, inner)
     if s.first and not isinstance(right.restriction, ir.Near):
-        raise scope.problems.fail(
-            errors.WrongType(s.right.span, wanted="`in SHAPE of x` after `with first`", given="a domain without a shape")
-        )
+        wanted, given = "`in SHAPE of x` after `with first`", "a domain without a shape"
+        raise scope.fail(errors.WrongType(s.right.span, wanted=wanted, given=given))
     body = inside(s.block, header, inner, use)
     return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
 
 
-def when(s: ast.When, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    """Returns `when` or `chance` with all its branches: a chain of `otherwise when`, or of `otherwise chance`, is one statement."""
     header = use.streams.header(s.span, s.block.span.start)
+    stream = use.streams.of_statement(header) if isinstance(s, ast.Chance) else 0
     branches: list[ir.Branch] = []
     otherwise: tuple[ir.Stmt, ...] = ()
-    outer, current = scope, s
+    current: ast.When | ast.Chance = s
     while True:
         try:
-            test = outer.condition(current.condition)
-            check_possible(test, outer)
-            body = inside(current.block, header, outer.knowing([test]), use)
+            if isinstance(current, ast.When):
+                test = scope.condition(current.condition)
+                check_possible(test, scope)
+                body = inside(current.block, header, scope.knowing([test]), use)
+            else:
+                test = probability(current.probability, scope)
+                if test.type.high <= 0:
+                    scope.problems.add(errors.NeverHappens(current.probability.span, problem="its probability is 0"))
+                body = inside(current.block, header, scope, use)
             branches.append(ir.Branch(test=test, body=body, origin=current.span))
-            outer = outer.knowing([ir.Not(value=test)])
+            if isinstance(current, ast.When):
+                scope = scope.knowing([ir.Not(value=test)])
         except Poisoned:
-            outer = outer.unsure()
+            if isinstance(current, ast.When):
+                scope = scope.unsure()
         header = f"{header} otherwise"
-        if isinstance(current.otherwise, ast.When):
-            current = current.otherwise
-            header = f"{header} {use.streams.header(current.span, current.block.span.start)}"
+        following = current.otherwise
+        if isinstance(following, ast.When | ast.Chance) and isinstance(following, type(s)):
+            header = f"{header} {use.streams.header(following.span, following.block.span.start)}"
+            current = following
             continue
-        if current.otherwise is not None:
-            otherwise = other_branch(current.otherwise, header, outer, use)
+        if following is not None:
+            otherwise = other_branch(following, header, scope, use)
         break
     if not branches:
         raise Poisoned
-    return ir.When(branches=tuple(branches), otherwise=otherwise, origin=s.span)
+    if isinstance(s, ast.When):
+        return ir.When(branches=tuple(branches), otherwise=otherwise, origin=s.span)
+    return ir.Chance(branches=tuple(branches), otherwise=otherwise, stream=stream, origin=s.span)
 
 
 def check_possible(test: ir.Expr, scope: Scope) -> None:
@@ -322,37 +316,9 @@ def why_impossible(part: ir.Expr, scope: Scope) -> str:
                 "==": low > right.type.high or high < right.type.low,
                 "!=": False,
             }[fn]
-            return f"{text(left)} is {interval_text(left.type.model_copy(update={'low': low, 'high': high}))}" if never else ""
+            return f"{text(left)} is {interval_text(low, high)}" if never else ""
         case _:
             return ""
-
-
-def chance(s: ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
-    header = use.streams.header(s.span, s.block.span.start)
-    stream = use.streams.of_statement(header)
-    branches: list[ir.Branch] = []
-    otherwise: tuple[ir.Stmt, ...] = ()
-    current = s
-    while True:
-        try:
-            p = probability(current.probability, scope)
-            if p.type.high <= 0:
-                scope.problems.add(errors.NeverHappens(current.probability.span, problem="its probability is 0"))
-            body = inside(current.block, header, scope, use)
-            branches.append(ir.Branch(test=p, body=body, origin=current.span))
-        except Poisoned:
-            pass
-        header = f"{header} otherwise"
-        if isinstance(current.otherwise, ast.Chance):
-            current = current.otherwise
-            header = f"{header} {use.streams.header(current.span, current.block.span.start)}"
-            continue
-        if current.otherwise is not None:
-            otherwise = other_branch(current.otherwise, header, scope, use)
-        break
-    if not branches:
-        raise Poisoned
-    return ir.Chance(branches=tuple(branches), otherwise=otherwise, stream=stream, origin=s.span)
 
 
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -360,5 +326,5 @@ def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     p = scope.number(e, ("probability",), "a probability")
     low, high = narrowed(p, scope.facts_and_requires)
     if high > 1 + 1e-9 or low < -1e-9:
-        raise scope.problems.fail(errors.ProbabilityRange(e.span, labels=parameters_read(scope.static, p), low=low, high=high))
+        raise scope.fail(errors.ProbabilityRange(e.span, labels=parameters_read(scope.static, p), low=low, high=high))
     return p

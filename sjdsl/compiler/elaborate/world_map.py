@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -22,49 +23,47 @@ def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
     """Returns the rows of a map; one that cannot be read has none, and the reason is reported. Rows in the game itself have no spans."""
     if map_.file is None:
         return tuple(row.text for row in map_.rows), ()
-    return read_file(map_.file.text, map_.file.span, source, problems)
-
-
-def read_file(name: str, span: Span, source: Source, problems: Problems) -> Rows:
-    """Returns the rows of a map file in the game's folder."""
+    name, span = map_.file.text, map_.file.span
     path = inside_folder(name, span, source, problems)
     if path is None:
         return (), ()
+    name_here = (Path(source.name).parent / name).as_posix()
     over = source.instead_of(path)
     if over is not None:
-        return parse_rows(over.encode("utf-8", "replace"), (Path(source.name).parent / name).as_posix(), span, problems)
-    if not path.is_file():
-        folder = path.parent
-        beside = [p.name for p in folder.iterdir()] if folder.is_dir() else []
-        meant = nearest(path.name, beside)
-        problems.add(errors.NoFile(span, name=name, near=Near(str(Path(name).with_name(meant)) if meant else "")))
-        return (), ()
-    return parse_file(path, (Path(source.name).parent / name).as_posix(), span, problems)
+        return _parse_rows(over.encode("utf-8", "replace"), name_here, span, problems)
+    if path.is_file():
+        return parse_file(path, name_here, span, problems)
+    meant = nearest(path.name, [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else [])
+    problems.add(errors.NoFile(span, name=name, near=Near(str(Path(name).with_name(meant)) if meant else "")))
+    return (), ()
 
 
 def parse_file(path: Path, name: str, span: Span, problems: Problems) -> Rows:
-    """Returns the rows of a map file, of which no more is read than a map may have; name, span: as in `parse_rows`."""
+    """Returns the rows of a map file, of which no more is read than a map may have.
+
+    name: of the file, as messages call it. span: what names the file, to say there that it cannot be read.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(MAX_MAP_BYTES + 1)
     except OSError as error:
         problems.add(errors.MapFile(span, name=name, problem=f"it cannot be read: {(error.strerror or 'unknown').lower()}"))
         return (), ()
-    return parse_rows(data, name, span, problems)
+    return _parse_rows(data, name, span, problems)
 
 
-def parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
-    """Returns the rows of a map file's bytes. `span`: what names the file, to say there that it cannot be read."""
-    if len(data) > MAX_MAP_BYTES:
-        problems.add(errors.MapFile(span, name=name, problem=f"it has more than {limits.MAX_MAP_CELLS} cells"))
-        return (), ()
+def _parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
+    text, problem = "", ""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        problems.add(errors.MapFile(span, name=name, problem="it is not text"))
-        return (), ()
-    if re.match(r"sj \d", text):
-        problems.add(errors.MapFile(span, name=name, problem="it is a game"))
+        problem = "it is not text"
+    if len(data) > MAX_MAP_BYTES:
+        problem = f"it has more than {limits.MAX_MAP_CELLS} cells"
+    elif re.match(r"sj \d", text):
+        problem = "it is a game"
+    if problem:
+        problems.add(errors.MapFile(span, name=name, problem=problem))
         return (), ()
     lines = text.rstrip("\r\n").split("\n") if text.strip() else []
     return tuple(line.rstrip("\r") for line in lines), row_spans(lines, name)
@@ -116,49 +115,40 @@ def check_rows(
         for column, glyph in enumerate(row):
             if glyph not in glyphs:
                 unknown.setdefault(glyph, (number, column))
+    # the place of the one glyph that is declared and nowhere on the map: perhaps it is the one that is misspelt
+    absent = [m for m in glyphs.values() if m.origin is not None and not any(m.glyph in row for row in rows)]
+    labels = tuple(Label(m.span, f"`{m.glyph}` is nowhere on the map") for m in absent if len(absent) == 1)
     for glyph, (number, column) in list(unknown.items())[:20]:
         other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
         shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
         place = _place(inline, spans, number, column, span)
-        problems.add(
-            errors.UnknownGlyph(place, labels=_absent(glyphs, rows), glyph=shown, row=number, column=column, other_case=other_case)
-        )
+        problems.add(errors.UnknownGlyph(place, labels=labels, glyph=shown, row=number, column=column, other_case=other_case))
     return sound and not unknown
-
-
-def _absent(glyphs: dict[str, ir.GlyphMeaning], rows: tuple[str, ...]) -> tuple[Label, ...]:
-    """Returns the place of the one glyph that is declared and nowhere on the map: perhaps it is the one that is misspelt."""
-    found = [m for m in glyphs.values() if m.origin is not None and not any(m.glyph in row for row in rows)]
-    return tuple(Label(m.span, f"`{m.glyph}` is nowhere on the map") for m in found if len(found) == 1)
 
 
 def _place(inline: tuple[ast.String, ...], spans: tuple[Span, ...], row: int, column: int | None, span: Span) -> Span:
     """Returns the span of a row, or of one glyph of it, in the map's own file or in the game's text."""
     if row < len(spans):
-        line = spans[row]
-        return line if column is None else Span(line.file, line.start + column, line.start + column + 1, line.line, column + 1)
-    if row >= len(inline):
+        whole, before = spans[row], 0
+    elif row < len(inline):
+        whole, before = inline[row].span, 1  # a quote
+        if whole.end - whole.start != len(inline[row].text) + 2:  # something is escaped: characters do not stand where they seem to
+            return whole
+    else:
         return span
-    whole = inline[row].span
-    plain = whole.end - whole.start == len(inline[row].text) + 2  # nothing escaped: characters stand where they seem to
-    if column is None or not plain:
+    if column is None:
         return whole
-    return Span(whole.file, whole.start + 1 + column, whole.start + 2 + column, whole.line, whole.column + 1 + column)
+    start = whole.start + before + column
+    return Span(whole.file, start, start + 1, whole.line, whole.column + before + column)
 
 
 def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> dict[str, int]:
     """Returns the number of cells of each kind."""
-    cells: dict[str, int] = {}
-    for row in rows:
-        for glyph in row:
-            if glyph in glyphs:
-                kind = glyphs[glyph].kind
-                cells[kind] = cells.get(kind, 0) + 1
-    return cells
+    return dict(Counter(glyphs[glyph].kind for row in rows for glyph in row if glyph in glyphs))
 
 
 def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning]:
-    """Returns the legend; a glyph of two kinds or that is no glyph is reported."""
+    """Returns the legend; reports a glyph of two kinds, and one that can't be a glyph."""
     table: dict[str, ir.GlyphMeaning] = {}
     for span, meaning in static.glyphs:
         problem = check_glyph(meaning.glyph)

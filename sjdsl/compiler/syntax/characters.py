@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from itertools import islice
 
 from lark import Token
 
@@ -25,7 +26,7 @@ CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202
 
 
 class Mended(Record):
-    """What was wrong, the token it is read as (None: nothing), and where reading goes on."""
+    """What was wrong, the token it is read as (None: nothing), and where reading resumes."""
 
     problem: Diagnostic
     token: Token | None
@@ -44,28 +45,33 @@ def without_controls(source: Source) -> tuple[str, list[Diagnostic]]:
     """Reports control and invisible characters, also in comments and texts; returns the text, as long, without them."""
     text = source.text
     problems: list[Diagnostic] = []
-    for match in CONTROL.finditer(text):
+    for match in islice(CONTROL.finditer(text), MAX_PROBLEMS):
         span = source.span(*match.span())
         problems.append(errors.BadCharacter(span, character=describe(match.group()), help="delete it", fix=Fix(span, "")))
-        if len(problems) == MAX_PROBLEMS:
-            break
-    return (CONTROL.sub(_blank, text) if problems else text), problems
 
+    def blank(match: re.Match[str]) -> str:  # inside a name a letter, so that it stays one name
+        return "_" if text[match.start() - 1 : match.start()].isalnum() and text[match.end() : match.end() + 1].isalnum() else " "
 
-def _blank(match: re.Match[str]) -> str:
-    """Returns what stands for an invisible character: inside a name a letter, so that it stays one name."""
-    text = match.string
-    inside = text[match.start() - 1 : match.start()].isalnum() and text[match.end() : match.end() + 1].isalnum()
-    return "_" if inside else " "
+    return (CONTROL.sub(blank, text) if problems else text), problems
 
 
 def mend(source: Source, text: str, at: int, last: Token | None, keywords: dict[str, str]) -> Mended:
     """Returns what to make of the character at `at`, which begins no token; `last` is the token before it."""
     character = text[at]
-    if character == '"':
-        return _open_string(source, text, at)
-    if character in QUOTES:
-        return _quoted(source, text, at)
+    if character == '"':  # without a partner: the text is taken to end before a brace, or with the line
+        end = re.compile(r'"[^\n{}]*').match(text, at).end()  # type: ignore[union-attr]
+        end = at + len(text[at:end].rstrip())
+        help_ = r"`\"` is a quote inside a text; the sign `\` itself is written twice: `\\`" if text[at:end].endswith('\\"') else ""
+        problem: Diagnostic = errors.OpenString(source.span(at, end), fix=Fix(source.span(end, end), '"'), help=help_)
+        return Mended(problem, _token(source, "STRING", text[at:end] + '"', at, end), end)
+    if character in QUOTES:  # a text in quotes of another sort
+        whole = re.compile(rf'[{QUOTES}]([^\n{QUOTES}"]*)([{QUOTES}"]?)').match(text, at)
+        assert whole is not None
+        inside, close = whole.groups()
+        if not close:
+            return Mended(_bad(source, at, at + 1, character, '"', 'write `"`'), None, at + 1)
+        problem = _bad(source, at, whole.end(), character, f'"{inside}"', 'write `"`')
+        return Mended(problem, _token(source, "STRING", f'"{inside}"', at, whole.end()), whole.end())
     if character.isalnum() or character == "_":
         return _word(source, text, at, last, keywords)
     end = at + 1
@@ -89,44 +95,15 @@ def _token(source: Source, type_: str, value: str, start: int, end: int) -> Toke
     return Token(type_, value, start, span.line, span.column, span.line, span.column + end - start, end)
 
 
-def _open_string(source: Source, text: str, at: int) -> Mended:
-    """A quote without a partner: the text is taken to end before a brace, or with the line."""
-    end = re.compile(r'"[^\n{}]*').match(text, at).end()  # type: ignore[union-attr]
-    end = at + len(text[at:end].rstrip())
-    span = source.span(at, end)
-    fix = Fix(source.span(end, end), '"')
-    token = _token(source, "STRING", text[at:end] + '"', at, end)
-    help_ = r"`\"` is a quote inside a text; the sign `\` itself is written twice: `\\`" if text[at:end].endswith('\\"') else ""
-    return Mended(errors.OpenString(span, fix=fix, help=help_), token, end)
-
-
-def _quoted(source: Source, text: str, at: int) -> Mended:
-    """A text in quotes of another sort."""
-    whole = re.compile(rf'[{QUOTES}]([^\n{QUOTES}"]*)([{QUOTES}"]?)').match(text, at)
-    assert whole is not None
-    inside, close = whole.groups()
-    if not close:
-        return Mended(_bad(source, at, at + 1, text[at], '"', 'write `"`'), None, at + 1)
-    problem = _bad(source, at, whole.end(), text[at], f'"{inside}"', 'write `"`')
-    return Mended(problem, _token(source, "STRING", f'"{inside}"', at, whole.end()), whole.end())
-
-
 def _word(source: Source, text: str, at: int, last: Token | None, keywords: dict[str, str]) -> Mended:
     """A name with capitals, accents or look-alike letters: the whole of it is read in plain letters."""
     start = at
     if last is not None and last.end_pos == at and (last.type == "NAME" or str(last) in keywords):
         start = last.start_pos or 0
     end = re.compile(r"\w*").match(text, at).end()  # type: ignore[union-attr]
-    plain = _plain(text[start:end])
-    help_ = "names are written in small letters `a` to `z`, digits and `_`"
-    help_ += f": `{plain}`" if plain != NO_NAME else ""
+    # in the letters of the language: capitals small, accents dropped, look-alikes replaced
+    letters = unicodedata.normalize("NFKD", "".join(LETTERS.get(c, c) for c in text[start:end].lower()))
+    plain = re.sub(r"[^a-z0-9_]", "", "".join(LETTERS.get(c, c) for c in letters)).lstrip("0123456789_") or NO_NAME
+    help_ = "names are written in small letters `a` to `z`, digits and `_`" + (f": `{plain}`" if plain != NO_NAME else "")
     problem = _bad(source, start, end, text[at], plain, help_)
     return Mended(problem, _token(source, keywords.get(plain, "NAME"), plain, start, end), end)
-
-
-def _plain(word: str) -> str:
-    """Returns a word in the letters of the language: capitals small, accents dropped, look-alikes replaced."""
-    letters = "".join(LETTERS.get(c, c) for c in word.lower())
-    letters = unicodedata.normalize("NFKD", letters)
-    plain = re.sub(r"[^a-z0-9_]", "", "".join(LETTERS.get(c, c) for c in letters)).lstrip("0123456789_")
-    return plain or NO_NAME

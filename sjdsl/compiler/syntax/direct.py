@@ -5,7 +5,7 @@ Source -> ast.File; how far it was read, for a text with a mistake; None for wro
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
@@ -15,10 +15,9 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.node_builders import Part, unquote
 from sjdsl.compiler.syntax.recovery.automaton import END, Stack
 from sjdsl.compiler.syntax.recovery.idioms import FARTHEST
-from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES
+from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, Part, unquote
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
 from sjdsl.compiler.syntax.tokens import BRACKETS, PREFIX, is_too_large
 
@@ -120,10 +119,10 @@ def cut(text: str, known: Tables) -> Words | None:
         if kind is None:  # only what is between, at the end of the text
             continue
         start, end = match.span(kind)
-        said = text[start:end]
+        word = text[start:end]
         if kind == "NAME":
-            kind = known.words.get(said, kind)
-        elif kind == WRONG or (kind == "INT" and is_too_large(said)) or (kind == "DEC" and len(said) > MAX_DIGITS):
+            kind = known.words.get(word, kind)
+        elif kind == WRONG or (kind == "INT" and is_too_large(word)) or (kind == "DEC" and len(word) > MAX_DIGITS):
             return None
         brackets += BRACKETS.get(kind, 0)
         prefixes = prefixes + 1 if kind in PREFIX else 0
@@ -132,21 +131,13 @@ def cut(text: str, known: Tables) -> Words | None:
         starts.append(start)
         ends.append(end)
         kinds.append(kind)
-        texts.append(said)
+        texts.append(word)
     if not kinds or len(kinds) > MAX_TOKENS:
         return None
     for at in names_in_place(kinds):
         kinds[at] = "NAME"
     kinds.append(END)
     return words
-
-
-def _so_far(at: int, states: Sequence[int], firsts: Sequence[int]) -> ReadSoFar:
-    """Returns the stack before a word, in the form in which mistakes are searched for. `firsts`: the word with which each level begins."""
-    stack = Stack(states[0], None)
-    for state, first in zip(states[1:], firsts, strict=True):
-        stack = Stack(state, stack, first)
-    return ReadSoFar(at, stack)
 
 
 class Reader:
@@ -177,7 +168,11 @@ class Reader:
                     heights.append(0)
                     break
                 if to is None:
-                    return _so_far(*(kept if kept[0] <= max(0, number - FARTHEST) else earlier))
+                    at, before, words = kept if kept[0] <= max(0, number - FARTHEST) else earlier
+                    so_far = Stack(before[0], None)
+                    for state, word in zip(before[1:], words, strict=True):  # the word with which each level begins
+                        so_far = Stack(state, so_far, word)
+                    return ReadSoFar(at, so_far)
                 rule = rules[id(to)]
                 width = rule.width
                 if width > 1 or not rule.passes:

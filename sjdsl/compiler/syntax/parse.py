@@ -6,6 +6,7 @@ Source -> ast.File
 import os
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from importlib.resources import files
@@ -29,7 +30,7 @@ from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
 VERSION = "1"  # of the language
-ALSO_READ = ("1.1", "1.2")  # which files said before the first release; they mean the same
+ALSO_READ = ("1.1", "1.2")  # of files from before the first release; they mean the same
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
 
@@ -54,15 +55,20 @@ def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     return CompileError(problems).diagnostics
 
 
-def mistakes(source: Source, wrong: list[Diagnostic], so_far: ReadSoFar | None) -> list[Diagnostic]:
+def mistakes(source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None) -> list[Diagnostic]:
     """Returns what is wrong with a text that is not read. `wrong`: what is wrong with its version line; `so_far`: what is right."""
-    if wrong and isinstance(wrong[0], errors.NewerLanguage):
-        return wrong
+    if isinstance(wrong, errors.NewerLanguage):
+        return [wrong]
     found = scan(source, parser())
     if wrong and not _skip_to_game(found):
-        return wrong
-    so_far = so_far or ReadSoFar(0, _beginning(automaton(), not wrong))
-    problems = wrong + found.problems + (_find_errors(found, so_far.at, so_far.stack) if found.complete else [])
+        return [wrong]
+    if so_far is None:
+        stack = Stack(automaton().start, None)
+        for kind in ("SJ", "INT") if wrong else ():  # a version line that is not there
+            stack = read(automaton(), stack, kind) or stack
+        so_far = ReadSoFar(0, stack)
+    problems = ([wrong] if wrong else []) + found.problems
+    problems += _find_errors(found, so_far.at, so_far.stack) if found.complete else []
     return problems or check_tree(tree_of(found.tokens)[1], source)
 
 
@@ -75,18 +81,12 @@ def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
 @cache
 def parser() -> Lark:
     """Returns the parser of the language, made once a process; its tables are kept from one process to the next."""
-    grammar = files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
-    return Lark(grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True, cache=_kept_tables())
-
-
-def _kept_tables() -> str | bool:
-    """Returns where the tables are kept: beside the compiled Python files, nowhere if nothing can be written there."""
-    folder = HERE / "__pycache__"
-    try:
+    folder, kept = HERE / "__pycache__", str(HERE / "__pycache__" / "sj.lark.tables")  # beside the compiled Python files
+    with suppress(OSError):
         folder.mkdir(exist_ok=True)
-    except OSError:
-        return False
-    return str(folder / "sj.lark.tables") if os.access(folder, os.W_OK) else False
+    grammar = files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
+    cache = kept if os.access(folder, os.W_OK) else False  # nowhere if nothing can be written there
+    return Lark(grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True, cache=cache)
 
 
 @cache
@@ -100,23 +100,21 @@ def as_read(tokens: list[Token]) -> list[Token]:
     return as_names(automaton(), tokens)
 
 
-def _check_version(source: Source) -> list[Diagnostic]:
+def _check_version(source: Source) -> Diagnostic | None:
     """Returns what is wrong with the version line; nothing if it is there and for this language."""
     first = FIRST_LINE.search(source.text)
     if first is None:
         but = ": it holds only comments" if "#" in source.text else ": it is empty"
-        return [errors.NoVersion(source.span(0, 0), known=VERSION, but=but)]
+        return errors.NoVersion(source.span(0, 0), known=VERSION, but=but)
     line, start = first.group(1), first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
     if number and number.group(1) not in (VERSION, *ALSO_READ):
-        span = source.span(start, start + number.end())
-        return [errors.NewerLanguage(span, version=number.group(1)[:20], known=VERSION)]
+        return errors.NewerLanguage(source.span(start, start + number.end()), version=number.group(1)[:20], known=VERSION)
     if number or re.match(r"sj\b", line):
-        return []
+        return None
     word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
-    span = source.span(start, start + len(word))
     fix = Fix(source.span(start, start), f"sj {VERSION}\n") if word in ("game", "agents", "kind") else None
-    return [errors.NoVersion(span, known=VERSION, but=f": it begins with `{word}`", fix=fix)]
+    return errors.NoVersion(source.span(start, start + len(word)), known=VERSION, but=f": it begins with `{word}`", fix=fix)
 
 
 def _skip_to_game(found: Scan) -> bool:
@@ -142,7 +140,7 @@ class Search:
 
 
 def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
-    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading goes on behind it."""
+    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading resumes behind it."""
     table = automaton()
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]
@@ -182,25 +180,24 @@ def _lex(text: str) -> list[Token]:
 
 def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idiom | None, found: Scan) -> None:
     """Adds an error, unless it follows from one before."""
-    change = 0 if repair is None else _change_of_braces(repair, trouble.kinds)
+    change, forgiven = 0, False
+    if repair is not None:
+        change = _change_of_braces(repair, trouble.kinds)
+        opening = {"RPAR": "LPAR", "RSQB": "LSQB"}.get(repair.kind)
+        if opening and repair.sort in ("insert", "replace"):  # what is to be closed was put in by a repair: the author never wrote it
+            forgiven = open_marks(trouble.automaton, trouble.stack, opening, repair.kind)[:1] == [-1]
     worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
-    forgiven = (not worse and change * search.owed < 0) or _closes_what_was_put_in(repair, trouble)
+    forgiven = forgiven or (not worse and change * search.owed < 0)
     search.owed += change if worse or forgiven else 0
     if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
         problem = word_error(trouble, repair, found.tokens, found.source)
         problem = problem if idiom is None else idiom_error(idiom, problem, found.tokens, found.source)
-        known = search.problems.setdefault(_identity(problem), problem)
+        # a reserved word used as a name is one mistake, however often the name is used
+        identity = (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
+        known = search.problems.setdefault(identity, problem)
         if isinstance(known, errors.ReservedWord) and known is not problem:
-            search.problems[_identity(problem)] = replace(known, places=(*known.places, problem.span))
+            search.problems[identity] = replace(known, places=(*known.places, problem.span))
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
-
-
-def _closes_what_was_put_in(repair: Repair | None, trouble: Trouble) -> bool:
-    """Whether only a bracket is missing whose opening one a repair put in: the author never wrote it."""
-    pairs = {"RPAR": "LPAR", "RSQB": "LSQB"}
-    if repair is None or repair.kind not in pairs or repair.sort not in ("insert", "replace"):
-        return False
-    return open_marks(trouble.automaton, trouble.stack, pairs[repair.kind], repair.kind)[:1] == [-1]
 
 
 def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:
@@ -210,25 +207,12 @@ def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:
     return repair.times * ((repair.kind == "LBRACE") - (repair.kind == "RBRACE"))
 
 
-def _identity(problem: Diagnostic) -> tuple[int, object]:
-    """A reserved word used as a name is one mistake, however often the name is used."""
-    return (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
-
-
 def closing_braces(kinds: Sequence[str]) -> list[int]:
     """Returns for each token how many more `}` than `{` there are from it to the end."""
     counts = [0]
     for kind in reversed(kinds):
         counts.append(counts[-1] + (kind == "RBRACE") - (kind == "LBRACE"))
     return counts[::-1]
-
-
-def _beginning(table: Automaton, begun: bool) -> Stack:
-    """Returns the stack before the first token, or behind a version line that is not there."""
-    stack = Stack(table.start, None)
-    for kind in () if begun else ("SJ", "INT"):
-        stack = read(table, stack, kind) or stack
-    return stack
 
 
 def tree_of(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:

@@ -1,9 +1,10 @@
 """Reads a file into a `Source`, with a clear message if that fails."""
 
+from contextlib import suppress
 from pathlib import Path
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Near, near
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Near, near
 from sjdsl.compiler.diagnostics.limits import MAX_BYTES
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
@@ -16,19 +17,22 @@ def read_source(path: Path | str) -> Source:
     """
     path = Path(path)
     name = path.as_posix()
-    start = Source(name, "").span(0, 0)
+    near_by = Near()
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
             size = path.stat().st_size
     except FileNotFoundError:
-        raise CompileError([errors.Unreadable(start, name=name, problem="there is no such file", near=_neighbour(path))]) from None
+        problem = "there is no such file"
+        with suppress(OSError):
+            near_by = near(path.name, [p.name for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()])
     except IsADirectoryError:
-        raise CompileError([errors.Unreadable(start, name=name, problem="it is a folder")]) from None
+        problem = "it is a folder"
     except (OSError, ValueError) as error:
         problem = (getattr(error, "strerror", None) or "the name is not one of a file").lower()
-        raise CompileError([errors.Unreadable(start, name=name, problem=problem)]) from None
-    return decode(data, name, path.parent, max(size, len(data)))
+    else:
+        return decode(data, name, path.parent, max(size, len(data)))
+    raise CompileError([errors.Unreadable(Source(name, "").span(0, 0), name=name, problem=problem, near=near_by)])
 
 
 def decode(data: bytes, name: str, folder: Path | None = None, size: int | None = None) -> Source:
@@ -49,31 +53,21 @@ def decode(data: bytes, name: str, folder: Path | None = None, size: int | None 
 
 def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
     """Returns the path of a file named by a game; None, and reported, if it leaves the game's folder."""
-    given = Path(name)
+    problem: Diagnostic
     if source.folder is None:
-        problems.add(errors.NoFile(span, name=name))
-        return None
-    folder = source.folder.resolve()
-    if not name or "\0" in name or "\\" in name or given.is_absolute():
-        problems.add(errors.FileOutside(span, name=name))
-        return None
-    try:
-        path = (folder / given).resolve()
-        path.exists()
-    except (OSError, RuntimeError) as error:  # RuntimeError: links that lead to each other
-        problem = (getattr(error, "strerror", None) or "its links lead round in a circle").lower()
-        problems.add(errors.Unreadable(span, name=name, problem=problem))
-        return None
-    if not path.is_relative_to(folder):
-        problems.add(errors.FileOutside(span, name=name))
-        return None
-    return path
-
-
-def _neighbour(path: Path) -> Near:
-    """Returns the game beside `path` whose name is nearest, or nothing."""
-    try:
-        names = [p.name for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()]
-    except OSError:
-        return Near()
-    return near(path.name, names)
+        problem = errors.NoFile(span, name=name)
+    elif not name or "\0" in name or "\\" in name or Path(name).is_absolute():
+        problem = errors.FileOutside(span, name=name)
+    else:
+        folder = source.folder.resolve()
+        try:
+            path = (folder / name).resolve()
+            path.exists()
+            if path.is_relative_to(folder):
+                return path
+            problem = errors.FileOutside(span, name=name)
+        except (OSError, RuntimeError) as error:  # RuntimeError: links that lead to each other
+            why = (getattr(error, "strerror", None) or "its links lead round in a circle").lower()
+            problem = errors.Unreadable(span, name=name, problem=why)
+    problems.add(problem)
+    return None

@@ -1,145 +1,259 @@
 """What each rule of the grammar is in the AST: a table from the rule to a class or a small function. None adds or changes a meaning."""
 
+from collections.abc import Callable
+from dataclasses import fields, replace
+from itertools import zip_longest
+from typing import Any, Literal
+
 from sjdsl.compiler import ast
-from sjdsl.compiler.syntax import node_builders
+from sjdsl.compiler.ast.node import Node
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.diagnostics.source import Span
 
+Build = Callable[..., Any]
 AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE"))  # kinds of tokens that become plain texts
-
 CLAUSES = {  # rules that fill a field of the rule around them
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
     "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none", "by_lot", "wraps",
 }  # fmt: skip
 
-RULES: dict[str, node_builders.Build] = {
+
+class Part(Record):
+    """The content of an optional clause (`as x`, `where c`), named after its rule, for the rule around it."""
+
+    rule: str
+    content: Any
+
+
+def unquote(text: str) -> str:
+    r"""Returns the inside of a quoted string: `\"` is a quote, `\\` a backslash, any other backslash stands for itself."""
+    return text[1:-1].replace("\\\\", "\0").replace('\\"', '"').replace("\0", "\\")
+
+
+def split(items: tuple[Any, ...]) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Returns the plain children of a rule, and its clauses by name."""
+    plain = tuple(i for i in items if not isinstance(i, Part))
+    return plain, {i.rule: i.content for i in items if isinstance(i, Part)}
+
+
+def node(kind: type[Node], *same: str, **other: str) -> Build:
+    """A rule whose children fill the fields of a node in order; the last field, if it is a tuple, takes all that are left.
+
+    A clause fills the field of its name, or that of `field=clause`. A field whose child or clause is missing is None, a list of names empty.
+    """
+    make: Build = kind
+    clauses = dict(zip(same, same, strict=True)) | other
+    rest = [field for field in fields(kind)[1:] if field.name not in clauses]
+    names, number = [field.name for field in rest], len(rest)
+    is_list = bool(rest) and str(rest[-1].type).startswith("tuple[")
+    if not clauses and is_list:
+        return lambda span, *items: make(span, *items[: number - 1], items[number - 1 :])
+    if not clauses and any("None" in str(field.type) for field in rest):
+        return lambda span, *items: make(span, *items, *[None] * (number - len(items)))
+    if not clauses:
+        return make
+
+    def build(span: Span, *items: Any) -> Node:
+        plain, given = split(items)
+        if is_list:
+            plain = (*plain[: number - 1], plain[number - 1 :])
+        values = {name: given.get(clause, () if clause == "names" else None) for name, clause in clauses.items()}
+        made: Node = make(span=span, **values, **dict(zip_longest(names, plain)))
+        return made
+
+    return build
+
+
+# ---- nodes whose fields are not simply the children of their rule
+
+
+def constant(span: Span, *items: Any) -> ast.Constant:
+    (name, unit, value, *limits), clauses = split(items)
+    return ast.Constant(span, False, name, clauses.get("by"), unit, value, *(limits[0] if limits else (None, None)))
+
+
+def blocks(span: Span, *items: Any) -> ast.Blocks:
+    what = tuple(i for i in items if isinstance(i, ast.Name))
+    return ast.Blocks(span, what, items[-1] if len(items) > len(what) else None)
+
+
+def map_(span: Span, *items: Any) -> ast.Map:
+    *wraps, content = items
+    edges: Literal["joined"] | None = "joined" if wraps else None
+    return ast.Map(span, content, (), edges) if isinstance(content, ast.String) else ast.Map(span, None, content, edges)
+
+
+def agents(span: Span, *items: Any) -> ast.Agents:
+    attributes = tuple(i for i in items if isinstance(i, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks))
+    return ast.Agents(span, items[0] if len(items) > len(attributes) else None, attributes)
+
+
+def chosen(span: Span, action: ast.Name | ast.Call) -> ast.Chosen:
+    return ast.Chosen(span, action, None) if isinstance(action, ast.Name) else ast.Chosen(span, action.name, action.arguments)
+
+
+def shape(span: Span, name: ast.Name, content: ast.Call | tuple[ast.String, ...]) -> ast.Shape:
+    return ast.Shape(span, name, (), content) if isinstance(content, ast.Call) else ast.Shape(span, name, content, None)
+
+
+def window(span: Span, *items: Any) -> ast.Window:
+    sides = items[: len(items) - len(items) % 2]
+    return ast.Window(span, tuple(zip(sides[::2], sides[1::2], strict=True)), items[-1] if len(items) % 2 else None)
+
+
+def show(span: Span, what: ast.Path, *items: Any) -> ast.Show:
+    labels = tuple(i for i in items if isinstance(i, ast.Relabel))
+    return ast.Show(span, what, labels, items[-1] if len(items) > len(labels) else None)
+
+
+def checks(span: Span, *items: Any) -> ast.Checks:
+    name = items[0] if items and isinstance(items[0], ast.Name) else None
+    return ast.Checks(span, name, items[1:] if name else items)
+
+
+def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
+    match first, rest:
+        case Part(rule="seek", content=domain), ():
+            return ast.Policy(span, ast.Name(replace(span, end=span.start + len("seek")), "seek"), (), domain)
+        case ast.Name() as name, (Part(content=actions),):
+            return ast.Policy(span, name, actions, None)
+        case _:
+            return ast.Policy(span, first, (), None)
+
+
+def aim(span: Span, *items: Any) -> ast.Aim:
+    (shape, domain, action), clauses = split(items)
+    return ast.Aim(span, shape_ref(shape), domain, clauses.get("avoiding"), action)
+
+
+def match_(span: Span, left: ast.Domain, *items: Any) -> ast.Match:
+    (right, block), clauses = split(items)
+    return ast.Match(span, left, "nearest" in clauses, right, block)
+
+
+def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
+    return ast.ShapeRef(shape.span, shape.name, shape.arguments) if isinstance(shape, ast.Call) else shape
+
+
+def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
+    """`a + b - c` becomes `(a + b) - c`."""
+    for op, right in zip(rest[:-2:2], rest[1:-2:2], strict=True):
+        left = ast.Binary(replace(span, end=right.span.end), op, left, right)
+    return ast.Binary(span, rest[-2], left, rest[-1])
+
+
+def binary(op: str) -> Build:
+    """A chain of one operator that the tree leaves out, or a single pair."""
+    return lambda span, first, *rest: chain(span, first, *(item for right in rest for item in (op, right)))
+
+
+def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
+    """The key of a table is kept as it is written: a word, or numbers and signs."""
+    if len(key) == 1 and isinstance(key[0], ast.Name):
+        return ast.Entry(span, key[0], value)
+    text = " ".join(key)
+    return ast.Entry(span, ast.Name(replace(span, end=span.start + len(text)), text), value)
+
+
+def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
+    match key:
+        case ("otherwise",):
+            return ast.Arm(span, None, None, False, None, value)
+        case (ast.Name() as word,):
+            return ast.Arm(span, None, None, False, word, value)
+        case (low,):
+            return ast.Arm(span, int(low), int(low), False, None, value)
+        case (low, ".."):
+            return ast.Arm(span, int(low), None, True, None, value)
+        case (low, "..", high):
+            return ast.Arm(span, int(low), int(high), False, None, value)
+    raise AssertionError(key)
+
+
+# The rules whose nodes have the names of the rules, and their children as fields.
+PLAIN = (
+    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Kind, ast.Timer, ast.Numbers, ast.Words, ast.Group, ast.Movers,
+    ast.Acts, ast.Action, ast.Moves, ast.Schedule, ast.Turn, ast.Block, ast.Let, ast.Draw, ast.Each, ast.Pick, ast.First, ast.When,
+    ast.Chance, ast.Add, ast.Give, ast.Remove, ast.Move, ast.Ahead, ast.Along, ast.End, ast.Members, ast.Observe, ast.Paint, ast.Metrics,
+    ast.Require, ast.Always, ast.Once, ast.Conserved, ast.Monotone, ast.Act, ast.Slots, ast.Chose, ast.Standing, ast.Within, ast.Nobody,
+    ast.Count, ast.Total, ast.Case, ast.Call, ast.Path, ast.Member, ast.Index,
+)  # fmt: skip
+RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} | {
     "start": lambda span, version, game: ast.File(span, int(version.split(".")[0]), game),
-    "game": node_builders.game,
-    "cite": ast.Cite,
-    "about": node_builders.several(ast.About, 1),
-    "variant": node_builders.variant,
-    "override": ast.Override,
-    "drop": ast.Drop,
-    "size": node_builders.size,
-    "param": node_builders.param,
-    "constant": node_builders.constant,
-    "limits": node_builders.all_of,
-    "unit": node_builders.only,
-    "table": node_builders.several(ast.Table),
-    "entry": node_builders.entry,
-    "episode": ast.Episode,
-    "kind": node_builders.several(ast.Kind, 2),
-    "glyph": node_builders.glyph,
-    "blocks": node_builders.blocks,
-    "blocked": node_builders.only,
-    "field": node_builders.with_clauses(ast.Field, "by"),
-    "timer": ast.Timer,
-    "range": node_builders.range_,
-    "agent_type": node_builders.agent_type,
-    "numbers": ast.Numbers,
+    "game": node(ast.Game, "title", "extends"),
+    "variant": node(ast.Variant, "title"),
+    "size": lambda span, constant: replace(constant, span=span, is_size=True),
+    "param": lambda span, constant: replace(constant, span=span),
+    "constant": constant,
+    "limits": lambda _, *items: items,
+    "unit": lambda _, item: item,
+    "entry": entry,
+    "glyph": lambda span, glyph, *starts: ast.Glyph(span, glyph, tuple(zip(starts[::2], starts[1::2], strict=True))),
+    "blocks": blocks,
+    "blocked": lambda _, item: item,
+    "field": node(ast.Field, "by"),
+    "range": lambda span, low, high, *capped: ast.Range(span, low, high, bool(capped)),
+    "agent_type": lambda span, *items: ast.NamedType(span, len(items) == 2, items[-1]),
     "cell_type": ast.CellType,
-    "words": node_builders.several(ast.Words),
-    "group": node_builders.several(ast.Group, 1),
-    "map": node_builders.map_,
-    "rows": node_builders.all_of,
-    "agents": node_builders.agents,
-    "movers": node_builders.several(ast.Movers, 3),
-    "acts": node_builders.several(ast.Acts),
-    "action": node_builders.several(ast.Action, 1),
-    "argument": node_builders.argument,
-    "chosen": node_builders.chosen,
-    "moves": ast.Moves,
-    "forbid": node_builders.forbid,
+    "map": map_,
+    "rows": lambda _, *items: items,
+    "agents": agents,
+    "argument": lambda span, *items: ast.Argument(span, items[0] if len(items) > 1 else None, items[-1]),
+    "chosen": chosen,
+    "forbid": lambda span, *items: ast.Forbid(span, tuple(a for a in items[:-1] if isinstance(a, ast.Chosen)), items[-1]),
     "all": lambda span: ast.All(span, None),
-    "shape": node_builders.shape,
-    "define": node_builders.with_clauses(ast.Define, parameters="names"),
-    "schedule": node_builders.several(ast.Schedule),
-    "turn": node_builders.several(ast.Turn, 1),
-    "phase": node_builders.with_clauses(ast.Phase, parameters="names"),
-    "block": node_builders.several(ast.Block),
-    "let": ast.Let,
-    "draw": node_builders.optional(ast.Draw, 3),
-    "each": ast.Each,
-    "pick": node_builders.optional(ast.Pick, 4),
-    "first": node_builders.optional(ast.First, 3),
-    "match": node_builders.match_,
-    "when": node_builders.optional(ast.When, 3),
-    "chance": node_builders.optional(ast.Chance, 3),
-    "otherwise": node_builders.only,
-    "set": node_builders.with_clauses(ast.Set, lot="by_lot"),
-    "add": ast.Add,
-    "give": ast.Give,
     "all_but": ast.All,
-    "tally": node_builders.with_clauses(ast.Tally, by="amount", receiver="gainer"),
-    "send": node_builders.with_clauses(ast.Send, "after", "facing", "stay"),
-    "held_cell": node_builders.several(ast.Path, 1),
-    "shift": node_builders.with_clauses(ast.Shift, "facing", "stay"),
+    "shape": shape,
+    "define": node(ast.Define, parameters="names"),
+    "phase": node(ast.Phase, parameters="names"),
+    "match": match_,
+    "otherwise": lambda _, item: item,
+    "set": node(ast.Set, lot="by_lot"),
+    "tally": node(ast.Tally, by="amount", receiver="gainer"),
+    "send": node(ast.Send, "after", "facing", "stay"),
+    "held_cell": node(ast.Path),
+    "shift": node(ast.Shift, "facing", "stay"),
     "direction": lambda span, path: ast.Direction(span, "along", path),
     "away": lambda span, path: ast.Direction(span, "away", path),
     "toward": lambda span, path: ast.Direction(span, "toward", path),
-    "remove": ast.Remove,
-    "move": node_builders.optional(ast.Move, 2),
-    "nearer": node_builders.with_clauses(ast.Toward, avoided="avoiding"),
-    "farther": node_builders.with_clauses(ast.AwayFrom, avoided="avoiding"),
-    "at_random": node_builders.with_clauses(ast.AtRandom, avoided="avoiding"),
-    "ahead": ast.Ahead,
-    "along": ast.Along,
-    "mark": node_builders.mark,
-    "end": ast.End,
-    "domain": node_builders.with_clauses(ast.Domain, "bind", "where", restriction="inside"),
-    "on": node_builders.with_clauses(ast.On, "bind"),
-    "near": node_builders.near,
-    "shape_name": node_builders.shape_name,
-    "members": node_builders.several(ast.Members),
-    "observe": node_builders.several(ast.Observe),
-    "window": node_builders.window,
-    "show": node_builders.show,
-    "relabel": node_builders.with_clauses(ast.Relabel, "where"),
-    "look": node_builders.with_clauses(ast.Look, "where", "body", "badge"),
-    "paint": node_builders.several(ast.Paint),
-    "hide": node_builders.with_clauses(ast.Hide, on="hidden_on"),
-    "metrics": node_builders.several(ast.Metrics),
-    "event": node_builders.with_clauses(ast.Event, "by"),
+    "nearer": node(ast.Toward, avoided="avoiding"),
+    "farther": node(ast.AwayFrom, avoided="avoiding"),
+    "at_random": node(ast.AtRandom, avoided="avoiding"),
+    "mark": lambda span, shape, anchor: ast.Mark(span, shape_ref(shape), anchor),
+    "domain": node(ast.Domain, "bind", "where", restriction="inside"),
+    "on": node(ast.On, "bind"),
+    "near": lambda span, shape, anchor: ast.Near(span, shape_ref(shape), anchor),
+    "shape_name": lambda span, name: ast.ShapeRef(span, name, None),
+    "window": window,
+    "show": show,
+    "relabel": node(ast.Relabel, "where"),
+    "look": node(ast.Look, "where", "body", "badge"),
+    "hide": node(ast.Hide, on="hidden_on"),
+    "event": node(ast.Event, "by"),
     "mean": lambda span, name, value: ast.Measure(span, True, name, value),
     "final": lambda span, name, value: ast.Measure(span, False, name, value),
-    "checks": node_builders.checks,
-    "require": ast.Require,
-    "always": ast.Always,
-    "once": ast.Once,
-    "conserved": ast.Conserved,
-    "monotone": ast.Monotone,
-    "symmetric": node_builders.symmetric,
-    "expect": node_builders.expect,
-    "policy": node_builders.policy,
-    "scripted": node_builders.scripted,
-    "act": ast.Act,
-    "go": node_builders.with_clauses(ast.Go, avoided="avoiding"),
-    "aim": node_builders.aim,
-    "scenario": node_builders.scenario,
-    "slots": node_builders.optional(ast.Slots, 2),
-    "expr": node_builders.binary("or"),
-    "and_e": node_builders.binary("and"),
-    "negate": node_builders.negate,
-    "compare": node_builders.compare,
-    "is_": node_builders.binary("is"),
-    "is_not": node_builders.binary("is not"),
-    "chose": ast.Chose,
-    "standing": ast.Standing,
-    "within": node_builders.optional(ast.Within, 3),
-    "sum": node_builders.chain,
-    "prod": node_builders.chain,
+    "checks": checks,
+    "symmetric": lambda span, _, what: ast.Symmetric(span, what),
+    "expect": lambda span, condition, *policies: ast.Expect(span, condition, policies[:-1], int(policies[-1])),
+    "policy": policy,
+    "scripted": node(ast.ScriptedPolicy, "title"),
+    "go": node(ast.Go, avoided="avoiding"),
+    "aim": aim,
+    "scenario": node(ast.Scenario, "title"),
+    "expr": binary("or"),
+    "and_e": binary("and"),
+    "negate": lambda span, operand: ast.Unary(span, "not", operand),
+    "compare": lambda span, left, op, right: ast.Binary(span, op, left, right),
+    "is_": binary("is"),
+    "is_not": binary("is not"),
+    "sum": chain,
+    "prod": chain,
     "signed": ast.Unary,
-    "int": node_builders.int_,
-    "dec": node_builders.dec,
-    "nobody": ast.Nobody,
-    "count": ast.Count,
+    "int": lambda span, digits: ast.Int(span, int(digits)),
+    "dec": lambda span, digits: ast.Decimal(span, float(digits)),
     "some": lambda span, domain: ast.Quantified(span, "any", domain),
     "every": lambda span, domain: ast.Quantified(span, "all", domain),
-    "total": node_builders.optional(ast.Total, 2),
-    "extreme": node_builders.with_clauses(ast.Extreme, "if_none"),
-    "case": node_builders.several(ast.Case, 1),
-    "arm": node_builders.arm,
-    "key": node_builders.all_of,
-    "call": node_builders.several(ast.Call, 1),
-    "path": node_builders.several(ast.Path, 1),
-    "member": ast.Member,
-    "index": ast.Index,
+    "extreme": node(ast.Extreme, "if_none"),
+    "arm": arm,
+    "key": lambda _, *items: items,
 }

@@ -11,27 +11,10 @@ from lark import Token
 
 from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read, read_as
 
-SOFT = frozenset(
-    {
-        "POLICY",
-        "SCENARIO",
-        "CHOOSE",
-        "AVOIDING",
-        "AIM",
-        "AT",
-        "SLOTS",
-        "FOCAL",
-        "MOVERS",
-        "TOWARD",
-        "AWAY",
-        "RANDOM",
-        "AHEAD",
-        "ALONG",
-        "WRAPS",
-        "ANY",
-    }
-)  # fmt: skip  (kinds of tokens, as in the parser's table)
-
+SOFT = frozenset((  # kinds of tokens, as in the parser's table
+    "POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD", "AWAY", "RANDOM", "AHEAD", "ALONG",
+    "WRAPS", "ANY",
+))  # fmt: skip
 CALLED = frozenset({"ANY"})  # soft words of expressions, where names can stand as well: words only before `(`
 
 

@@ -4,6 +4,7 @@ Source -> tokens, problems
 """
 
 from dataclasses import dataclass, field
+from functools import partial
 
 from lark import Lark, Token, UnexpectedCharacters
 
@@ -75,27 +76,22 @@ def is_too_large(digits: str) -> bool:
 
 def _is_within_limits(found: Scan, token: Token) -> bool:
     """Reports a number too large, and too many or too deeply nested tokens; the latter two end the reading."""
+    span = partial(found.source.span, token.start_pos or 0, token.end_pos or 0)  # counts lines: called for mistakes alone
     match token.type:
         case "INT" if is_too_large(token):
             shown = token if len(token) < 20 else f"{token[:8]}... ({len(token)} digits)"
-            _too_much(found, token, f"{shown} is too large a number", MAX_INTEGER)
+            found.problems.append(too_much(f"{shown} is too large a number", MAX_INTEGER, span()))
         case "DEC" if len(token) > MAX_DIGITS:
-            _too_much(found, token, f"this number has {len(token)} characters", MAX_DIGITS)
+            found.problems.append(too_much(f"this number has {len(token)} characters", MAX_DIGITS, span()))
     found.brackets += BRACKETS.get(token.type, 0)
     found.prefixes = found.prefixes + 1 if token.type in PREFIX else 0
     if found.brackets + found.prefixes > MAX_DEPTH:
-        span = found.source.span(token.start_pos or 0, token.end_pos or 0)
-        found.problems.append(errors.TooDeep(span, limit=MAX_DEPTH))
+        found.problems.append(errors.TooDeep(span(), limit=MAX_DEPTH))
         return False
     if len(found.tokens) > MAX_TOKENS:
-        _too_much(found, token, "the file has more words and signs", MAX_TOKENS)
+        found.problems.append(too_much("the file has more words and signs", MAX_TOKENS, span()))
         return False
     return True
-
-
-def _too_much(found: Scan, token: Token, problem: str, limit: int) -> None:
-    span = found.source.span(token.start_pos or 0, token.end_pos or 0)
-    found.problems.append(too_much(problem, limit, span))
 
 
 def _is_foreign_comment(found: Scan) -> bool:

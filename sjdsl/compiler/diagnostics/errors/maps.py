@@ -1,6 +1,6 @@
 """SJ3xx: maps (unknown glyphs, ragged rows, missing files) and shapes."""
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic
 
 
 class UnknownGlyph(Diagnostic, code="SJ301", title="Unknown map glyph"):
@@ -42,9 +42,8 @@ class BadPicture(Diagnostic, code="SJ305", title="A picture that shows no shape"
     problem: str
 
 
-class KindAbsent(Diagnostic, code="SJ306", title="A kind that is not on the map", severity="warning"):
+class KindAbsent(AboutName, code="SJ306", title="A kind that is not on the map", severity="warning"):
     says = "kind `{name}` never appears on the map"
-    name: str
 
 
 class EmptyMap(Diagnostic, code="SJ307", title="A map without cells"):
@@ -58,15 +57,13 @@ class BadGlyph(Diagnostic, code="SJ308", title="Not a glyph"):
     problem: str
 
 
-class MapFile(Diagnostic, code="SJ309", title="A map that cannot be read"):
+class MapFile(AboutName, code="SJ309", title="A map that cannot be read"):
     says = "the map `{name}` cannot be read: {problem}"
     hints = ("a map is plain text, one line a row",)
-    name: str
     problem: str
 
 
-class DirectedShape(Diagnostic, code="SJ310", title="A shape that needs a heading"):
+class DirectedShape(AboutName, code="SJ310", title="A shape that needs a heading"):
     says = "`{name}` needs an agent's heading, and `{anchor}` is a cell"
     hints = ("use `disc`, `diamond` or `square` around cells",)
-    name: str
     anchor: str

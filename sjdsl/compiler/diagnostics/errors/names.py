@@ -2,15 +2,14 @@
 
 from typing import ClassVar
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near
+from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic, Near
 
 
-class NotKnown(Diagnostic):
+class NotKnown(AboutName):
     """A name of nothing, or of something of another sort."""
 
     hints = ("did you mean `{near.nearest}`?", "{near.listed}")
     instead: ClassVar[tuple[str, ...]] = ("{near.nearest}",)
-    name: str
     near: Near = Near()
 
 
@@ -18,17 +17,15 @@ class UnknownName(NotKnown, code="SJ101", title="Unknown name"):
     says = "`{name}` is not known here"
 
 
-class NameTaken(Diagnostic, code="SJ102", title="Name already taken"):
+class NameTaken(AboutName, code="SJ102", title="Name already taken"):
     says = "`{name}` is already the name of {what}"
     hints = ("choose another name, or bind with `as`",)
-    name: str
     what: str
 
 
-class WordClash(Diagnostic, code="SJ103", title="A word with the name of something else"):
+class WordClash(AboutName, code="SJ103", title="A word with the name of something else"):
     says = "`{name}` is both a word and {what}"
     hints = ("rename one of the two",)
-    name: str
     what: str
 
 
@@ -41,9 +38,8 @@ class NoAction(NotKnown, code="SJ105", title="No such action"):
     says = "`{name}` is not an action of the agents"
 
 
-class StartScheduled(Diagnostic, code="SJ106", title="Phase and schedule disagree"):
+class StartScheduled(AboutName, code="SJ106", title="Phase and schedule disagree"):
     says = "phase `{name}` is run at reset, not in the schedule"
-    name: str
 
 
 class PhaseNotScheduled(StartScheduled):
@@ -78,18 +74,16 @@ class ChangeUnknown(NotKnown, code="SJ108", title="A change to what is not there
     says = "this changes `{name}`, which the game does not have"
 
 
-class ChangeClash(Diagnostic, code="SJ109", title="Two variants disagree"):
+class ChangeClash(AboutName, code="SJ109", title="Two variants disagree"):
     says = "variants `{first}` and `{second}` change `{name}` differently"
     hints = ("choose one of them",)
-    name: str
     first: str
     second: str
 
 
-class ExtendsCycle(Diagnostic, code="SJ110", title="A game that extends itself"):
+class ExtendsCycle(AboutName, code="SJ110", title="A game that extends itself"):
     says = "the chain of `extends` comes back to `{name}`"
     hints = ("break the circle",)
-    name: str
 
 
 class NoFile(NotKnown, code="SJ111", title="Missing file"):
@@ -97,10 +91,9 @@ class NoFile(NotKnown, code="SJ111", title="Missing file"):
     instead = ('"{near.nearest}"',)
 
 
-class FileOutside(Diagnostic, code="SJ112", title="A path that leaves the folder"):
+class FileOutside(AboutName, code="SJ112", title="A path that leaves the folder"):
     says = "`{name}` leaves the folder of the game"
     hints = ("name a file in the game's own folder or below it",)
-    name: str
 
 
 class WrongSort(NotKnown, code="SJ113", title="A name of another sort"):
@@ -127,42 +120,37 @@ class NoVariant(NotKnown, code="SJ116", title="No such variant"):
     instead = ()
 
 
-class BadName(Diagnostic, code="SJ117", title="A name that cannot be used"):
+class BadName(AboutName, code="SJ117", title="A name that cannot be used"):
     says = "`{name}` cannot be used as {what}: {problem}"
     hints = ("choose another name",)
-    name: str
     what: str
     problem: str
 
 
-class WrongArguments(Diagnostic, code="SJ118", title="Wrong number of arguments"):
+class WrongArguments(AboutName, code="SJ118", title="Wrong number of arguments"):
     says = "`{name}` takes {wanted}, not {given}"
-    name: str
     wanted: str
     given: int
 
 
-class DefineCycle(Diagnostic, code="SJ119", title="A define that uses itself"):
+class DefineCycle(AboutName, code="SJ119", title="A define that uses itself"):
     says = "`{name}` is used inside its own definition"
     hints = ("break the circle",)
-    name: str
 
 
-class UndoneByVariant(Diagnostic, code="SJ121", title="A change that a variant undoes", severity="warning"):
+class UndoneByVariant(AboutName, code="SJ121", title="A change that a variant undoes", severity="warning"):
     says = "variant `{variant}`, of the game that this extends, changes `{name}` too, and undoes this"
     hints = ("give this game a variant `{variant}` of its own, with what is to hold then; `drop {variant}` takes it away",)
-    name: str
     variant: str
 
 
-class NoPaint(Diagnostic, code="SJ120", title="No such sprite or colour"):
+class NoPaint(AboutName, code="SJ120", title="No such sprite or colour"):
     says = "`{name}` is no sprite and no colour"
     hints = (
         'did you mean `{nearest}`? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
         'the sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
     )
     instead = ("{nearest}",)
-    name: str
     nearest: str
     sprites: str
     colours: str

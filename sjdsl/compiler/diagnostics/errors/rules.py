@@ -1,28 +1,26 @@
 """SJ4xx: write conflicts in a phase; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Tried
+from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic, LazyFixes
 
 
-class WriteConflict(Diagnostic, code="SJ401", title="Two writes in one phase"):
+class WriteConflict(AboutName, code="SJ401", title="Two writes in one phase"):
     says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
     hints = (
         "{lot}",
         "{accepted}",
         "write two phases; or pair them with `match`; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
     )
-    name: str
     owner: str
     phase: str
-    accepted: Tried | str = ""
+    accepted: LazyFixes | str = ""
     lot: str = ""
 
 
-class AddAndSet(Diagnostic, code="SJ402", title="Set and add in one phase"):
+class AddAndSet(AboutName, code="SJ402", title="Set and add in one phase"):
     says = "`{name}` is both set and added to in phase `{phase}`"
     hints = ("{accepted}", "write two phases, or make the two exclude each other")
-    name: str
     phase: str
-    accepted: Tried | str = ""
+    accepted: LazyFixes | str = ""
 
 
 class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
@@ -30,7 +28,7 @@ class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
     hints = ("{accepted}", "make the two exclude each other, or send to one place")
     phase: str
     who: str = "an agent"
-    accepted: Tried | str = ""
+    accepted: LazyFixes | str = ""
 
 
 class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
@@ -98,10 +96,9 @@ class NoTick(TickTwice):
     what: str
 
 
-class TimerBothSides(Diagnostic, code="SJ503", title="A timer set on both sides of `tick`", severity="warning"):
+class TimerBothSides(AboutName, code="SJ503", title="A timer set on both sides of `tick`", severity="warning"):
     says = "timer `{name}` is set before and after `tick`"
     hints = ("set it on one side, or it lasts one step less on the other",)
-    name: str
 
 
 class NeverHappens(Diagnostic, code="SJ504", title="This can never happen", severity="warning"):
@@ -109,16 +106,14 @@ class NeverHappens(Diagnostic, code="SJ504", title="This can never happen", seve
     problem: str
 
 
-class Unused(Diagnostic, code="SJ505", title="Never used", severity="warning"):
+class Unused(AboutName, code="SJ505", title="Never used", severity="warning"):
     says = "{what} `{name}` is never used"
     what: str
-    name: str
 
 
-class IdleAction(Diagnostic, code="SJ506", title="An action without effect", severity="warning"):
+class IdleAction(AboutName, code="SJ506", title="An action without effect", severity="warning"):
     says = "no rule looks at the action `{name}`: to choose it is to stay"
     hints = ("ask for it where it matters, `each agent where agent chose {name}`, or take it out of `acts`",)
-    name: str
 
 
 class IdleSteps(Diagnostic, code="SJ506", title="An action without effect", severity="warning"):
@@ -151,10 +146,9 @@ class NoPlaceBefore(NoPlaceYet):
     name: str
 
 
-class NeverCounted(Diagnostic, code="SJ509", title="An event that is never counted", severity="warning"):
+class NeverCounted(AboutName, code="SJ509", title="An event that is never counted", severity="warning"):
     says = "the event `{name}` is listed in `metrics`, but no rule counts it: it is always 0"
     hints = ("count it where it happens, `tally {path}`, or take it out of `metrics`",)
-    name: str
     path: str
 
 
@@ -164,18 +158,16 @@ class LookReads(Diagnostic, code="SJ510", title="What `look` may read"):
     what: str
 
 
-class SlotsUnfilled(Diagnostic, code="SJ511", title="A scenario that does not fill its slots"):
+class SlotsUnfilled(AboutName, code="SJ511", title="A scenario that does not fill its slots"):
     says = "the slots of the scenario `{name}` add up to {given}, and the game has {agents} agents"
     hints = ("count from the number of agents: `slots players - 2 policy defector`, where `size players` is that number",)
-    name: str
     given: int
     agents: int
 
 
-class NoFocalSlot(Diagnostic, code="SJ512", title="A scenario without a focal agent"):
+class NoFocalSlot(AboutName, code="SJ512", title="A scenario without a focal agent"):
     says = "nobody is evaluated in the scenario `{name}`"
     hints = ("write `slots 1 focal` for those whose policy is evaluated",)
-    name: str
 
 
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic
 from sjdsl.near_names import nearest
 
 
@@ -90,12 +90,11 @@ class LabelUnconditional(TableGap):
     name: str
 
 
-class FieldRange(Diagnostic, code="SJ204", title="A field can leave its range"):
+class FieldRange(AboutName, code="SJ204", title="A field can leave its range"):
     """`declared`: the name by which the field is declared, where `name` is the path of one of them."""
 
     says = "`{name}` can leave its range {low} .. {high} here: it can become {reached}"
     hints = ("write `capped` after the range, or guard the change with `when`",)
-    name: str
     declared: str
     low: float
     high: float
@@ -153,10 +152,9 @@ class CanBeNowhere(CanBeNobody):
     hints = ("guard it with `{path} is not nowhere`",)
 
 
-class ShapeParam(Diagnostic, code="SJ210", title="A number that sets a shape"):
+class ShapeParam(AboutName, code="SJ210", title="A number that sets a shape"):
     says = "`{name}` sets {what}, so it is a `size`, not a `param`"
     hints = ("write `size {name} : ...`",)
-    name: str
     what: str
 
 
@@ -177,9 +175,8 @@ class WrongType(Diagnostic, code="SJ213", title="Something else is wanted here")
     given: str
 
 
-class Negative(Diagnostic, code="SJ214", title="A number outside its limits"):
+class Negative(AboutName, code="SJ214", title="A number outside its limits"):
     says = "{name} is negative, outside 0 .. any"
-    name: str
 
 
 class OutOfLimits(Negative):
@@ -209,20 +206,18 @@ class NotFixed(Diagnostic, code="SJ216", title="Not known when compiled"):
     what: str
 
 
-class ExtremeOfNothing(Diagnostic, code="SJ217", title="The largest of none"):
+class ExtremeOfNothing(AboutName, code="SJ217", title="The largest of none"):
     """`domain`: as it is written."""
 
     says = "`{domain}` can have no member here, and then `{name}` has no value"
     hints = ("say what it is then: `{name}(… over {domain} otherwise 0)`; or guard it with `count({domain}) > 0`",)
-    name: str
     domain: str
 
 
-class BeyondInt32(Diagnostic, code="SJ218", title="A whole number too large for 32 bits"):
+class BeyondInt32(AboutName, code="SJ218", title="A whole number too large for 32 bits"):
     """`reached`: how far the number can go, beyond the limit."""
 
     says = "`{name}` can {reach}; whole numbers {end}"
-    name: str
     reached: float
     limit: int
 
@@ -256,7 +251,7 @@ class NotChosen(Diagnostic, code="SJ219", title="An argument of an action that w
     path: str
 
 
-# What a condition around it can make right: said only where the conditions around could be read.
+# What a condition around it can fix: reported only where the conditions around could be read.
 GUARDABLE = (
     ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed, ExtremeOfNothing, NotChosen,
 )  # fmt: skip

@@ -21,11 +21,11 @@ class Stack(Record, eq=False):
 class Automaton(Record, eq=False):
     """The parser's table.
 
-    `states`: for each state, symbol -> ("shift", state) or ("reduce", rule). `after`: the states that end with a kind of token.
-    `words`: the kinds of tokens written in one way only, with their text. `soft`: the kinds that are names where they are no words.
+    `states`: for each state, symbol -> (action, the state to shift to, or the rule to reduce by). `after`: the states that end with a kind of token.
+    `words`: the kinds of tokens written in one way only, with their text. `soft`: the kinds that are names wherever the grammar has no such word.
     """
 
-    states: Mapping[int, Mapping[str, Any]]
+    states: Mapping[int, Mapping[str, tuple[Any, Any]]]
     start: int
     end: int
     after: Mapping[str, frozenset[int]]
@@ -33,21 +33,17 @@ class Automaton(Record, eq=False):
     soft: frozenset[str]
 
 
-def make_automaton(parser: Lark, soft: frozenset[str] = frozenset()) -> Automaton:
+def make_automaton(parser: Lark, soft: frozenset[str]) -> Automaton:
     """Returns the table of a LALR parser."""
     conf = parser.parse_interactive("").parser_state.parse_conf
-    table: dict[int, dict[str, Any]] = {}
-    for state, row in conf.parse_table.states.items():
-        table[state] = {
-            symbol: ("reduce", argument) if hasattr(argument, "expansion") else ("shift", argument) for symbol, (_, argument) in row.items()
-        }
+    states = conf.parse_table.states
     after: dict[str, set[int]] = {}
-    for row in table.values():
-        for symbol, (kind, argument) in row.items():
-            if kind == "shift":
+    for row in states.values():
+        for symbol, (_, argument) in row.items():
+            if isinstance(argument, int):
                 after.setdefault(symbol, set()).add(argument)
     words = {terminal.name: terminal.pattern.value for terminal in parser.terminals if terminal.pattern.type == "str"}
-    return Automaton(table, conf.start_state, conf.end_state, {k: frozenset(v) for k, v in after.items()}, words, soft)
+    return Automaton(states, conf.start_state, conf.end_state, {k: frozenset(v) for k, v in after.items()}, words, soft)
 
 
 def read(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
@@ -64,25 +60,20 @@ def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> S
     states = automaton.states
     state, below, last = stack.state, stack.below, stack.token
     while True:
-        action, argument = states[state].get(kind, (None, None))
-        if action is None:
+        _, argument = states[state].get(kind, (None, None))
+        if argument is None:
             return None
-        if action == "shift":
+        if isinstance(argument, int):
             return Stack(argument, Stack(state, below, last), token)
-        under = _under(argument, Stack(state, below, last) if not argument.expansion else below)
+        under = Stack(state, below, last) if not argument.expansion else below
+        for _ in argument.expansion[1:]:
+            assert under is not None
+            under = under.below
+        assert under is not None
         reduced = states[under.state][argument.origin.name][1]
         if kind == END and reduced == automaton.end:
             return Stack(state, below, last)
         state, below = reduced, under
-
-
-def _under(rule: Any, stack: Stack | None) -> Stack:
-    """Returns what a rule's symbols stand upon; `stack`: without the uppermost of them."""
-    for _ in rule.expansion[1:]:
-        assert stack is not None
-        stack = stack.below
-    assert stack is not None
-    return stack
 
 
 def accepted(automaton: Automaton, stack: Stack) -> list[str]:

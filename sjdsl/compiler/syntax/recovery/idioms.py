@@ -6,7 +6,7 @@ Assumes that the table refused a token; an idiom is believed only if what it sta
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 
 from lark import Token
 
@@ -49,7 +49,7 @@ def find_idiom(trouble: Trouble, trail: Mapping[int, Stack], tokens: Sequence[To
         stack = trouble.stack if start == trouble.at else trail.get(start)
         if stack is None:
             continue
-        for phrase in _beginning_with(tokens, start):
+        for phrase in _beginning_with(str(tokens[start])) if start < len(tokens) else ():
             found = _match(phrase, start, trouble, tokens, source, lex)
             if found is None or not start <= trouble.at <= found[0]:
                 continue
@@ -60,26 +60,20 @@ def find_idiom(trouble: Trouble, trail: Mapping[int, Stack], tokens: Sequence[To
     return None
 
 
-def _beginning_with(tokens: Sequence[Token], at: int) -> tuple[Phrase, ...]:
-    """Returns the phrases that may begin with a token, in the order of the table: hundreds do not."""
-    beginnings = _beginnings()
-    return beginnings.get(str(tokens[at]), beginnings[""]) if at < len(tokens) else ()
-
-
-@cache
-def _beginnings() -> dict[str, tuple[Phrase, ...]]:
-    """For each word with which a phrase begins: those phrases and the ones that begin with a part; for "" the latter alone."""
-    words = {"", *(phrase.pattern[0] for phrase in PHRASES)}
-    return {word: tuple(p for p in PHRASES if p.pattern[0] == word or p.pattern[0].isupper()) for word in words}
+@lru_cache(maxsize=1024)
+def _beginning_with(word: str) -> tuple[Phrase, ...]:
+    """Returns the phrases that may begin with a word, in the order of the table: hundreds do not."""
+    return tuple(phrase for phrase in PHRASES if phrase.pattern[0] == word or phrase.pattern[0].isupper())
 
 
 def _believed(phrase: Phrase, place: tuple[int, int], parts: Sequence[str], stack: Stack, trouble: Trouble, lex: Lex) -> Idiom | None:
     start, end = place
-    told = dict(zip(map(str, range(1, len(parts) + 1)), parts, strict=True))
-    told |= {f"minus{number}": negated(part) for number, part in enumerate(parts, 1)}
-    told |= {f"all{number}": bracketed(part) for number, part in enumerate(parts, 1)}
-    told |= {f"and{number}": " and" if " where " in part else " where" for number, part in enumerate(parts, 1)}
-    instead = phrase.write(told)
+    values: dict[str, str] = {}
+    for number, part in enumerate(parts, 1):
+        condition = f"({part})" if re.search(r"\b(and|or)\b", part) else part  # in brackets, if it has parts that `not` would not reach
+        values |= {f"{number}": part, f"minus{number}": negated(part), f"all{number}": condition}
+        values[f"and{number}"] = " and" if " where " in part else " where"
+    instead = phrase.write(values)
     kinds = [token.type for token in lex(instead)]
     if not kinds or kinds == list(trouble.kinds[start:end]):
         return None
@@ -89,7 +83,7 @@ def _believed(phrase: Phrase, place: tuple[int, int], parts: Sequence[str], stac
     needed = min(ENOUGH, len(trouble.kinds) - end)
     if after is None or reach(trouble.automaton, after, trouble.kinds, end, needed) < needed:
         return None
-    help_ = phrase.explain(told) if phrase.explanation else f"write `{instead}`"
+    help_ = phrase.explain(values) if phrase.explanation else f"write `{instead}`"
     return Idiom(phrase, start, end, instead, help_, after)
 
 
@@ -103,7 +97,8 @@ def _match(phrase: Phrase, start: int, trouble: Trouble, tokens: Sequence[Token]
             end = _end_of(element, at, trouble, lex)
             if end == at:
                 return None
-            parts.append(_text(tokens, at, end, source))
+            text = source.text[tokens[at].start_pos : tokens[end - 1].end_pos]
+            parts.append(" ".join(re.sub(r"#[^\n]*", "", text).split()))  # as it is written, on one line and without comments
             at = end
         elif tokens[at] == element:
             at += 1
@@ -114,43 +109,29 @@ def _match(phrase: Phrase, start: int, trouble: Trouble, tokens: Sequence[Token]
 
 def _end_of(element: str, at: int, trouble: Trouble, lex: Lex) -> int:
     """Returns where a part of a phrase ends, `at` if it does not stand there."""
-    kinds = trouble.kinds
+    kinds, names = trouble.kinds, {"NAME", *trouble.automaton.soft}
     match element:
         case "NAME":
-            return at + _is_name(trouble.automaton, kinds[at])
+            return at + (kinds[at] in names)
         case "INT" | "STRING":
             return at + (kinds[at] == element)
         case "PATH":
-            return _end_of_path(trouble.automaton, kinds, at)
-        case "TURNS" | "NAMES":
-            return _end_of_list(trouble.automaton, kinds, trouble.texts, at)
+            if kinds[at] in names:
+                at += 1
+                while kinds[at] == "DOT" and kinds[at + 1] in names:
+                    at += 2
+            return at
+        case "TURNS" | "NAMES":  # with brackets behind them or not, and commas, arrows of any kind, `then` or nothing between them
+            end, texts = at, trouble.texts
+            while kinds[at] in names:
+                at += 1
+                if kinds[at] == "LPAR" and "RPAR" in kinds[at:]:
+                    at = at + list(kinds[at:]).index("RPAR") + 1
+                end = at
+                at += 2 if (texts[at], texts[at + 1 : at + 2]) == ("=", [">"]) else kinds[at] in ("COMMA", "ARROW")
+            return end
         case _:
             return _end_of_read(element, at, trouble, lex)
-
-
-def _is_name(automaton: Automaton, kind: str) -> bool:
-    return kind == "NAME" or kind in automaton.soft
-
-
-def _end_of_path(automaton: Automaton, kinds: Sequence[str], at: int) -> int:
-    if not _is_name(automaton, kinds[at]):
-        return at
-    at += 1
-    while kinds[at] == "DOT" and _is_name(automaton, kinds[at + 1]):
-        at += 2
-    return at
-
-
-def _end_of_list(automaton: Automaton, kinds: Sequence[str], texts: Sequence[str], at: int) -> int:
-    """Names with brackets behind them or not, and commas, arrows of any kind, `then` or nothing between them."""
-    end = at
-    while _is_name(automaton, kinds[at]):
-        at += 1
-        if kinds[at] == "LPAR" and "RPAR" in kinds[at:]:
-            at = at + list(kinds[at:]).index("RPAR") + 1
-        end = at
-        at += 2 if (texts[at], texts[at + 1 : at + 2]) == ("=", [">"]) else kinds[at] in ("COMMA", "ARROW")
-    return end
 
 
 def _end_of_read(element: str, at: int, trouble: Trouble, lex: Lex) -> int:
@@ -179,22 +160,11 @@ def _stack_behind(automaton: Automaton, element: str, lex: Lex) -> Stack:
     return stack
 
 
-def _text(tokens: Sequence[Token], start: int, end: int, source: Source) -> str:
-    """Returns tokens as they are written, on one line and without comments."""
-    text = source.text[tokens[start].start_pos : tokens[end - 1].end_pos]
-    return " ".join(re.sub(r"#[^\n]*", "", text).split())
-
-
 def negated(value: str) -> str:
     """Returns an expression with the other sign."""
     if value.startswith("-") and value[1:].replace(".", "").isalnum():
         return value[1:]
     return f"-{value}" if re.fullmatch(r"[\w.\[\]]+", value) else f"-({value})"
-
-
-def bracketed(condition: str) -> str:
-    """Returns a condition in brackets, if it has parts that `not` would not reach."""
-    return f"({condition})" if re.search(r"\b(and|or)\b", condition) else condition
 
 
 def idiom_error(idiom: Idiom, diagnostic: Diagnostic, tokens: Sequence[Token], source: Source) -> Diagnostic:

@@ -35,17 +35,13 @@ def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token],
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
     if repair is not None and repair.sort == "name":
         word = str(tokens[repair.place])
-        return errors.ReservedWord(_here(trouble, tokens, source), word=word, other=_other_name(word, tokens))
+        other = NAMES.get(word, f"{word}_")  # a name that the file does not have yet
+        other = other if other not in tokens else next(name for number in count(2) if (name := f"{other}_{number}") not in tokens)
+        return errors.ReservedWord(_here(trouble, tokens, source), word=word, other=other)
     closing = repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert")
     if repair is not None and closing and (trouble.unmatched or _is_outdented(trouble, tokens, source)):
         return _open_block(trouble, repair, tokens, source)
     return _unexpected(trouble, repair, tokens, source)
-
-
-def _other_name(word: str, tokens: Sequence[Token]) -> str:
-    """Returns a name to choose instead of a word of the language: one that the file does not have yet."""
-    wanted = NAMES.get(word, f"{word}_")
-    return wanted if wanted not in tokens else next(name for number in count(2) if (name := f"{wanted}_{number}") not in tokens)
 
 
 def token_span(token: Token, source: Source) -> Span:
@@ -134,17 +130,14 @@ def _surplus(tokens: Sequence[Token], source: Source) -> int | None:
     return None
 
 
-def _line_start(token: Token, source: Source) -> int:
-    return source.text.rfind("\n", 0, token.start_pos or 0) + 1
-
-
 def _indent(token: Token, source: Source) -> int:
-    line = source.text[_line_start(token, source) : token.end_pos].expandtabs(4)
+    line = source.text[source.text.rfind("\n", 0, token.start_pos or 0) + 1 : token.end_pos].expandtabs(4)
     return len(line) - len(line.lstrip())
 
 
 def _begins_line(token: Token, source: Source) -> bool:
-    return not source.text[_line_start(token, source) : token.start_pos].strip()
+    start = source.text.rfind("\n", 0, token.start_pos or 0) + 1
+    return not source.text[start : token.start_pos].strip()
 
 
 def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
@@ -175,14 +168,9 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
     if surplus is not None:
         labels = (Label(token_span(tokens[surplus], source), "is this `}` one too many?"),)
     labels = labels or _context(trouble, repair, tokens, source)
-    return errors.Unexpected(here, found=_found(trouble, tokens), expected=expected, help=help_, labels=labels, fix=fix)
-
-
-def _found(trouble: Trouble, tokens: Sequence[Token]) -> str:
-    if trouble.at == len(tokens):
-        return "end of the file"
-    text = str(tokens[trouble.at])
-    return f"`{text}`" if len(text) <= 40 else f"`{text[:37]}...`"
+    text = trouble.texts[trouble.at]
+    found = "end of the file" if trouble.at == len(tokens) else f"`{text}`" if len(text) <= 40 else f"`{text[:37]}...`"
+    return errors.Unexpected(here, found=found, expected=expected, help=help_, labels=labels, fix=fix)
 
 
 def _help(trouble: Trouble, kinds: Sequence[str]) -> str:

@@ -87,7 +87,13 @@ class Repair(Record):
 
 def find_repair(trouble: Trouble) -> Repair | None:
     """Returns the change after which most can be read; to the next statement if no small one helps; None at the end."""
-    found = [(_score(trouble, c), c) for c in _candidates(trouble) if _seen(trouble, c) >= _needed(trouble, c)]
+    found = []
+    for change in _candidates(trouble):
+        # few tokens must be read after a word that is nearly right for it to be believed
+        needed = 1 if change.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
+        seen = reach(trouble.automaton, change.stack, trouble.kinds, change.resume, AHEAD) + change.resume - trouble.at
+        if seen >= needed:
+            found.append((_score(trouble, change, min(AHEAD, seen)), change))
     if not found:
         return _skip(trouble)
     score, best = max(found, key=lambda pair: pair[0])
@@ -95,20 +101,10 @@ def find_repair(trouble: Trouble) -> Repair | None:
     return replace(best, alone=rivals == 1)
 
 
-def _needed(trouble: Trouble, repair: Repair) -> int:
-    """How many tokens must be read for a change to be believed: few for a word that is nearly right."""
-    return 1 if repair.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
-
-
-def _seen(trouble: Trouble, repair: Repair) -> int:
-    """How many tokens from the error on can be read after a change."""
-    behind = reach(trouble.automaton, repair.stack, trouble.kinds, repair.resume, AHEAD)
-    return min(AHEAD, behind + repair.resume - trouble.at)
-
-
-def _score(trouble: Trouble, repair: Repair) -> float:
+def _score(trouble: Trouble, repair: Repair, seen: int) -> float:
+    """Returns what speaks for a change after which `seen` tokens from the error on can be read."""
     unmatched = len(open_braces(trouble.automaton, repair.stack)) - trouble.closing[repair.resume]
-    score = _seen(trouble, repair) + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
+    score = seen + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
     score -= EARLIER * (repair.place < trouble.at) + COMMITTING * (repair.kind in COMMITTED)
     repeated = repair.sort == "delete" and trouble.at > 0 and trouble.texts[trouble.at] == trouble.texts[trouble.at - 1]
     return score + REPEATED * repeated
@@ -130,7 +126,7 @@ def _changes_here(trouble: Trouble) -> Iterator[Repair]:
     kinds = accepted(automaton, stack)
     for kind in near_keywords(trouble, at, kinds):
         yield Repair("near", at, _read(automaton, stack, kind), at + 1, kind)
-    if _is_keyword(trouble, at) and "NAME" in kinds:
+    if automaton.words.get(trouble.kinds[at], "").isalpha() and "NAME" in kinds:
         yield Repair("name", at, _read(automaton, stack, "NAME"), at + 1, "NAME")
     for kind in kinds:
         after = _read(automaton, stack, kind)
@@ -156,10 +152,6 @@ def _changes_before(trouble: Trouble, before: Stack) -> Iterator[Repair]:
         after = read(automaton, _read(automaton, before, kind), trouble.kinds[place], place) if kind != END else None
         if after is not None:
             yield Repair("insert", place, after, trouble.at, kind)
-
-
-def _is_keyword(trouble: Trouble, at: int) -> bool:
-    return trouble.automaton.words.get(trouble.kinds[at], "").isalpha()
 
 
 def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
