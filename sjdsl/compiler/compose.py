@@ -68,6 +68,12 @@ class Composition:
     said_last: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
     warnings: list[Diagnostic] = field(default_factory=list)
 
+    NAMED: ClassVar[dict[type[ast.Section], str]] = {  # sections with a name, and the table each of them is kept in
+        ast.Constant: "constants", ast.Kind: "kinds", ast.Group: "groups", ast.Field: "fields", ast.Timer: "fields", ast.Movers: "movers",
+        ast.Shape: "shapes", ast.Define: "defines", ast.Phase: "phases", ast.ScriptedPolicy: "policies", ast.Scenario: "scenarios",
+        ast.Variant: "variants",
+    }  # fmt: skip
+    SINGLE: ClassVar[dict[type[ast.Section], str]] = {ast.Episode: "episode", ast.Map: "map", ast.Schedule: "schedule"}
     TABLES: ClassVar[dict[str, Space]] = {
         "constants": "name", "kinds": "name", "groups": "name", "fields": "name", "movers": "name", "shapes": "shape", "defines": "name",
         "phases": "phase", "metrics": "metric", "checks": "checks", "policies": "policy", "scenarios": "scenario",
@@ -110,13 +116,10 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
     if file.game.extends is None:
         game = Composition(file.game.name.text, title, file.game.name.span)
     else:
-        base_name = file.game.extends
-        if source.name in seen:
-            raise CompileError([errors.ExtendsCycle(base_name.span, name=source.name)])
-        base = base_of(base_name, source)
+        base = base_of(file.game.extends, source)
         tree = parse(base)
-        if base.name == source.name or base.name in seen:
-            raise CompileError([errors.ExtendsCycle(base_name.span, name=base.name)])
+        if base.name in (*seen, source.name):
+            raise CompileError([errors.ExtendsCycle(file.game.extends.span, name=base.name)])
         game = _chain(base, tree, (*seen, source.name))
         game.name, game.span = file.game.name.text, file.game.name.span
         game.title = title or game.title
@@ -148,16 +151,11 @@ def base_of(name: ast.String, source: Source) -> Source:
 def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, object]]:
     """Returns what a section declares or changes: (key, span, node)."""
     match section:
-        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Define() | ast.Movers():
+        case ast.Constant() | ast.Kind() | ast.Group() | ast.Field() | ast.Timer() | ast.Define() | ast.Movers() | ast.Drop():
             return [(section.name.text, section.name.span, section)]
-        case ast.Shape() | ast.Phase():  # these have name spaces of their own
-            return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
-        case ast.Variant() | ast.Scenario():
-            return [(f"{type(section).__name__.lower()} {section.name.text}", section.name.span, section)]
-        case ast.ScriptedPolicy():
-            return [(f"policy {section.name.text}", section.name.span, section)]
-        case ast.About():
-            return [(f"about {section.name.text}", section.name.span, section)]
+        case ast.Shape() | ast.Phase() | ast.Variant() | ast.Scenario() | ast.ScriptedPolicy() | ast.About():  # each has its own name space
+            space = "policy" if isinstance(section, ast.ScriptedPolicy) else type(section).__name__.lower()
+            return [(f"{space} {section.name.text}", section.name.span, section)]
         case ast.Checks():
             return [] if section.name is None else [(f"checks {section.name.text}", section.name.span, section)]
         case ast.Map() | ast.Episode() | ast.Schedule():
@@ -172,8 +170,6 @@ def section_names(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             return [(f"metric {m.name.text}", m.name.span, m) for m in section.metrics]
         case ast.Override():
             return [(path_text(section.path), section.path.span, section)]
-        case ast.Drop():
-            return [(section.name.text, section.name.span, section)]
         case _:
             return []
 
@@ -223,90 +219,61 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
     for name in dict.fromkeys(look.what.text for look in looks):
         game.looks[name] = tuple(look for look in looks if look.what.text == name)
     for section in sections:
+        if type(section) in Composition.NAMED:
+            getattr(game, Composition.NAMED[type(section)])[section.name.text] = section
+        elif type(section) in Composition.SINGLE:
+            setattr(game, Composition.SINGLE[type(section)], section)
         match section:
             case ast.Cite():
                 game.cites.append(section.text.text)
             case ast.About():
                 game.about[section.name.text] = " ".join(text.text for text in section.texts)
-            case ast.Constant():
-                game.constants[section.name.text] = section
-            case ast.Episode():
-                game.episode = section
-            case ast.Kind():
-                game.kinds[section.name.text] = section
-            case ast.Group():
-                game.groups[section.name.text] = section
-            case ast.Field() | ast.Timer():
-                game.fields[section.name.text] = section
-            case ast.Map():
-                game.map = section
             case ast.Agents():
                 _apply_agents(game, section)
-            case ast.Movers():
-                game.movers[section.name.text] = section
-            case ast.Shape():
-                game.shapes[section.name.text] = section
-            case ast.Define():
-                game.defines[section.name.text] = section
-            case ast.Schedule():
-                game.schedule = section
-            case ast.Phase():
-                game.phases[section.name.text] = section
             case ast.Observe():
-                _apply_observe(game, section)
+                game.windows = tuple(s for s in section.observables if isinstance(s, ast.Window)) or game.windows
+                game.observables |= {_observable_key(s): s for s in section.observables if not isinstance(s, ast.Window)}
             case ast.Metrics():
                 game.metrics |= {m.name.text: m for m in section.metrics}
             case ast.Checks():
                 name = "" if section.name is None else section.name.text
                 game.checks[name] = section.checks if name else game.checks.get(name, ()) + section.checks
-            case ast.ScriptedPolicy():
-                game.policies[section.name.text] = section
-            case ast.Scenario():
-                game.scenarios[section.name.text] = section
-            case ast.Variant():
-                game.variants[section.name.text] = section
             case ast.Override():
                 _override(game, section)
             case ast.Drop():
                 _drop(game, section.name)
 
 
-def _agent_entries(agents: ast.Agents) -> list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks]]:
-    entries: list[tuple[str, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks]] = []
-    for attribute in agents.attributes:
+AgentAttribute = ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks
+
+
+def _agent_entries(agents: ast.Agents) -> list[tuple[str, AgentAttribute]]:
+    """Returns the attributes of the agents by their keys."""
+
+    def key(attribute: AgentAttribute) -> str:
         match attribute:
-            case ast.Acts():
-                entries.append(("acts", attribute))
-            case ast.Moves():
-                entries.append(("moves", attribute))
+            case ast.Acts() | ast.Moves():
+                return type(attribute).__name__.lower()
             case ast.Forbid():
-                entries.append((forbid_key(attribute), attribute))
+                return forbid_key(attribute)
             case ast.Blocks():
-                entries.append((f"blocks {', '.join(what.text for what in attribute.what)}", attribute))
-            case ast.Field() | ast.Timer():
-                entries.append((attribute.name.text, attribute))
-    return entries
+                return f"blocks {', '.join(what.text for what in attribute.what)}"
+            case _:
+                return attribute.name.text
+
+    return [(key(attribute), attribute) for attribute in agents.attributes]
 
 
 def forbid_key(forbid: ast.Forbid) -> str:
-    return "forbid " + (", ".join(map(chosen_text, forbid.actions)) or "all")
+    return f"forbid {', '.join(map(chosen_text, forbid.actions)) or 'all'}"
 
 
 def chosen_text(action: ast.Chosen) -> str:
     """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
     if action.arguments is None:
         return action.name.text
-    return f"{action.name.text}({', '.join(map(_argument_text, action.arguments))})"
-
-
-def _argument_text(argument: ast.Expr) -> str:
-    match argument:
-        case ast.Path():
-            return path_text(argument)
-        case ast.Int():
-            return str(argument.value)
-        case _:
-            return ".."
+    values = (path_text(a) if isinstance(a, ast.Path) else str(a.value) if isinstance(a, ast.Int) else ".." for a in action.arguments)
+    return f"{action.name.text}({', '.join(values)})"
 
 
 def _apply_agents(game: Composition, agents: ast.Agents) -> None:
@@ -329,41 +296,29 @@ def _apply_agents(game: Composition, agents: ast.Agents) -> None:
 
 def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
     """Returns what a block says, by its key. The windows are one entry together, so that they are replaced together."""
-    entries: list[tuple[str, ast.Window | ast.Show | ast.Hide]] = []
     windows = [s for s in observe.observables if isinstance(s, ast.Window)]
     plain = [w for w in windows if w.condition is None] or windows[:1]
-    if plain:
-        together = (
-            replace(plain[0].span, start=windows[0].span.start, end=windows[-1].span.end) if len(windows) > len(plain) else plain[0].span
-        )
-        entries += [("window", replace(plain[0], span=together)), *(("window", w) for w in plain[1:])]
-    return entries + [(_observable_key(s), s) for s in observe.observables if not isinstance(s, ast.Window)]
+    if len(windows) > len(plain):
+        span = replace(plain[0].span, start=windows[0].span.start, end=windows[-1].span.end)
+        plain[0] = replace(plain[0], span=span)
+    return [("window", window) for window in plain] + [
+        (_observable_key(s), s) for s in observe.observables if not isinstance(s, ast.Window)
+    ]
 
 
 def _observable_key(observable: ast.Show | ast.Hide) -> str:
-    match observable:
-        case ast.Hide(on=ast.Name() as on):
-            return f"{path_text(observable.what)} on {on.text}"
-        case _:
-            return path_text(observable.what)
-
-
-def _apply_observe(game: Composition, observe: ast.Observe) -> None:
-    game.windows = tuple(s for s in observe.observables if isinstance(s, ast.Window)) or game.windows
-    for observable in observe.observables:
-        if not isinstance(observable, ast.Window):
-            game.observables[_observable_key(observable)] = observable
+    on = f" on {observable.on.text}" if isinstance(observable, ast.Hide) and isinstance(observable.on, ast.Name) else ""
+    return path_text(observable.what) + on
 
 
 def _override(game: Composition, change: ast.Override) -> None:
-    name = change.path.name.text
-    constant = game.constants.get(name)
+    name = change.path.name
+    constant = game.constants.get(name.text)
     if constant is None:
-        _unknown(game, change.path.name)
+        _unknown(game, name)
         return
-    game.references.append((change.path.name.span, Symbol("name", name)))
-    value = _replace_entry(game, constant.value, change.path.steps, change, constant.by)
-    game.constants[name] = replace(constant, value=value)
+    game.references.append((name.span, Symbol("name", name.text)))
+    game.constants[name.text] = replace(constant, value=_replace_entry(game, constant.value, change.path.steps, change, constant.by))
 
 
 def _replace_entry(
@@ -375,8 +330,7 @@ def _replace_entry(
 ) -> ast.Expr | ast.Table:
     if not steps:
         return change.value
-    step = steps[0]
-    key = entry_key(step)
+    key = entry_key(steps[0])
     if key is not None and by is not None:
         value = with_entry(value, key, by)
     if key is None or not isinstance(value, ast.Table) or key.text not in {e.key.text for e in value.entries}:
@@ -390,14 +344,8 @@ def _replace_entry(
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
-    droppable: dict[str, Space | None] = {
-        **Composition.TABLES,
-        "agent_fields": "field",
-        "observables": None,
-        "about": None,
-        "variants": "variant",
-    }
-    for table, space in droppable.items():
+    others: dict[str, Space | None] = {"agent_fields": "field", "observables": None, "about": None, "variants": "variant"}
+    for table, space in {**Composition.TABLES, **others}.items():
         entries: dict[str, object] = getattr(game, table)
         if name.text in entries:
             del entries[name.text]

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -69,12 +69,7 @@ class Lot(NamedTuple):
 
 def winners(lots: Iterable[Lot]) -> dict[Slot, Lot]:
     """Returns for each entry of a field who of those that would write it does."""
-    found: dict[Slot, Lot] = {}
-    for lot in lots:
-        best = found.get(lot.slot)
-        if best is None or (-lot.rank, lot.place) < (-best.rank, best.place):
-            found[lot.slot] = lot
-    return found
+    return {lot.slot: lot for lot in sorted(lots, key=lambda lot: (lot.rank, *(-part for part in lot.place)))}
 
 
 _LISTS = ("sets", "adds", "lots", "gives", "tallies", "sends", "shifts")
@@ -181,13 +176,8 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
 
 def _fitting(declared: ir.VarField, value: Value) -> Value:
     """Returns a value as a field of this type holds it."""
-    match declared.type.kind:
-        case "agents":
-            return frozenset(agents_in(value))
-        case "real":
-            return np.float32(value)
-        case _:
-            return value
+    kind = declared.type.kind
+    return frozenset(agents_in(value)) if kind == "agents" else np.float32(value) if kind == "real" else value
 
 
 def _added(declared: ir.VarField, before: Value, values: list[Value]) -> Value:
@@ -215,39 +205,33 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
 
 
 def _get(slot: Slot, world: World) -> Value:
-    value = _holder(slot, world)
+    values, place = _holder(slot, world)
+    value = values[place]
     for entry in slot.entries:
         value = value[entry]
     return value
 
 
 def _put(slot: Slot, value: Value, world: World) -> None:
-    whole = _replaced(_holder(slot, world), slot.entries, value)
-    match slot.owner:
-        case None:
-            world.fields[slot.name] = whole
-        case ("agent", agent):
-            world.agents[slot.name][agent] = whole
-        case (sort, number) if sort in world.movers:
-            world.movers[sort].fields[slot.name][number] = whole
-        case (kind, number):
-            world.cells[kind, slot.name][number] = whole
+    values, place = _holder(slot, world)
+    values[place] = _replaced(values[place], slot.entries, value)
 
 
-def _holder(slot: Slot, world: World) -> Value:
+def _holder(slot: Slot, world: World) -> tuple[Any, Any]:
+    """Returns the list or dictionary that the field's value is kept in, and its place there."""
     match slot.owner:
         case None:
-            return world.fields[slot.name]
+            return world.fields, slot.name
         case ("agent", agent):
-            return world.agents[slot.name][agent]
+            return world.agents[slot.name], agent
         case (sort, number) if sort in world.movers:
-            return world.movers[sort].fields[slot.name][number]
+            return world.movers[sort].fields[slot.name], number
         case (kind, number):
-            return world.cells[kind, slot.name][number]
+            return world.cells[kind, slot.name], number
 
 
 def _replaced(whole: Value, entries: tuple[int, ...], value: Value) -> Value:
     if not entries:
         return value
-    first, *rest = entries
-    return (*whole[:first], _replaced(whole[first], tuple(rest), value), *whole[first + 1 :])
+    first = entries[0]
+    return (*whole[:first], _replaced(whole[first], entries[1:], value), *whole[first + 1 :])

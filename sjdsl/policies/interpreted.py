@@ -93,7 +93,8 @@ def _towards(rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, 
         done = stay
     else:
         enterable = ground.open - closed
-        goals = set(_poses(rule, members, ground))
+        reached = _reached(ground.board, rule.shape).items()  # what blocks the shape under a condition is not considered
+        goals = {aimed for aimed, cells in reached if not cells.isdisjoint(members)}
         done = _taken(rule, here)
     if pose in goals:
         return done
@@ -119,24 +120,14 @@ def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:
             yield cell
 
 
-def _poses(rule: ir.Aim, members: Collection[Cell], ground: Ground) -> Iterator[Pose]:
-    """Yields every pose of an agent that has a member in the shape; what blocks the shape under a condition is not considered."""
-    for pose, cells in _reached(ground.board, rule.shape).items():
-        if not cells.isdisjoint(members):
-            yield pose
-
-
 @lru_cache(maxsize=16)
 def _reached(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
     """Returns the cells of a shape that are reached from each pose."""
     shape = board.shapes[name]
-
-    def stops(cell: Cell) -> bool:
-        return blocks_always(board.kinds[board.kind_of[cell]], name)
-
+    stopping = {cell for cell, kind in board.kind_of.items() if blocks_always(board.kinds[kind], name)}
     found = {}
     for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
-        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.at, stops)
+        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.at, stopping.__contains__)
         found[pose] = frozenset(seen.cell for lane in lanes for seen in lane)
     return found
 

@@ -43,8 +43,7 @@ def times_in(sets: Array, agents: int) -> Array:
     Returns:
       `[agents]` int32.
     """
-    result: Array = by_platform(partial(_added_in_rows, agents=agents), partial(_added_at_once, agents=agents), sets.reshape(-1))
-    return result
+    return by_platform(partial(_added_in_rows, agents=agents), partial(_added_at_once, agents=agents), sets.reshape(-1))
 
 
 def _added_at_once(sets: Array, agents: int) -> Array:
@@ -87,8 +86,7 @@ _ROWS_AT_ONCE = 4  # at most 7: a byte holds 7 * 32; 6 are as fast, 2 and 7 slow
 @partial(jax.jit, static_argnums=1)  # as above
 def occupied(site: Array, size: int) -> Array:
     """Returns which cells have an agent on them: `[size]` bool, from `[N]` cell numbers (`size` for elsewhere)."""
-    result: Array = by_platform(partial(_marked, size=size), partial(_compared, size=size), site)
-    return result
+    return by_platform(partial(_marked, size=size), partial(_compared, size=size), site)
 
 
 def _compared(site: Array, size: int) -> Array:

@@ -127,7 +127,9 @@ def contradict(a: Fact, b: Fact) -> bool:
         case (ir.Chose(), ir.ChoseWith()) | (ir.ChoseWith(), ir.Chose()):
             return True
         case ir.ChoseWith() as one, ir.ChoseWith() as other:
-            return one.action != other.action or any(_differ(x.value, y.value) for x, y in zip(one.given, other.given, strict=False))
+            written = [(x.value, y.value) for x, y in zip(one.given, other.given, strict=False)]
+            plain = [(x.value, y.value) for x, y in written if isinstance(x, ir.Number | ir.Word) and isinstance(y, type(x))]
+            return one.action != other.action or any(x != y for x, y in plain)
         case ir.StandsOn() as here, ir.StandsOn() as there:
             return not set(here.kinds) & set(there.kinds)
         case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
@@ -135,15 +137,6 @@ def contradict(a: Fact, b: Fact) -> bool:
     if a.interval is not None and b.interval is not None:
         return a.interval[1] < b.interval[0] or b.interval[1] < a.interval[0]
     return a.words is not None and b.words is not None and not a.words & b.words
-
-
-def _differ(one: ir.Expr, other: ir.Expr) -> bool:
-    """Returns whether two arguments are written as different numbers or words."""
-    match one, other:
-        case (ir.Number(value=a), ir.Number(value=b)) | (ir.Word(value=a), ir.Word(value=b)):
-            return a != b
-        case _:
-            return False
 
 
 class Said(NamedTuple):
@@ -222,13 +215,6 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
 
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
-    low, high = _narrowed(e, known)
-    if known and isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
-        return narrowed_sum(e, (low, high), (f.condition for f in known))
-    return low, high
-
-
-def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     low, high = e.type.low, e.type.high
     if not known:
         return low, high
@@ -243,4 +229,6 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
             for bounds in (f.interval, f.reach):
                 if bounds is not None:
                     low, high = max(low, bounds[0]), min(high, bounds[1])
+    if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
+        return narrowed_sum(e, (low, high), (f.condition for f in known))
     return low, high

@@ -93,10 +93,8 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
     if row.levels > 1:
         left = array.Index(left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)))
     products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
-    return w.keep(
-        "expected" if row.levels == 1 else "expected_row",
-        Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1),
-    )
+    expected = Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1)
+    return w.keep("expected" if row.levels == 1 else "expected_row", expected)
 
 
 def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: Writer, declared: ir.VarField | None = None) -> Value:

@@ -71,7 +71,11 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
             continue
         cells = state_reads.cells_of(kinds, w)
         w.origin = look.kind.origin
-        value = binary("<<", _raw(look, w), shift_of(content, w), "u8")
+        values = []
+        for field, _ in look.painted:
+            stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
+            values.append(binary("+", stored, literal(1, "i32"), "i32") if field.type.kind == "agent" else stored)  # one up, 0 is nobody
+        value = binary("<<", look_number(first_look(look, w), tuple(size for _, size in look.painted), values), shift_of(content, w), "u8")
         w.set(planes[content.plane], call("fill", planes[content.plane], cells, value.node))
     for part in parts:
         if part.marks is not None:
@@ -89,34 +93,20 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     shifted = binary("<<", shown, shift_of(agent, w), "u8")
     w.set(planes[agent.plane], call("paint", planes[agent.plane], POSITION, shifted.node))
     for sort in (sort for sort in game.movers if shown_movers(sort, game)):
-        _paint_movers(sort, parts, planes, w)
+        w.origin = sort.origin
+        part = next(p for p in parts if p.name == sort.name)
+        if shown_movers(sort, w.module.game) > 1:
+            number = binary("+", Value(Arange(w.module.extent(sort.sort), "u8"), "u8"), literal(1, "u8"), "u8")
+        else:
+            number = Value(call("jnp.ones", w.module.extent(sort.sort), path("jnp.uint8")), "u8")
+        shifted = binary("<<", number, shift_of(part, w), "u8")
+        w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(w, sort.sort), shifted.node))
     return planes
-
-
-def _paint_movers(sort: ir.Movers, parts: tuple[Part, ...], planes: list[Name], w: Writer) -> None:
-    """Writes the movers of a sort into the planes: one up, or 1 each if nothing but their presence is seen."""
-    w.origin = sort.origin
-    part = next(p for p in parts if p.name == sort.name)
-    if shown_movers(sort, w.module.game) > 1:
-        number = binary("+", Value(Arange(w.module.extent(sort.sort), "u8"), "u8"), literal(1, "u8"), "u8")
-    else:
-        number = Value(call("jnp.ones", w.module.extent(sort.sort), path("jnp.uint8")), "u8")
-    shifted = binary("<<", number, shift_of(part, w), "u8")
-    w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(w, sort.sort), shifted.node))
 
 
 def first_look(look: Look, w: Writer) -> Value:
     """Returns the first number of a kind's looks as painted."""
     return Value(w.module.number(f"{look.kind.name}_look", look.raw, "as it is painted"), "u8")
-
-
-def _raw(look: Look, w: Writer) -> Value:
-    """Returns the number of each cell's look."""
-    values = []
-    for field, _ in look.painted:
-        stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
-        values.append(binary("+", stored, literal(1, "i32"), "i32") if field.type.kind == "agent" else stored)  # one up, 0 is nobody
-    return look_number(first_look(look, w), tuple(size for _, size in look.painted), values)
 
 
 def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Value:

@@ -132,12 +132,10 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     marked = len(last.values) > 2
     returns = "tuple[State, Outcome, Array]" if marked else first.returns
     types = ["Array" if isinstance(nodes[0], array.Name) else type(nodes[0].value).__name__ for nodes in together.filled]  # type: ignore[union-attr]
-    own = tuple((hole.identifier, type_) for hole, type_ in zip(together.holes.values(), types, strict=True))
-    shared = Function(name, first.parameters + own, returns, first.doc, body)
-    return {
-        phase.name: Turn(shared, tuple(nodes[number] for nodes in together.filled), mark if marked else "")
-        for number, ((phase, _), mark) in enumerate(zip(uses, marks, strict=True))
-    }
+    holes = tuple((hole.identifier, type_) for hole, type_ in zip(together.holes.values(), types, strict=True))
+    shared = Function(name, first.parameters + holes, returns, first.doc, body)
+    given_of = (tuple(nodes[number] for nodes in together.filled) for number in range(len(uses)))
+    return {phase.name: Turn(shared, own, mark if marked else "") for (phase, _), own, mark in zip(uses, given_of, marks, strict=True)}
 
 
 def _marks_apart(body: tuple[array.Statement, ...], mark: str) -> tuple[array.Statement, ...]:
