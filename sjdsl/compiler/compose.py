@@ -6,20 +6,49 @@ A repeated name replaces, inside `agents` and `observe` entry by entry; a new na
 table entry; `drop` removes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.names import Space, Symbol
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Label, near
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
-from sjdsl.compiler.undone import Change, touches, undone
+
+
+class Change(Record):
+    """What a file says of one name, outside of variants: its text without layout. is_drop: it takes the name away, whatever it is of."""
+
+    span: Span
+    text: str
+    is_drop: bool
+
+
+def undone(files: Iterable[str], said_last: Mapping[str, Change], variant: str, changes: Mapping[str, Change]) -> Iterator[Diagnostic]:
+    """Yields a warning for each change of an extending game that a change of a variant of its base replaces.
+
+    `files`: those of the game, the outermost base first. `said_last`: what they say of each name.
+    """
+    order = {file: place for place, file in enumerate(files)}
+    for key, change in changes.items():
+        for other, before in said_last.items():
+            both = (key, other)
+            if change.is_drop or before.is_drop:
+                both = (key.rpartition(" ")[2], other.rpartition(" ")[2])
+            if order[before.span.file] > order[change.span.file] and before.text != change.text and touches(*both):
+                label = Label(change.span, f"`{variant}` changes it here")
+                yield errors.UndoneByVariant(before.span, labels=(label,), name=other, variant=variant)
+
+
+def touches(a: str, b: str) -> bool:
+    """Returns whether two keys name the same thing, or one an entry of the other: `pay` and `pay[red]`."""
+    return a == b or a.startswith(f"{b}[") or b.startswith(f"{a}[")
 
 
 @dataclass
@@ -68,12 +97,11 @@ class Composition:
     said_last: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
     warnings: list[Diagnostic] = field(default_factory=list)
 
-    NAMED: ClassVar[dict[type[ast.Section], str]] = {  # sections with a name, and the table each of them is kept in
+    NAMED: ClassVar[dict[type[Any], str]] = {  # sections with a name, and the table each of them is kept in
         ast.Constant: "constants", ast.Kind: "kinds", ast.Group: "groups", ast.Field: "fields", ast.Timer: "fields", ast.Movers: "movers",
         ast.Shape: "shapes", ast.Define: "defines", ast.Phase: "phases", ast.ScriptedPolicy: "policies", ast.Scenario: "scenarios",
         ast.Variant: "variants",
     }  # fmt: skip
-    SINGLE: ClassVar[dict[type[ast.Section], str]] = {ast.Episode: "episode", ast.Map: "map", ast.Schedule: "schedule"}
     TABLES: ClassVar[dict[str, Space]] = {
         "constants": "name", "kinds": "name", "groups": "name", "fields": "name", "movers": "name", "shapes": "shape", "defines": "name",
         "phases": "phase", "metrics": "metric", "checks": "checks", "policies": "policy", "scenarios": "scenario",
@@ -219,11 +247,12 @@ def _apply(game: Composition, sections: tuple[ast.Section | ast.Override | ast.D
     for name in dict.fromkeys(look.what.text for look in looks):
         game.looks[name] = tuple(look for look in looks if look.what.text == name)
     for section in sections:
+        named: Any = section
         if type(section) in Composition.NAMED:
-            getattr(game, Composition.NAMED[type(section)])[section.name.text] = section
-        elif type(section) in Composition.SINGLE:
-            setattr(game, Composition.SINGLE[type(section)], section)
+            getattr(game, Composition.NAMED[type(section)])[named.name.text] = section
         match section:
+            case ast.Episode() | ast.Map() | ast.Schedule():
+                setattr(game, type(section).__name__.lower(), section)
             case ast.Cite():
                 game.cites.append(section.text.text)
             case ast.About():

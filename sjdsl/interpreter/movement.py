@@ -9,8 +9,8 @@ from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
 
-_TURNS = {"turn_left": -1, "turn_right": 1}
-_STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
+TURNS = {"turn_left": -1, "turn_right": 1}
+STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 
 
 def move(sort: ir.Sort, ranks: dict[Body, int], courses: dict[Body, int | None], here: Instance, world: World) -> None:
@@ -27,7 +27,7 @@ def move(sort: ir.Sort, ranks: dict[Body, int], courses: dict[Body, int | None],
     stay_if_taken(targets, here.world)
     for body in ranks:
         if not isinstance(body, Mover):
-            turn(body, (heading_of(body, here.world) + _TURNS.get(_action(body, here), 0)) % 4, world)
+            turn(body, (heading_of(body, here.world) + TURNS.get(_action(body, here), 0)) % 4, world)
         elif (way := ways[body]) is not None:
             turn(body, way, world)
     herd = herds(world)[sort]
@@ -71,7 +71,7 @@ def _action(agent: int, here: Instance) -> str:
 
 def _chosen_way(agent: int, here: Instance) -> int | None:
     """Returns the direction in which an agent has chosen to go, None if it has not."""
-    direction = _STEPS.get(_action(agent, here))
+    direction = STEPS.get(_action(agent, here))
     if direction is not None and here.board.game.agents.relative:
         direction = (here.world.heading[agent] + direction) % 4
     return direction

@@ -1,6 +1,6 @@
 """Interprets statements: each one adds its writes to those of its phase, in one instance."""
 
-from typing import assert_never
+from typing import Any, assert_never
 
 import numpy as np
 
@@ -8,8 +8,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter import chances, members
 from sjdsl.interpreter.account import Drawn
-from sjdsl.interpreter.evaluate import cells_in, evaluate, members_of, nearest_members
-from sjdsl.interpreter.evaluation_parts import agents_in
+from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of, nearest_members
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import course_of
 from sjdsl.interpreter.overflow import LeavesFloat32
@@ -116,10 +115,9 @@ def _send(statement: ir.Send | ir.Shift, here: Instance, writes: Writes) -> None
     """Notes where those are sent whom the statement names; of several who send one, all say the same."""
     ticks = evaluate(statement.after, here) if isinstance(statement, ir.Send) and statement.after is not None else 0
     for agent in agents_in(evaluate(statement.who, here)):
-        if isinstance(statement, ir.Send):
-            sends, sent = writes.sends, Sending(agent, statement, ticks, here.names)
-        else:
-            sends, sent = writes.shifts, shifting(agent, statement, here)
+        sends: list[Any] = writes.sends if isinstance(statement, ir.Send) else writes.shifts
+        sent: Sending | Shifting
+        sent = Sending(agent, statement, ticks, here.names) if isinstance(statement, ir.Send) else shifting(agent, statement, here)
         others = [s for s in sends if s.agent == agent]
         assert all(_destination(s) == _destination(sent) for s in others), f"agent {agent} is sent to two places"
         if not others:

@@ -11,8 +11,7 @@ from sjdsl.compiler.ir.queries import action_named, all_fields, event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.bodies import away_of, bodies, where_is
-from sjdsl.interpreter.evaluate import evaluate
-from sjdsl.interpreter.evaluation_parts import arguments_of, entry_place
+from sjdsl.interpreter.evaluate import arguments_of, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
 from sjdsl.interpreter.numbers import added_up, check_int32

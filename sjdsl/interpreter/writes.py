@@ -11,8 +11,7 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body
-from sjdsl.interpreter.evaluate import evaluate
-from sjdsl.interpreter.evaluation_parts import agents_in, entry_place
+from sjdsl.interpreter.evaluate import agents_in, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import added_up, check_int32, check_interval
 from sjdsl.interpreter.state import Cell, Mover, Value, World

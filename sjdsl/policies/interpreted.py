@@ -10,14 +10,11 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named, blocks_always
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import occupied, where_is
-from sjdsl.interpreter.evaluate import evaluate, members_of
-from sjdsl.interpreter.evaluation_parts import arguments_of
+from sjdsl.interpreter.evaluate import arguments_of, evaluate, members_of
 from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.movement import STEPS, TURNS
 from sjdsl.interpreter.shapes import FORWARD, lanes_from
 from sjdsl.interpreter.state import Cell, World
-
-TURNED = {"turn_left": -1, "turn_right": 1}
-STEPPED = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 
 
 class Pose(NamedTuple):
@@ -38,10 +35,10 @@ class Ground:
 
     def after(self, move: str, pose: Pose) -> Pose:
         """Returns where a move leads, whether or not the cell can be entered."""
-        if move in TURNED:
-            return Pose(pose.cell, (pose.heading + TURNED[move]) % 4)
+        if move in TURNS:
+            return Pose(pose.cell, (pose.heading + TURNS[move]) % 4)
         turned = pose.heading if self.board.game.agents.relative else 0
-        rows, cols = FORWARD[(turned + STEPPED[move]) % 4]
+        rows, cols = FORWARD[(turned + STEPS[move]) % 4]
         row, col = pose.cell.row + rows, pose.cell.col + cols
         return Pose(self.board.at(row, col) or Cell(row, col), pose.heading)
 
@@ -49,7 +46,7 @@ class Ground:
 @lru_cache(maxsize=16)
 def _ground_of(board: Board) -> Ground:
     actions = board.game.agents.actions
-    moves = {number: name for number, name in enumerate(actions) if name in TURNED or name in STEPPED}
+    moves = {number: name for number, name in enumerate(actions) if name in TURNS or name in STEPS}
     open_ = frozenset(cell for cell, kind in board.kind_of.items() if not blocks_always(board.kinds[kind]))
     ground = Ground(board, open_, moves)
     for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):

@@ -8,11 +8,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from sjdsl.runtime.arguments import check_params, check_state, checked_actions
+from sjdsl.runtime.arguments import check_arrays, check_params, check_state, checked_actions
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.gpu_program import in_its_form
 from sjdsl.runtime.module import GameModule
-from sjdsl.runtime.param_arrays import check_arrays
 from sjdsl.runtime.planes import channel_names
 from sjdsl.runtime.random_bits import key_words
 from sjdsl.runtime.state_vector import state_vector

@@ -72,7 +72,8 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
         as_they_are = members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
         return lax.cond(_several(members), lambda: each(members, key), lambda: as_they_are), True
 
-    return by_platform(picked, chosen, members, key)  # a GPU draws in any case: a branch would wait for the host
+    result: Array = by_platform(picked, chosen, members, key)  # a GPU draws in any case: a branch would wait for the host
+    return result
 
 
 def member_of(one: Array) -> Array:

@@ -9,8 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, sort_of_body, where_is
-from sjdsl.interpreter.evaluate import cells_in, evaluate
-from sjdsl.interpreter.evaluation_parts import agents_in
+from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Away, Cell, Mover, Value
 from sjdsl.interpreter.threefry import return_stream

@@ -28,7 +28,7 @@ from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
 from sjdsl.compiler.lower.relocation import finish as finish_sends
 from sjdsl.compiler.lower.scope import IterationScope, NotSupported
 from sjdsl.compiler.lower.shared_phases import Turn, share
-from sjdsl.compiler.lower.state import described_fields, events, outcome_fields, param_value, params_fields, role_attribute, state_fields
+from sjdsl.compiler.lower.state import described_fields, events, outcome_fields, params_fields, role_attribute, state_fields
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
@@ -259,4 +259,4 @@ def _observe(module: Module) -> Function:
     return _function(w, "observe", READING, "Array", doc)
 
 
-__all__ = ["NotSupported", "lower", "new_module", "param_value", "token_planes"]
+__all__ = ["NotSupported", "lower", "new_module", "token_planes"]

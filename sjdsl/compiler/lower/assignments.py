@@ -226,8 +226,15 @@ def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
 
 def _entries(before: Value, mask: Value, key: Value | None, target: Target, value: Value, w: Writer) -> Value:
     """Returns the field with the value in its place: the whole, or one entry of a row."""
+    if key is None and mask != TRUE:
+        return select(mask, value, before)
+    if key is None and value.axes == before.axes and value.levels == before.levels and not value.literal:
+        return value
+    if key is None and not value.axes and not value.levels:
+        return replace(before, node=array.call("jnp.full_like", before.node, value.node))
     if key is None:
-        return _filled(before, value) if mask == TRUE else select(mask, value, before)
+        rows = aligned(value, before.axes, before.levels)
+        return replace(before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape")))
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
         keys = (*[array.ALL] * len(before.axes), key.node)
@@ -251,16 +258,6 @@ def _is_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> a
 def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a value with one more axis, for the words of a row; what has no axes is the same for all."""
     return indexed(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
-
-
-def _filled(before: Value, value: Value) -> Value:
-    """Returns the field with the value everywhere."""
-    if value.axes == before.axes and value.levels == before.levels and not value.literal:
-        return value
-    if not value.axes and not value.levels:
-        return replace(before, node=array.call("jnp.full_like", before.node, value.node))
-    rows = aligned(value, before.axes, before.levels)
-    return replace(before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape")))
 
 
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
@@ -296,7 +293,12 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 
 def _add_number(target: Target, value: Value, w: Writer) -> None:
     scope = target.scope
-    masked = _masked(value, scope)
+    if scope.mask == TRUE or not value.levels:
+        masked = select(scope.mask, value, literal(0, value.dtype))
+    else:
+        axes = union(scope.mask.axes, value.axes)
+        test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
+        masked = replace(value, node=array.Where(test, _row_aligned(value, axes), array.Literal(0)), axes=axes)
     sums = w.added.setdefault(target.attribute, [])
     own = target.own_axes
     if own is not None and target.along is not None:
@@ -334,14 +336,6 @@ def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     if value.axes == axes:
         return value.node
     return array.Index(value.node, (*(array.ALL if a in value.axes else array.NEW_AXIS for a in axes), *[array.ALL] * value.levels))
-
-
-def _masked(value: Value, scope: IterationScope) -> Value:
-    if scope.mask == TRUE or not value.levels:
-        return select(scope.mask, value, literal(0, value.dtype))
-    axes = union(scope.mask.axes, value.axes)
-    test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
-    return Value(array.Where(test, _row_aligned(value, axes), array.Literal(0)), value.dtype, axes, value.levels)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:

@@ -69,7 +69,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Arithmetic():
             return arithmetic(e, scope, w)
         case ir.Compare():
-            return binary(e.fn, *_numbers((e.left, e.right), scope, w), "bool")
+            left, right = _numbers((e.left, e.right), scope, w)
+            return binary(e.fn, left, right, "bool")
         case ir.Same():
             return same(e, scope, w)
         case ir.InRange():

@@ -8,6 +8,7 @@ from sjdsl.compiler.lower.axes import TRUE, Axis, Value, aligned, as_dtype, bina
 from sjdsl.compiler.lower.domains import blocked_by, conditional_blocks, enter, is_empty
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.entries import to_words
+from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -36,8 +37,6 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     """Writes a movement phase."""
     game, layout = w.module.game, w.module.layout
     inner = enter(s.domain, scope, w)
-    agent = inner.variables[s.domain.var.name]
-    assert isinstance(agent, AgentVar)
     actions = game.agents.actions
     turns, steps = (constant([found.get(a, other) for a in actions]) for found, other in ((TURNS, 0), (STEPS, NO_STEP)))
     turn = w.module.constant("turn", turns, "quarter turns to the right by action", "i32")
@@ -53,7 +52,7 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     next_cell = Index(table, (Binary("+", Binary("*", POSITION, Literal(4)), Binary("&", ahead, Literal(3))),))
     stays = Binary("==", stride, w.module.number("no_step", NO_STEP))
     target = w.bind("target", Where(stays, POSITION, next_cell))
-    stay_if_blocked(agent, target, w)
+    stay_if_blocked(agent(s.domain.var, inner, w), target, w)
     settle(s, AGENTS, target, w)
 
 
@@ -68,9 +67,8 @@ def nobody_moves(s: ir.Move, w: Writer) -> None:
 def settle(s: ir.Move, sort: ir.Sort, target: Name, w: Writer) -> None:
     """Writes where agents, or the movers of a sort, stand after all of them have wanted their targets."""
     position = state_reads.positions(w, sort)
-    others = state_reads.all_positions(w, but=sort)
-    if others is not None:  # they stay, so whoever wants their cells stays as well
-        w.set(target, Where(call("is_one_of", target, others), position, target))
+    if w.module.game.movers:  # others stay, so whoever wants their cells stays as well
+        w.set(target, Where(call("is_one_of", target, state_reads.all_positions(w, but=sort)), position, target))
     bits = call("random_bits", KEY, w.stream(s.stream), w.module.extent(sort))
     w.assign(attribute_of("position", sort), call("resolve", position, target, bits))
     if w.module.stores_moved(sort):
@@ -94,8 +92,7 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     course = s.course
     assert course is not None
     inner = enter(s.domain, scope, w)
-    mover = inner.variables[s.domain.var.name]
-    assert isinstance(mover, AgentVar)
+    mover = agent(s.domain.var, inner, w)
     if mover.axis is None:
         raise NotSupported("`move each` of movers that are named one by one", s.origin, "say with `where` which of them move")
     axis, position = mover.axis, state_reads.positions(w, mover.sort)
@@ -110,8 +107,8 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     target = w.bind("target", wanted)
     if isinstance(course, ir.Along):
         stay_if_blocked(mover, target, w)
-    ahead = isinstance(course, ir.Along) and isinstance(course.heading, ir.FieldRead) and course.heading.name == "heading"
-    if not (ahead and course.heading.held_by.what == "mover"):  # who goes where it looks keeps its heading
+    read = course.heading if isinstance(course, ir.Along) else None
+    if not (isinstance(read, ir.FieldRead) and (read.held_by.what, read.name) == ("mover", "heading")):  # who looks there already
         attribute, turned = attribute_of("heading", mover.sort), Cast(way.node, "u8")
         w.assign(attribute, turned if goes == TRUE else Where(spread(goes, (axis,)), turned, path(f"state.{attribute}")))
     settle(s, mover.sort, target, w)
@@ -129,16 +126,15 @@ def _open_way(course: ir.Wander, scope: IterationScope, mover: AgentVar, w: Writ
     position = Index(state_reads.positions(w, mover.sort), (ALL, NEW_AXIS))
     each_way = Binary("+", Binary("*", position, Literal(4)), Index(iota(ways).node, (NEW_AXIS, ALL)))
     beside = w.keep("beside", Value(Index(_next_table(mover.sort, w), (each_way,)), "i32", (axis, ways)))
-    everybody = state_reads.all_positions(w)
-    assert everybody is not None
-    free = Binary("&", Binary("!=", beside.node, position), Unary("~", call("is_one_of", beside.node, everybody)))
+    taken = call("is_one_of", beside.node, state_reads.all_positions(w))
+    free = Binary("&", Binary("!=", beside.node, position), Unary("~", taken))
     open_ = Value(free, "bool", (axis, ways))
     for block, kind in conditional_blocks(mover.sort.plural, w):
         open_ = binary("&", open_, invert(blocked_by(block, kind, beside, w, mover)), "bool")
     if course.avoided is not None and not is_empty(course.avoided, w):
         cells, member = _members(course.avoided, scope, axis, w)
-        taken = Where(member, cells, Literal(-1))  # a row of cells for each mover
-        within = call("is_one_of", beside.node, Index(taken, (ALL, NEW_AXIS, ALL)))
+        avoided = Where(member, cells, Literal(-1))  # a row of cells for each mover
+        within = call("is_one_of", beside.node, Index(avoided, (ALL, NEW_AXIS, ALL)))
         open_ = binary("&", open_, Value(Unary("~", within), "bool", (axis, ways)), "bool")
     if course.goal is not None:
         better = _better(course.goal, course.away, scope, mover, axis, w)

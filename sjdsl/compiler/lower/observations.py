@@ -18,6 +18,7 @@ from sjdsl.compiler.lower.cell_appearance import (
     relative_heading,
     shown_words,
 )
+from sjdsl.compiler.lower.expressions import agent as agent_of
 from sjdsl.compiler.lower.expressions import first_of
 from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, look_number, paint_planes, parts_of, shift_of
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
@@ -298,7 +299,12 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
         names = dict.fromkeys(label.name for label in observable.labels)
         return _labelled(observable, {name: number for number, name in enumerate(names)}, place, w)
     if shows_attribute(observable):
-        return _attribute(observable, place, w)
+        owner = observable.owner
+        assert owner is not None, observable
+        value = w.value(ir.Attribute(type=observable.type, owner=owner, name=observable.field), place)  # type: ignore[arg-type]
+        if observable.field in ("row", "col"):
+            value = select(state_reads.present(agent_of(owner, place, w), w), value, literal(0, "i32"))
+        return as_dtype(value, "u8")
     if observable.value is not None:
         return as_dtype(w.value(observable.value, place), "u8")
     declared = shown_field(w.module.game, observable)
@@ -315,18 +321,6 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     elif isinstance(stored.node, array.Cast) and stored.node.source == "u8":  # it was widened from the byte that is wanted
         return replace(stored, node=stored.node.value, dtype="u8")
     return replace(stored, node=array.Cast(stored.node, "u8"), dtype="u8")
-
-
-def _attribute(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
-    """Returns what an agent has of itself as a byte; of one that is away the row and column are 0."""
-    owner = observable.owner
-    assert owner is not None, observable
-    value = w.value(ir.Attribute(type=observable.type, owner=owner, name=observable.field), place)  # type: ignore[arg-type]
-    if observable.field in ("row", "col"):
-        agent = place.variables[owner.name]
-        assert isinstance(agent, AgentVar)
-        value = select(state_reads.present(agent, w), value, literal(0, "i32"))
-    return as_dtype(value, "u8")
 
 
 def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list[Value]:

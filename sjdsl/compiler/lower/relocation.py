@@ -88,23 +88,19 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
     sent = w.keep("sent", per_agent(s.who, scope, w)).node
     at = state_reads.position(who, w)
     if s.to is not None:
-        there = state_reads.frame_cell(state_reads.kept_cell(s.to, scope, w), w)
-        target = w.keep("target", select(both(binary("!=", there, state_reads.nowhere(w), "bool"), state_reads.present(who, w)), there, at))
-        return Shifted(s, sent, w.keep("target", Value(of_each(s.who, target, scope, w), "i32")).node)
-    return Shifted(s, sent, w.keep("target", Value(of_each(s.who, _some_cells_on(s, who, at, scope, w), scope, w), "i32")).node)
-
-
-def _some_cells_on(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Writer) -> Value:
-    """Returns the last cell of the way, or the agent's own if the way is not free."""
-    assert s.steps is not None
-    steps = as_dtype(w.value(s.steps, scope.always()), "i32")
-    heading, there = _heading(s, who, at, scope, w)
-    strides = array.constant([r * w.module.layout.cols + c for r, c in DIRECTIONS])
-    stride = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
-    by = w.keep("stride", Value(array.Index(stride, (heading.node,)), "i32", heading.axes))
-    ahead = _Ahead(at, heading, by)
-    goes = both(binary(">", steps, literal(0, "i32"), "bool"), there, _is_free(s, who, ahead, steps, w))
-    return w.keep("target", select(goes, w.keep("goal", _cells_on(ahead, steps, w)), at))
+        goal = state_reads.frame_cell(state_reads.kept_cell(s.to, scope, w), w)
+        goes = both(binary("!=", goal, state_reads.nowhere(w), "bool"), state_reads.present(who, w))
+    else:
+        assert s.steps is not None
+        steps = as_dtype(w.value(s.steps, scope.always()), "i32")
+        heading, there = _heading(s, who, at, scope, w)
+        strides = array.constant([r * w.module.layout.cols + c for r, c in DIRECTIONS])
+        stride = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
+        ahead = _Ahead(at, heading, w.keep("stride", Value(array.Index(stride, (heading.node,)), "i32", heading.axes)))
+        goes = both(binary(">", steps, literal(0, "i32"), "bool"), there, _is_free(s.steps.type, who, ahead, steps, w))
+        goal = w.keep("goal", _cells_on(ahead, steps, w))
+    target = w.keep("target", select(goes, goal, at))
+    return Shifted(s, sent, w.keep("target", Value(of_each(s.who, target, scope, w), "i32")).node)
 
 
 def _cells_on(ahead: _Ahead, number: Value, w: Writer) -> Value:
@@ -132,8 +128,8 @@ def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Wr
     other = owner(s.other, scope, w)
     goal = state_reads.position(other, w) if isinstance(other, AgentVar) else state_reads.cell(other, w)
     rows, columns = (w.keep(name, _apart(goal, at, op, w)) for name, op in (("rows", "//"), ("columns", "%")))
+    lengths = (w.module.layout.height, w.module.layout.width)
     if w.module.layout.wraps:
-        lengths = (w.module.layout.height, w.module.layout.width)
         ways = zip((rows, columns), lengths, strict=True)
         rows, columns = (w.keep("shorter", replace(x, node=array.call("shorter_way", x.node, array.Literal(n)))) for x, n in ways)
     down, across = (replace(x, node=array.call("jnp.abs", x.node)) for x in (rows, columns))
@@ -142,24 +138,14 @@ def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Wr
     vertical = select(binary("<", rows, literal(0, "i32"), "bool"), literal(0, "i32"), literal(2, "i32"))
     level = select(binary("<", columns, literal(0, "i32"), "bool"), literal(3, "i32"), literal(1, "i32"))
     toward, apart = select(upright, vertical, level), binary("!=", goal, at, "bool")
-    if w.module.layout.wraps:
-        toward, apart = _as_it_looks(toward, apart, who, (upright, rows, columns), w)
+    if w.module.layout.wraps:  # where both ways round are equally long: the one in which the agent looks
+        halves = (binary("*", literal(2, "i32"), x, "i32") for x in (rows, columns))
+        equal = [binary("==", half, literal(length, "i32"), "bool") for half, length in zip(halves, lengths, strict=True)]
+        either, looks = w.keep("either_way", select(upright, *equal)), state_reads.heading(who, w)
+        line, way = (Value(array.Binary("&", x.node, array.Literal(1)), "i32", x.axes) for x in (looks, toward))
+        stuck = w.keep("stuck", binary("&", either, binary("!=", line, way, "bool"), "bool"))
+        toward, apart = select(either, looks, toward), both(apart, invert(stuck))
     return _turned(toward, s.quarters), apart
-
-
-def _as_it_looks(toward: Value, apart: Value, who: AgentVar, ways: tuple[Value, Value, Value], w: Writer) -> tuple[Value, Value]:
-    """Returns the direction, and whether there is one, where both ways round may be equally long: the one in which the agent looks.
-
-    ways: whether it goes along the rows, how many, and how many columns.
-    """
-    upright, rows, columns = ways
-    lengths = ((rows, w.module.layout.height), (columns, w.module.layout.width))
-    halves = [binary("==", binary("*", literal(2, "i32"), x, "i32"), literal(length, "i32"), "bool") for x, length in lengths]
-    either = w.keep("either_way", select(upright, *halves))
-    looks = state_reads.heading(who, w)
-    line, way = (Value(array.Binary("&", x.node, array.Literal(1)), "i32", x.axes) for x in (looks, toward))
-    across = binary("!=", line, way, "bool")
-    return select(either, looks, toward), both(apart, invert(w.keep("stuck", binary("&", either, across, "bool"))))
 
 
 def _apart(goal: Value, at: Value, op: str, w: Writer) -> Value:
@@ -176,16 +162,14 @@ def _turned(heading: Value, quarters: int) -> Value:
     return replace(more, node=array.Binary("&", more.node, array.Literal(3)))
 
 
-def _is_free(s: ir.Shift, who: AgentVar, ahead: _Ahead, steps: Value, w: Writer) -> Value:
-    """Returns whether every cell on the way is on the map, open to the agent, and (but for the last one) empty."""
-    assert s.steps is not None
-    most = int(s.steps.type.high)
+def _is_free(number_of: ir.Type, who: AgentVar, ahead: _Ahead, steps: Value, w: Writer) -> Value:
+    """Returns whether every cell on the way is on the map, open to the agent, and (but for the last one) empty; `number_of` the steps."""
+    most = int(number_of.high)
     if most == 0:
         return TRUE
     if most == 1:
         return _is_open(w.keep("ahead", _cells_on(ahead, literal(1, "i32"), w)), who, w)
     everybody = state_reads.all_positions(w)
-    assert everybody is not None
     axis = w.axis("way", most)
     number = binary("+", iota(axis), literal(1, "i32"), "i32")
     cells = w.keep("way", _cells_on(ahead, number, w))
@@ -193,7 +177,7 @@ def _is_free(s: ir.Shift, who: AgentVar, ahead: _Ahead, steps: Value, w: Writer)
     standing = Value(array.Reduce("any", stand_on(cells, everybody), (len(cells.axes),)), "bool", cells.axes)
     last = binary(">=", number, steps, "bool")
     clear = both(clear, invert(select(last, literal(False, "bool"), standing)))
-    if s.steps.type.low < most:  # what lies beyond the last cell does not matter
+    if number_of.low < most:  # what lies beyond the last cell does not matter
         clear = select(binary(">", number, steps, "bool"), literal(True, "bool"), clear)
     return w.keep("clear", reduce("all", clear, (axis,)))
 
@@ -513,30 +497,27 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writ
     w.set(array.Name("state"), replaced("state", left))
     for pool in (p for phase in pools.values() for p in phase):
         if any(s.after is not None for s in _sends_of(pool, w.module)):
-            _return(pool, due[pool.sort], w)
+            w.forget()
+            w.origin = pool.send.origin
+            position, heading, away, away_facing, away_pool = (
+                array.path(f"state.{attribute_of(name, pool.sort)}") for name in ("position", "heading", "away", "away_facing", "away_pool")
+            )
+            to_pool = array.Binary("==", away_pool, array.Literal(pool.number))
+            back = w.keep("back", Value(array.Binary("&", due[pool.sort], to_pool), "bool")).node
+            own = _of_those_who_return(pool, w)
+            free = _free_cells(pool, None, own is None, w)
+            number = w.module.extent(pool.sort)
+            drawn = (
+                array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number) for s in (pool.send.order_stream, pool.send.heading_stream)
+            )
+            among = (state_reads.cells_of(pool.kinds, w), free, back, *drawn, position, heading, away_facing)
+            attributes = [attribute_of(name, pool.sort) for name in ("position", "heading", "away")]
+            new_position, new_heading, placed = (array.Name(w.names.fresh(name)) for name in (*attributes[:2], "placed"))
+            w.unpack((new_position, new_heading, placed), array.call("come_back", *among, *(() if own is None else (own,))))
+            new = (new_position, new_heading, array.Where(placed, array.Literal(0), away))
+            w.set(array.Name("state"), replaced("state", dict(zip(attributes, new, strict=True))))
     w.forget()
     w.origin = None
-
-
-def _return(pool: Pool, due: array.Expression, w: Writer) -> None:
-    """Writes how those come back to the map who were sent away to one pool."""
-    w.forget()
-    w.origin = pool.send.origin
-    position, heading, away, away_facing, away_pool = (
-        array.path(f"state.{attribute_of(name, pool.sort)}") for name in ("position", "heading", "away", "away_facing", "away_pool")
-    )
-    to_pool = array.Binary("==", away_pool, array.Literal(pool.number))
-    back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
-    own = _of_those_who_return(pool, w)
-    free = _free_cells(pool, None, own is None, w)
-    number = w.module.extent(pool.sort)
-    drawn = (array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number) for s in (pool.send.order_stream, pool.send.heading_stream))
-    among = (state_reads.cells_of(pool.kinds, w), free, back, *drawn, position, heading, away_facing)
-    attributes = [attribute_of(name, pool.sort) for name in ("position", "heading", "away")]
-    new_position, new_heading, placed = (array.Name(w.names.fresh(name)) for name in (*attributes[:2], "placed"))
-    w.unpack((new_position, new_heading, placed), array.call("come_back", *among, *(() if own is None else (own,))))
-    new = (new_position, new_heading, array.Where(placed, array.Literal(0), away))
-    w.set(array.Name("state"), replaced("state", dict(zip(attributes, new, strict=True))))
 
 
 def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:

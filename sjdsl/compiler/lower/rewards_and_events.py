@@ -28,9 +28,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
         return
     reached = scope.mask
     if s.but is not None:
-        giver = scope.variables[s.but.name]
-        assert isinstance(giver, AgentVar)
-        reached = both(scope.mask, binary("!=", giver.index, iota(w.axis("receiver", w.module.agents)), "bool"))
+        reached = both(scope.mask, binary("!=", agent(s.but, scope, w).index, iota(w.axis("receiver", w.module.agents)), "bool"))
     deliver("reward", (), _summed(reached, amount, scope.axes, w, name), w)
 
 

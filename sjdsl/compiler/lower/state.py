@@ -179,8 +179,8 @@ def described_fields(game: ir.Game) -> tuple[StateField, ...]:
                 found.append(StateField(attribute, type_.kind))
             case _:
                 limited = isfinite(type_.low) and isfinite(type_.high) and type_.low < type_.high
-                limits = {"low": type_.low, "high": type_.high} if limited else {}
-                found.append(StateField(attribute, "number", **limits))
+                low, high = (type_.low, type_.high) if limited else (None, None)
+                found.append(StateField(attribute, "number", low=low, high=high))
     return tuple(found)
 
 

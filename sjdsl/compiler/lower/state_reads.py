@@ -105,13 +105,13 @@ def fits_byte(declared: ir.VarField, w: Writer) -> bool:
 
 def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     """Returns the largest value a timer begins with or any statement sets it to. `nodes`: all of the game."""
-    bound = 0.0
+    bounds = [0.0]
     for node in nodes:
         if isinstance(node, ir.GlyphMeaning) and declared.held_by == ir.Sort("cell", (node.kind,)):
-            bound = max([bound, *(value for name, value in node.starts if name == declared.name and isinstance(value, int))])
+            bounds += [value for name, value in node.starts if name == declared.name and isinstance(value, int)]
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and can_be(node.target, declared):
-            bound = max(bound, node.value.type.high)
-    return bound
+            bounds.append(node.value.type.high)
+    return max(bounds)
 
 
 def position(owner: AgentVar, w: Writer) -> Value:
@@ -156,11 +156,11 @@ def everybody(w: Writer, sort: ir.Sort) -> AgentVar:
     return AgentVar(Value(Name(sort.plural), "i32"), axis, sort)
 
 
-def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression | None:
-    """Returns the cells of all agents and movers; `but`: without those of one sort. None: there is nobody."""
+def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
+    """Returns the cells of all agents and movers; `but`: without those of one sort, where there are others."""
     sorts = [sort for sort in body_sorts(w.module.game) if sort != but]
-    if len(sorts) <= 1:
-        return positions(w, sorts[0]) if sorts else None
+    if len(sorts) == 1:
+        return positions(w, sorts[0])
     together = call("jnp.concatenate", Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True))
     return w.keep("bodies" if but is None else "others", Value(together, "i32")).node
 
@@ -229,7 +229,6 @@ def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Valu
 def occupied(owner: CellVar, w: Writer) -> Value:
     """Returns which cells have an agent or a mover on them."""
     bodies = all_positions(w)
-    assert bodies is not None
     if owner.axis is not None:
         site = w.keep("_".join(owner.kinds) + "_under", site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w))
         vector = w.keep("covered", Value(call("occupied", site.node, w.module.num_cells(owner.kinds)), "bool"))
@@ -237,8 +236,7 @@ def occupied(owner: CellVar, w: Writer) -> Value:
     at = cell(owner, w)
     if not at.axes:
         return Value(Reduce("any", Binary("==", at.node, bodies)), "bool")
-    agents = Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
-    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), agents)
+    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL)))
     return Value(Reduce("any", same, (-1,)), "bool", at.axes)
 
 
