@@ -145,8 +145,7 @@ def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
         return first + words.index(_word(observable, here))
     if observable.what == "everyone" and observable.field in ("row", "col") and not is_here(here.names["everyone"], here.world):
         return 0
-    value = evaluate(_read(observable, here.board), here)
-    return min(max(int(value), 0), 255)
+    return min(max(int(evaluate(_read(observable, here.board), here)), 0), 255)
 
 
 def _word(observable: ir.Observable, here: Instance) -> str:

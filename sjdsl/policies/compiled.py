@@ -94,8 +94,7 @@ class Chooser:
         if not self._moves.actions:  # nobody walks: a rule applies to those who are there already
             return self._is_there(goals, here), jnp.broadcast_to(done, here[0].shape)
         arrived, found, best = first_moves(self._moves, goals, enterable, here, wanted)
-        walks = self._walk(best, enterable, here, present, self._movers(state), bits)
-        return found, jnp.where(arrived, done, walks)
+        return found, jnp.where(arrived, done, self._walk(best, enterable, here, present, self._movers(state), bits))
 
     def _is_there(self, goals: Array, here: tuple[Array, Array, Array]) -> Array:
         """Returns which agents are where a rule leads, `[N]` bool. goals: `[K, P, H, L]` boards."""

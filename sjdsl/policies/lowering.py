@@ -116,8 +116,7 @@ def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray |
     at = None if whole else _map_cells(member, module, w)
     depends = any(axis in value.axes for value in (mask, *([] if at is None else [at])) for axis in outer.axes)
     axes = (*outer.axes, *added) if depends else added
-    number = Literal(module.num_agents if depends else 1)
-    rows_of_members = Sequence((number, Literal(-1)))
+    rows_of_members = Sequence((Literal(module.num_agents if depends else 1), Literal(-1)))
     values = (mask, *([] if at is None else [at]))  # one without axes may be a plain number, which has no method `reshape`
     w.give_back(*(Call(Attribute(Name("jnp"), "reshape"), (spread(value, axes), rows_of_members)) for value in values))
     if not whole:

@@ -69,8 +69,7 @@ def _added_in_rows(sets: Array, agents: int) -> Array:
     parts = [rows[first : min(first + _ROWS_AT_ONCE, full)] for first in range(0, full, _ROWS_AT_ONCE)] + [[row] for row in rows[full:]]
     counts = jnp.zeros(agents, jnp.int32)
     for part in parts:
-        by_lane = reduce(jnp.add, map(members, part))
-        counts = counts + jnp.sum(by_lane, axis=1, dtype=jnp.uint8).astype(jnp.int32)
+        counts = counts + jnp.sum(reduce(jnp.add, map(members, part)), axis=1, dtype=jnp.uint8).astype(jnp.int32)
     return counts
 
 

@@ -174,8 +174,7 @@ class Environment:
     def state_vector(self, state: State, params: Params | None = None) -> Array:
         """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
         row, col = self.cells(state)
-        length = self.module.episode_length(self._given(params))
-        return state_vector(self.module, state, row, col, length)
+        return state_vector(self.module, state, row, col, self.module.episode_length(self._given(params)))
 
     @property
     def roles(self) -> tuple[int, ...] | None:

@@ -153,8 +153,7 @@ def first_moves(
     arrived = holds(goals, heading, row, col)
     if not moves.actions:
         return arrived, arrived, jnp.zeros_like(heading)
-    start = (goals, arrived, jnp.zeros_like(heading), jnp.asarray(True))
-    _, found, best, _ = lax.while_loop(goes_on, advance, start)
+    _, found, best, _ = lax.while_loop(goes_on, advance, (goals, arrived, jnp.zeros_like(heading), jnp.asarray(True)))
     return arrived, found, best
 
 

@@ -44,8 +44,7 @@ def _gained(position: Array, cells: Array, member: Array, cols: int, way: Callab
         steps = jnp.abs(way(rows_away - down, 0)) + jnp.abs(way(cols_away - right, 1))
         return jnp.min(jnp.where(member, steps, FAR), axis=1)
 
-    beside = [nearest(down, right) for down, right in DIRECTIONS]
-    return jnp.stack(beside, axis=1) - nearest(0, 0)[:, None]
+    return jnp.stack([nearest(down, right) for down, right in DIRECTIONS], axis=1) - nearest(0, 0)[:, None]
 
 
 def is_one_of(cells: Array, taken: Array) -> Array:

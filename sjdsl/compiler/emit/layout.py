@@ -55,8 +55,7 @@ def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
     assert isinstance(bracket, Bracketed)
     before, behind = Chain(tuple(parts[:widest])), Chain(tuple(parts[widest + 1 :]))
     head = layout(before, column, indent, len(bracket.open)) if before.pieces else ""
-    tail_column = indent + len(bracket.close)
-    tail = layout(behind, tail_column, indent, after) if behind.pieces else ""
+    tail = layout(behind, indent + len(bracket.close), indent, after) if behind.pieces else ""
     return f"{head}{bracket.open}\n{_items(bracket, indent + INDENT)}\n{' ' * indent}{bracket.close}{tail}"
 
 

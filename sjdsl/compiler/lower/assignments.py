@@ -104,8 +104,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
         w.best_ranks[target.attribute] = w.bind("best", array.call("best_ranks", place, ranks, best))
     won = w.bind("won", array.call("drawn_by_lot", place, ranks, extent))
     if target.who is None and entry is None:
-        here = array.call("jnp.argmax", won)
-        drawn = array.Index(_values(value, target, axes, w), (here,))
+        drawn = array.Index(_values(value, target, axes, w), (array.call("jnp.argmax", won),))
         w.assign(target.attribute, array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)))
         return
     past = w.module.num_entries(target.read.type.by[0]) if target.who is None else past_the_end(target.who, w).node

@@ -114,9 +114,7 @@ def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expressio
 
 def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
     """Returns a value spelt out over exactly these axes; a scalar over no axes stays one."""
-    if value.axes == axes:
-        return value.node
-    return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
+    return value.node if value.axes == axes else Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
 
 
 def taken(value: Value, key: Expression, levels: int = 0) -> Value:

@@ -107,8 +107,7 @@ def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Valu
         p = _probability(weight, scope, w)
         total = p if total is None else binary("+", total, p, "f32")
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
-        past = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
-        result = binary("+", result, past, "i32")
+        result = binary("+", result, as_dtype(binary(">=", shifted, limit, "bool"), "i32"), "i32")
     if s.numbers:
         table = w.module.constant(f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32")
         return replace(result, node=Index(table, (result.node,)))

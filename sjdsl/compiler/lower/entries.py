@@ -111,5 +111,4 @@ def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: W
     if len(numbers) > 4 and numbers[1:] == [(shift + i) % 256 for i in range(1, len(numbers))]:  # all but the first
         others = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
         return select(binary("==", value, literal(0, "u8"), "bool"), literal(numbers[0], "u8"), others)
-    table = array.as_array(array.constant([*numbers]), "u8")
-    return replace(value, node=array.Index(table, (value.node,)))
+    return replace(value, node=array.Index(array.as_array(array.constant([*numbers]), "u8"), (value.node,)))

@@ -178,9 +178,7 @@ def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
     """Returns the variable whose field is read: one in scope, or the agent an expression gives."""
     if isinstance(e, ir.Member):
         return scope.variables[e.name]
-    if e.type.kind == "cell":
-        return state_reads.held_cell(e, e.type.kinds, scope, w)
-    return AgentVar(w.value(e, scope))
+    return state_reads.held_cell(e, e.type.kinds, scope, w) if e.type.kind == "cell" else AgentVar(w.value(e, scope))
 
 
 def agent(e: ir.Expr, scope: IterationScope, w: Writer) -> AgentVar:

@@ -121,8 +121,7 @@ class Layout:
     def shows_cells_twice(self) -> bool:
         """Whether a window can go round the map and show the observer's own cell once more."""
         view = self.game.window
-        reach = max(view.ahead, view.behind, view.left, view.right)
-        return self.wraps and reach >= min(self.height, self.width)
+        return self.wraps and max(view.ahead, view.behind, view.left, view.right) >= min(self.height, self.width)
 
     @property
     def own_cells_table(self) -> Expression:

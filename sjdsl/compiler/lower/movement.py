@@ -103,8 +103,7 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
         case ir.Wander():
             way, goes = _open_way(course, inner, mover, w)
     beside = Index(_next_table(mover.sort, w), (Binary("+", Binary("*", position, Literal(4)), way.node),))
-    wanted = beside if goes == TRUE else Where(spread(goes, (axis,)), beside, position)
-    target = w.bind("target", wanted)
+    target = w.bind("target", beside if goes == TRUE else Where(spread(goes, (axis,)), beside, position))
     if isinstance(course, ir.Along):
         stay_if_blocked(mover, target, w)
     read = course.heading if isinstance(course, ir.Along) else None
@@ -127,8 +126,7 @@ def _open_way(course: ir.Wander, scope: IterationScope, mover: AgentVar, w: Writ
     each_way = Binary("+", Binary("*", position, Literal(4)), Index(iota(ways).node, (NEW_AXIS, ALL)))
     beside = w.keep("beside", Value(Index(_next_table(mover.sort, w), (each_way,)), "i32", (axis, ways)))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
-    free = Binary("&", Binary("!=", beside.node, position), Unary("~", taken))
-    open_ = Value(free, "bool", (axis, ways))
+    open_ = Value(Binary("&", Binary("!=", beside.node, position), Unary("~", taken)), "bool", (axis, ways))
     for block, kind in conditional_blocks(mover.sort.plural, w):
         open_ = binary("&", open_, invert(blocked_by(block, kind, beside, w, mover)), "bool")
     if course.avoided is not None and not is_empty(course.avoided, w):

@@ -56,8 +56,7 @@ def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: tuple[Axi
             w.origin = hidden.origin
             there, values = look_fields(look, raw, w)
             if hidden.when is not None:
-                place = seen_cell(look, hidden.name, values, axes)
-                there = binary("&", there, w.value(hidden.when, place), "bool")
+                there = binary("&", there, w.value(hidden.when, seen_cell(look, hidden.name, values, axes)), "bool")
             marks = w.keep("marks", select(there, literal(0, "u8"), marks))
     return marks
 

@@ -315,8 +315,7 @@ def _fits(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
     """Returns where a destination's `where` holds, along the axis of its cells and those of the variables it names."""
     assert s.domain.where is not None
     variable = CellVar(iota(axis), s.domain.var.kinds, axis)
-    inner = replace(scope.binding(**{s.domain.var.name: variable}), axes=(*scope.axes, axis))
-    return w.value(s.domain.where, inner)
+    return w.value(s.domain.where, replace(scope.binding(**{s.domain.var.name: variable}), axes=(*scope.axes, axis)))
 
 
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array.Expression:

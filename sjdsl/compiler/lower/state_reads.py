@@ -152,8 +152,7 @@ def positions(w: Writer, sort: ir.Sort = AGENTS) -> Expression:
 def everybody(w: Writer, sort: ir.Sort) -> AgentVar:
     """Returns all agents, or all movers of a sort, where their numbers are not asked for."""
     extent = w.module.extent(sort)
-    axis = Axis("", extent.size, 0, extent.name)
-    return AgentVar(Value(Name(sort.plural), "i32"), axis, sort)
+    return AgentVar(Value(Name(sort.plural), "i32"), Axis("", extent.size, 0, extent.name), sort)
 
 
 def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
