@@ -309,18 +309,12 @@ def _apply_agents(game: Composition, agents: ast.Agents) -> None:
     game.agents_span = game.agents_span or agents.span
     if agents.number is not None:
         game.number = agents.number
+    tables: dict[type[Any], dict[str, Any]] = {ast.Forbid: game.forbids, ast.Blocks: game.agent_blocks}
     for key, attribute in _agent_entries(agents):
-        match attribute:
-            case ast.Acts():
-                game.acts = attribute
-            case ast.Moves():
-                game.moves = attribute
-            case ast.Forbid():
-                game.forbids[key] = attribute
-            case ast.Blocks():
-                game.agent_blocks[key] = attribute
-            case ast.Field() | ast.Timer():
-                game.agent_fields[key] = attribute
+        if isinstance(attribute, ast.Acts | ast.Moves):
+            setattr(game, key, attribute)
+        else:
+            tables.get(type(attribute), game.agent_fields)[key] = attribute
 
 
 def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:

@@ -5,7 +5,7 @@ from functools import cached_property, lru_cache
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir import printer
-from sjdsl.compiler.ir.queries import contains, kinds_by_glyph, marking_phases, phases_of
+from sjdsl.compiler.ir.queries import all_fields, contains, kinds_by_glyph, marking_phases, phases_of
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.state import Cell, Herd, Pool, Value, World, field_value
 
@@ -16,6 +16,7 @@ class Board:
 
     kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
     pools: a `send` of each pool of sends, the first one with `after` if there is one; start first, then in the order of the schedule.
+    fields: those declared, by whose they are (a kind, a sort of movers, `agent` or `world`) and their names.
     moving: the phases in which agents move, by their identity.
     closed: whether an expression names nothing around it, as far as asked, by its identity.
     read: what an observable reads, as far as asked, by its identity.
@@ -27,10 +28,7 @@ class Board:
     number: dict[Cell, int]
     kinds: dict[str, ir.Kind]
     shapes: dict[str, ir.Shape]
-    agent_fields: dict[str, ir.VarField]
-    world_fields: dict[str, ir.VarField]
-    cell_fields: dict[tuple[str, str], ir.VarField]
-    mover_fields: dict[tuple[str, str], ir.VarField]
+    fields: dict[tuple[str, str], ir.VarField]
     pools: dict[Pool, ir.Send]
     moving: frozenset[int]
     closed: dict[int, tuple[ir.Expr, bool]] = field(default_factory=dict)
@@ -106,10 +104,7 @@ def _build(game: ir.Game) -> Board:
         number={cell: number for members in cells.values() for number, cell in enumerate(members)},
         kinds={k.name: k for k in game.kinds},
         shapes={s.name: s for s in (*game.shapes, *game.policy_shapes)},
-        agent_fields={f.name: f for f in game.agents.fields},
-        world_fields={f.name: f for f in game.fields},
-        cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},
-        mover_fields={(sort.name, f.name): f for sort in game.movers for f in sort.fields},
+        fields={(f.held_by.name, f.name): f for f in all_fields(game)},
         pools=_pools(game),
         moving=frozenset(id(phase) for phase in phases_of(game) if contains(phase, ir.Move)),
     )
@@ -135,7 +130,8 @@ def declared_world(board: Board, params: dict[str, Value]) -> World:
     starts = {g.glyph: dict(g.starts) for g in game.glyphs}
     cells = {
         (kind, name): [field_value(f, starts.get(game.rows[r][c], {}).get(name, f.start)) for r, c in board.cells[kind]]
-        for (kind, name), f in board.cell_fields.items()
+        for (kind, name), f in board.fields.items()
+        if f.held_by.what == "cell"
     }
     return World(
         step=0,

@@ -7,7 +7,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import action_named, all_fields, event_named
+from sjdsl.compiler.ir.queries import action_named, event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.bodies import away_of, bodies, where_is
@@ -162,7 +162,7 @@ def _tick(here: Instance) -> World:
     """Returns the state after `tick`: timers first, then the agents that come back see the new ones."""
     world = copied(here.world)
     board = here.board
-    for declared in all_fields(board.game):
+    for declared in board.fields.values():
         if declared.timer and declared.held_by.what == "world":
             world.fields[declared.name] = _fallen(world.fields[declared.name])
         elif declared.timer:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +17,7 @@ from sjdsl.interpreter.evaluate import agents_in, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import added_up, check_int32, check_interval
 from sjdsl.interpreter.state import Cell, Mover, Value, World
+from sjdsl.interpreter.stored import held_values
 
 
 class Slot(NamedTuple):
@@ -125,11 +128,7 @@ def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Val
 
 def declaration(slot: Slot, board: Board) -> ir.VarField:
     """Returns the field a slot belongs to."""
-    if slot.owner is None:
-        return board.world_fields[slot.name]
-    if slot.owner[0] == "agent":
-        return board.agent_fields[slot.name]
-    return board.cell_fields.get((slot.owner[0], slot.name)) or board.mover_fields[slot.owner[0], slot.name]
+    return board.fields["world" if slot.owner is None else slot.owner[0], slot.name]
 
 
 def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
@@ -164,13 +163,13 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
     for slot, value in writes.adds:
         adds.setdefault(slot, []).append(_fitting(declaration(slot, board), value))
     for slot, value in sets.items():
-        _put(slot, value, world)
+        _put(slot, value, board, world)
     for slot, values in adds.items():
         declared = declaration(slot, board)
         assert slot not in sets or declared.type.kind == "agents", f"{slot} is set and added to"
-        _put(slot, _added(declared, _get(slot, world), values), world)
+        _put(slot, _added(declared, _get(slot, board, world), values), board, world)
     for slot in (*sets, *adds):
-        _check(declaration(slot, board), _get(slot, world), board)
+        _check(declaration(slot, board), _get(slot, board, world), board)
 
 
 def _fitting(declared: ir.VarField, value: Value) -> Value:
@@ -203,30 +202,19 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
             raise AssertionError(declared)
 
 
-def _get(slot: Slot, world: World) -> Value:
-    values, place = _holder(slot, world)
-    value = values[place]
-    for entry in slot.entries:
-        value = value[entry]
-    return value
+def _get(slot: Slot, board: Board, world: World) -> Value:
+    values, place = _holder(slot, board, world)
+    return reduce(getitem, slot.entries, values[place])
 
 
-def _put(slot: Slot, value: Value, world: World) -> None:
-    values, place = _holder(slot, world)
+def _put(slot: Slot, value: Value, board: Board, world: World) -> None:
+    values, place = _holder(slot, board, world)
     values[place] = _replaced(values[place], slot.entries, value)
 
 
-def _holder(slot: Slot, world: World) -> tuple[Any, Any]:
+def _holder(slot: Slot, board: Board, world: World) -> tuple[Any, Any]:
     """Returns the list or dictionary that the field's value is kept in, and its place there."""
-    match slot.owner:
-        case None:
-            return world.fields, slot.name
-        case ("agent", agent):
-            return world.agents[slot.name], agent
-        case (sort, number) if sort in world.movers:
-            return world.movers[sort].fields[slot.name], number
-        case (kind, number):
-            return world.cells[kind, slot.name], number
+    return (world.fields, slot.name) if slot.owner is None else (held_values(declaration(slot, board), world), slot.owner[1])
 
 
 def _replaced(whole: Value, entries: tuple[int, ...], value: Value) -> Value:
