@@ -190,8 +190,8 @@ def _placed(cells: Array, free: Array, own: Array | None, words: Array, position
 
 def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
     """The form for CPUs: a loop with a turn for each agent that is sent, not for each agent: most steps send nobody."""
-    fitting = None if own is None else bits.pack(own)
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
+    fitting = None if own is None else bits.pack(own)
 
     def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
         return jnp.any(state[0])
