@@ -9,6 +9,7 @@ from itertools import islice, product
 from typing import Any, Literal, assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
@@ -42,7 +43,7 @@ def _checked(e: ir.Expr, here: Instance) -> Value:
 def _is_closed(e: ir.Expr, board: Board) -> bool:
     """Returns whether all variables of an expression are bound inside it. The board keeps the answers."""
     if id(e) not in board.closed:
-        board.closed[id(e)] = (e, binds_all(e))
+        board.closed[id(e)] = (e, not free_variables(e))
     return board.closed[id(e)][1]
 
 
@@ -332,24 +333,6 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Logic: _logic,
     ir.MatrixClass: lambda e, here: is_of_class(e.name, evaluate(e.table, here)),
 }
-
-
-def binds_all(e: ir.Expr) -> bool:
-    """Returns whether an expression binds every variable that it names, and so has one value in all instances."""
-    return not _free_names(e)
-
-
-def _free_names(node: ir.Node) -> set[str]:
-    """Returns the variables of a node that it does not bind itself; a domain may bind a name that means something else around it."""
-    if isinstance(node, (ir.Member, ir.Local)):
-        return {node.name}
-    if not isinstance(node, (ir.Count, ir.Sum, ir.Extreme)):
-        return set().union(*map(_free_names, ir.children(node)))
-    domain, value = node.domain, getattr(node, "value", None)
-    inside = set().union(*(_free_names(part) for part in (domain.where, value) if part is not None))
-    outside = [part for part in (domain.restriction, *ir.children(node)) if part is not None and part is not domain and part is not value]
-    bound = {member.name for member in (domain.var, domain.on) if member is not None}
-    return (inside - bound).union(*map(_free_names, outside))
 
 
 def arguments_of(action: ir.ActionWithArguments, number: int) -> tuple[Value, ...] | None:

@@ -12,8 +12,8 @@ from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import blocks_always, body_sorts, kinds_by_glyph, shape_named
 from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
-from sjdsl.runtime.actions import DIRECTIONS
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.geometry import turned
 from sjdsl.runtime.path_search import board, contains, destination, first_moves, moves_of, shifted, wrapped
 from sjdsl.runtime.policy import MemoryPolicy
 from sjdsl.runtime.random_bits import below, key_words, random_bits_at
@@ -192,12 +192,10 @@ def visible_from(game: ir.Game, shape: ir.Shape, heading: int) -> Iterator[tuple
     kinds = kinds_by_glyph(game)
     stops = {kind.name for kind in game.kinds if blocks_always(kind, shape.name)}
     blocking = np.array([[kinds[glyph] in stops for glyph in row] for row in game.rows])
-    (down, right), (down_beside, right_beside) = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
     met = {(0, 0)}
     for lane in shape.lanes:
         free = np.ones(blocking.shape, bool)
-        for ahead, beside in lane:
-            offset = (ahead * down + beside * down_beside, ahead * right + beside * right_beside)
+        for offset in turned(lane, heading):
             place = (offset[0] % blocking.shape[0], offset[1] % blocking.shape[1])
             if game.wraps and place in met and offset != (0, 0):  # a cell of the shape already
                 continue

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field
 from functools import cached_property
 from math import ceil, floor, inf, isinf
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -31,7 +31,6 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
             yield condition if holds else ir.Not(value=condition, origin=condition.origin)
 
 
-Comparison = Literal["<", "<=", ">", ">=", "==", "!="]
 Interval = tuple[float, float]
 
 
@@ -101,7 +100,7 @@ def is_known(condition: ir.Expr, known: Iterable[Fact]) -> bool:
     return any(f.form == wanted for f in known)
 
 
-def compares(left: ir.Expr, fn: Comparison, right: ir.Expr | float, known: Iterable[Fact]) -> bool:
+def compares(left: ir.Expr, fn: ir.Comparison, right: ir.Expr | float, known: Iterable[Fact]) -> bool:
     """Returns whether a comparison is one of the facts."""
     right = right if isinstance(right, ir.Node) else ir.Number(type=left.type, value=right)
     return is_known(ir.Compare(fn=fn, left=left, right=right), known)
