@@ -30,14 +30,14 @@ class Change(Record):
     is_drop: bool
 
 
-def undone(files: Iterable[str], said_last: Mapping[str, Change], variant: str, changes: Mapping[str, Change]) -> Iterator[Diagnostic]:
+def undone(files: Iterable[str], file_changes: Mapping[str, Change], variant: str, changes: Mapping[str, Change]) -> Iterator[Diagnostic]:
     """Yields a warning for each change of an extending game that a change of a variant of its base replaces.
 
-    `files`: those of the game, the outermost base first. `said_last`: what they say of each name.
+    `files`: those of the game, the outermost base first. `file_changes`: what they say of each name.
     """
     order = {file: place for place, file in enumerate(files)}
     for key, change in changes.items():
-        for other, before in said_last.items():
+        for other, before in file_changes.items():
             both = (key, other)
             if change.is_drop or before.is_drop:
                 both = (key.rpartition(" ")[2], other.rpartition(" ")[2])
@@ -94,7 +94,7 @@ class Composition:
     file: str = ""
     chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
-    said_last: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
+    file_changes: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
     warnings: list[Diagnostic] = field(default_factory=list)
 
     NAMED: ClassVar[dict[type[Any], str]] = {  # sections with a name, and the table each of them is kept in
@@ -131,7 +131,7 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
             raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
-        game.warnings += undone(game.sources, game.said_last, name, _changes(game, variant.changes))
+        game.warnings += undone(game.sources, game.file_changes, name, _changes(game, variant.changes))
         _apply(game, variant.changes)
     if game.problems:
         raise CompileError(game.problems)
@@ -153,7 +153,7 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
         game.title = title or game.title
     game.sources[source.name] = source
     _check_duplicates(game, file.game.sections)
-    game.said_last |= _changes(game, file.game.sections)
+    game.file_changes |= _changes(game, file.game.sections)
     _apply(game, file.game.sections)
     return game
 

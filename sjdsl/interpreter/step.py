@@ -122,7 +122,7 @@ def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, .
 
 def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None, sends: bool = True) -> World:
     """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
-    writes = Writes() if tell is None else Writes(told=[], drawn=[])
+    writes = Writes() if tell is None else Writes(done=[], drawn=[])
     with watched(lambda: phase, here.world.step):
         perform(phase.body, here, writes)
     world = copied(here.world)
@@ -148,7 +148,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None,
     outcome.terminated = outcome.terminated or writes.end
     _check_places(here.board, world)
     if tell is not None:
-        tell(Account(phase, here.world, world, tuple(writes.told or ()), tuple(writes.drawn or ())))
+        tell(Account(phase, here.world, world, tuple(writes.done or ()), tuple(writes.drawn or ())))
     return world
 
 

@@ -85,7 +85,7 @@ class Writes:
     sort: of those who `move`. courses: the direction in which each mover of a `move` goes, None if it stays. lots: those who would write
     a target `by lot`.
 
-    told, drawn: an account of it, statement by statement, where one is wanted; else None.
+    done, drawn: an account of it, statement by statement, where one is wanted; else None.
     """
 
     sets: list[tuple[Slot, Value]] = field(default_factory=list)
@@ -101,18 +101,18 @@ class Writes:
     courses: dict[Body, int | None] = field(default_factory=dict)
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
-    told: list[Done] | None = None
+    done: list[Done] | None = None
     drawn: list[Drawn] | None = None
 
     def sizes(self) -> dict[str, int]:
         """Returns how much was written so far, of what comes in lists; nothing where no account is wanted."""
-        return {} if self.told is None else {name: len(getattr(self, name)) for name in _LISTS}
+        return {} if self.done is None else {name: len(getattr(self, name)) for name in _LISTS}
 
     def tell(self, statement: ir.Stmt, here: Instance, before: dict[str, int]) -> None:
         """Keeps what a statement that writes (not one that has others in it) has written since `before`."""
-        if self.told is not None and isinstance(statement, _WRITING):
+        if self.done is not None and isinstance(statement, _WRITING):
             written = {name: tuple(getattr(self, name)[size:]) for name, size in before.items() if len(getattr(self, name)) > size}
-            self.told.append(Done(statement, here.names, here.causes, written))
+            self.done.append(Done(statement, here.names, here.causes, written))
 
 
 def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:

@@ -121,7 +121,7 @@ def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray |
     w.give_back(*(Call(Attribute(Name("jnp"), "reshape"), (spread(value, axes), rows_of_members)) for value in values))
     if not whole:
         return None
-    rows = module.layout.map
+    rows = module.game.rows
     return geometry.site_numbers(rows, 0, geometry.cells_of(rows, 0, module.layout.glyphs(domain.var.kinds)))
 
 
@@ -137,6 +137,6 @@ def namespace(module: Module) -> dict[str, Any]:
     names: dict[str, Any] = {"jnp": jnp}
     for home, kernels in KERNELS.items():
         names |= {kernel: getattr(import_module(home), kernel) for kernel in kernels}
-    names |= {"NUM_AGENTS": module.num_agents, "MAP": module.layout.map, "PAD": module.layout.pad}
+    names |= {"NUM_AGENTS": module.num_agents, "MAP": module.game.rows, "PAD": module.layout.pad}
     exec("\n".join(f"{c.name} = {text(c.value)}" for c in module.constants.values()), names)
     return names | {n.name: n.value for n in module.numbers.values()}

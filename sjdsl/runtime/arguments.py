@@ -84,11 +84,11 @@ def check_arrays(params: Any, own: Any) -> None:
     for name in (field.name for field in fields(own)):
         value, wanted = getattr(params, name), getattr(own, name)
         if not isinstance(value, int | float | np.generic | np.ndarray | jax.Array):
-            raise ValueError(f"`{name}` is {value!r}, and an array is wanted: {_told(wanted)}")
+            raise ValueError(f"`{name}` is {value!r}, and an array is wanted: {_array_text(wanted)}")
         same_dtype = isinstance(value, int | float | np.generic) or jnp.result_type(value) == jnp.result_type(wanted)
         if jnp.shape(value) != jnp.shape(wanted) or not same_dtype:
-            raise ValueError(f"`{name}` is {_told(value)}, and {_told(wanted)} is wanted")
+            raise ValueError(f"`{name}` is {_array_text(value)}, and {_array_text(wanted)} is wanted")
 
 
-def _told(array: Any) -> str:
+def _array_text(array: Any) -> str:
     return f"{jnp.result_type(array)}{list(jnp.shape(array))}"

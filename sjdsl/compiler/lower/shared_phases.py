@@ -56,13 +56,11 @@ class SharedBody:
                     return array.Name(self.variables[identifiers])
                 return first if len(set(identifiers)) == 1 else self.parameter(nodes, identifiers, tuple(map(str.isupper, identifiers)))
             case array.Literal():
-                said = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
-                names = tuple(name for _, name in said)
-                return (
-                    first
-                    if len(set(said)) == 1
-                    else self.parameter(nodes, names, tuple(isinstance(value, int | float) for value, _ in said))
-                )
+                values = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
+                names = tuple(name for _, name in values)
+                if len(set(values)) == 1:
+                    return first
+                return self.parameter(nodes, names, tuple(isinstance(value, int | float) for value, _ in values))
             case tuple():
                 if len({len(node) for node in nodes}) > 1:  # type: ignore[arg-type]
                     raise CannotShare
