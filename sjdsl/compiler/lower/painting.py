@@ -83,19 +83,19 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
             bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
             w.set(planes[part.plane], call("paint", planes[part.plane], path(f"state.{part.name}"), bit))
     for sort in body_sorts(game):
-        part = next((p for p in parts if p.name == sort.name), None)
-        if part is None:  # nothing is seen of these movers
+        place = next((p for p in parts if p.name == sort.name), None)
+        if place is None:  # nothing is seen of these movers
             continue
         is_agent, extent = sort.what == "agent", w.module.extent(sort)
         w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
-        if by_id if is_agent else part.bits > 1:  # who it is, one up
+        if by_id if is_agent else place.bits > 1:  # who it is, one up
             shown = binary("+", Value(Arange(extent, "u8"), "u8"), literal(1, "u8"), "u8")
         elif is_agent and any(s.what == "heading" for s in game.observables):
             shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), literal(1, "u8"), "u8")
         else:
             shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
-        shifted = binary("<<", shown, shift_of(part, w), "u8")
-        w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(w, sort), shifted.node))
+        shifted = binary("<<", shown, shift_of(place, w), "u8")
+        w.set(planes[place.plane], call("paint", planes[place.plane], state_reads.positions(w, sort), shifted.node))
     return planes
 
 
