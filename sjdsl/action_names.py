@@ -11,9 +11,8 @@ def split_actions(text: str, apart: str = ",") -> list[str]:
     Args:
       apart: the pattern of what stands between two names; inside the brackets of an action it is part of its name.
     """
-    return [_spelt(name) for name in re.split(apart + _INSIDE, text)]
-
-
-def _spelt(name: str) -> str:
-    action, bracket, arguments = name.strip().partition("(")
-    return f"{action.strip()}({', '.join(a.strip() for a in arguments.rstrip(') ').split(','))})" if bracket else action
+    found = []
+    for name in re.split(apart + _INSIDE, text):
+        action, bracket, arguments = name.strip().partition("(")
+        found.append(f"{action.strip()}({', '.join(a.strip() for a in arguments.rstrip(') ').split(','))})" if bracket else action)
+    return found

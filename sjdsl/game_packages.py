@@ -67,23 +67,23 @@ def _changed(place: str) -> int:
 def _read(entry: EntryPoint) -> GamePackage | str:
     """Returns the games that an entry point names, or what is wrong with it."""
     release = f"{entry.dist.name} {entry.dist.version}" if entry.dist is not None else entry.name
-    said = f"{release} offers games by the entry point `{entry.name} = {entry.value}`"
+    offer = f"{release} offers games by the entry point `{entry.name} = {entry.value}`"
     if ":" in entry.value:
-        return f"{said}, and a package's name is wanted there, without `:` and what follows it"
+        return f"{offer}, and a package's name is wanted there, without `:` and what follows it"
     try:
         spec = _spec(entry.value.strip())
     except Exception as error:  # whatever finders of packages raise
-        return f"{said}, and looking for that package fails: {type(error).__name__}: {error}"
+        return f"{offer}, and looking for that package fails: {type(error).__name__}: {error}"
     if spec is None:
-        return f"{said}, and there is no package of that name: install {release.split()[0]} again, or remove it"
+        return f"{offer}, and there is no package of that name: install {release.split()[0]} again, or remove it"
     if spec.submodule_search_locations is None:
-        return f"{said}, and that is a single module: a package is wanted, a folder with `.sj` files in it"
+        return f"{offer}, and that is a single module: a package is wanted, a folder with `.sj` files in it"
     folders = [Path(folder) for folder in spec.submodule_search_locations]
     if not any(folder.is_dir() for folder in folders):
-        return f"{said}, and that package is not in a folder of its own (perhaps in a zip file), where games could be read"
+        return f"{offer}, and that package is not in a folder of its own (perhaps in a zip file), where games could be read"
     games = {file.stem: file for folder in reversed(folders) for file in sorted(folder.glob("*.sj"))}
     if not games:
-        return f"{said}, and there are no `.sj` files in {folders[0]}: does the package's build leave them out?"
+        return f"{offer}, and there are no `.sj` files in {folders[0]}: does the package's build leave them out?"
     return GamePackage(entry.value.strip(), release, dict(sorted(games.items())))
 
 

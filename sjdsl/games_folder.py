@@ -70,8 +70,7 @@ def origin(path: Path) -> str:
 
 def game_problems() -> list[str]:
     """Returns what is wrong with the games of installed packages, a sentence each: packages that offer none, names that several have."""
-    clashes = [_clash(name, files) for name, files in sorted(_homes().items()) if len(files) > 1]
-    return [*offered().problems, *clashes]
+    return [*offered().problems, *[_clash(name, files) for name, files in sorted(_homes().items()) if len(files) > 1]]
 
 
 def is_name(game: str | Path) -> bool:

@@ -1,7 +1,6 @@
 """Run-time parameters from Python: values by name, checked against the limits and `require`s of the game."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from math import isclose
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.printer import expression, number_text
 from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.lower.state import param_value
 from sjdsl.near_names import meant
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def _arrays(defaults: Any, values: Mapping[ir.Param, Any]) -> dict[str, Any]:
     with jax.ensure_compile_time_eval():  # known numbers stay known where another function is traced
         for param, value in values.items():
             attribute = param_attribute(param.name)
-            found[attribute] = jnp.asarray(np.array(_encoded(value, param.type)), getattr(defaults, attribute).dtype)
+            found[attribute] = jnp.asarray(np.array(param_value(value, param.type)), getattr(defaults, attribute).dtype)
     return found
 
 
@@ -78,7 +78,7 @@ def admitted_params(game: ir.Game, module: "GameModule", params: Any) -> Any:
     """
     import jax
 
-    from sjdsl.runtime.param_arrays import check_arrays
+    from sjdsl.runtime.arguments import check_arrays
 
     defaults = module.default_params()
     check_arrays(params, defaults)
@@ -147,16 +147,14 @@ def _limit(game: ir.Game, values: Values, given: Values) -> str:
     """Returns which of the given values is too large (or too small), and what it can be with the others as they are."""
     for param in game.params:
         own, value = param.value, values[param.name]
-        played = partial(_is_played, game, values, param.name)
-        if param.name in given and isinstance(own, int) and played(own):
-            nearest = boundary(own, value, played)
+
+        def is_played(number: int, name: str = param.name) -> bool:
+            return not beyond_int32(game, {**values, name: number})
+
+        if param.name in given and isinstance(own, int) and is_played(own):
+            nearest = boundary(own, value, is_played)
             return f"`{param.name}` is {value}, and can be {nearest} at {'most' if value > nearest else 'least'}"
     return "with these parameters a whole number leaves 32 bits (" + ", ".join(f"{name}: {values[name]}" for name in given) + ")"
-
-
-def _is_played(game: ir.Game, values: Values, name: str, number: int) -> bool:
-    """Returns whether a game can be played with another value of one parameter."""
-    return not beyond_int32(game, {**values, name: number})
 
 
 def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:
@@ -178,13 +176,9 @@ def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir
 
 def _entries(level: Level) -> str:
     """Returns what the entries of a table are."""
-    match level.sort:
-        case "agent":
-            return f"entries are the agents 0 .. {len(level) - 1}"
-        case "number":
-            return f"entries are {level}"
-        case _:
-            return f"words are {', '.join(level.names)}"
+    if level.sort == "word":
+        return f"words are {', '.join(level.names)}"
+    return f"entries are {level}" if level.sort == "number" else f"entries are the agents 0 .. {len(level) - 1}"
 
 
 def _checked(name: str, value: Any, type_: ir.Type) -> Any:
@@ -203,9 +197,3 @@ def _checked(name: str, value: Any, type_: ir.Type) -> Any:
     if number != nearest and not rounded:
         raise ValueError(f"`{name}` is {number}, outside {number_text(low)} .. {number_text(high)}")
     return int(number) if type_.kind == "int" else float(number)
-
-
-def _encoded(value: Any, type_: ir.Type) -> Any:
-    if isinstance(value, tuple):
-        return [_encoded(v, type_) for v in value]
-    return type_.words.index(value) if type_.kind == "word" else value

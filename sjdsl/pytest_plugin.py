@@ -78,10 +78,10 @@ class CheckItem(pytest.Item):
             raise CheckFailed(self.parent.verification.faults[0])
         if verdict.untested:
             pytest.skip("untested: these lines never ran: " + "; ".join(verdict.untested))
-        said = [f"{verdict.how}: {verdict.reason}"]
+        lines = [f"{verdict.how}: {verdict.reason}"]
         if verdict.note is not None:
-            said += [f"note: on other maps it would fail: it {verdict.note.reason}", *verdict.note.trace]
-        self.add_report_section("call", "check", "\n".join(said))  # `pytest -rP` shows it
+            lines += [f"note: on other maps it would fail: it {verdict.note.reason}", *verdict.note.trace]
+        self.add_report_section("call", "check", "\n".join(lines))  # `pytest -rP` shows it
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *rest: Any) -> Any:
         """Returns the counterexample to a failed check, or what is wrong with the file; a Python traceback only for faults of our own."""
@@ -89,7 +89,7 @@ class CheckItem(pytest.Item):
 
         match excinfo.value:
             case CheckFailed(args=(verdict,)):
-                return _told(verdict)
+                return _verdict_text(verdict)
             case CompileError() as error:
                 return _rendered(error)
             case _:
@@ -102,7 +102,7 @@ class CheckItem(pytest.Item):
         return self.path, origin.line - 1 if origin is not None else None, f"check: {self.name}"
 
 
-def _told(verdict: "Verdict") -> str:
+def _verdict_text(verdict: "Verdict") -> str:
     status = "failed" if verdict.status == "failed" else f"is {verdict.status}"
     head = f"{Path(verdict.file).name}:{verdict.line}: the check {status}: {verdict.text}"
     never = ["it depends on lines that never ran:"] * bool(verdict.untested)

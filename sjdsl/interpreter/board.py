@@ -1,11 +1,12 @@
 """The constant parts of a game: the kind of every cell, the cells of every kind, declarations by name."""
 
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir import printer
-from sjdsl.compiler.ir.queries import contains, kinds_by_glyph, phases_of
+from sjdsl.compiler.ir.queries import all_fields, contains, kinds_by_glyph, marking_phases, phases_of
+from sjdsl.interpreter import planes
 from sjdsl.interpreter.state import Cell, Herd, Pool, Value, World, field_value
 
 
@@ -15,6 +16,7 @@ class Board:
 
     kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
     pools: a `send` of each pool of sends, the first one with `after` if there is one; start first, then in the order of the schedule.
+    fields: those declared, by whose they are (a kind, a sort of movers, `agent` or `world`) and their names.
     moving: the phases in which agents move, by their identity.
     closed: whether an expression names nothing around it, as far as asked, by its identity.
     read: what an observable reads, as far as asked, by its identity.
@@ -26,10 +28,7 @@ class Board:
     number: dict[Cell, int]
     kinds: dict[str, ir.Kind]
     shapes: dict[str, ir.Shape]
-    agent_fields: dict[str, ir.VarField]
-    world_fields: dict[str, ir.VarField]
-    cell_fields: dict[tuple[str, str], ir.VarField]
-    mover_fields: dict[tuple[str, str], ir.VarField]
+    fields: dict[tuple[str, str], ir.VarField]
     pools: dict[Pool, ir.Send]
     moving: frozenset[int]
     closed: dict[int, tuple[ir.Expr, bool]] = field(default_factory=dict)
@@ -38,6 +37,21 @@ class Board:
     @property
     def agents(self) -> int:
         return self.game.agents.number
+
+    @cached_property
+    def planes(self) -> tuple[planes.Plane, ...]:
+        """What an observation shows."""
+        return planes.planes(self.game)
+
+    @cached_property
+    def content_codes(self) -> dict[str, int]:
+        """The number that stands for each look of a cell."""
+        return {label: code for code, label in enumerate(planes.content_labels(self.game))}
+
+    @cached_property
+    def marking(self) -> tuple[ir.Phase, ...]:
+        """The phases that mark cells."""
+        return marking_phases(self.game)
 
     def at(self, row: int, col: int) -> Cell | None:
         """Returns the cell of the map at a place, which may lie beyond the edges; None if there is none."""
@@ -51,16 +65,13 @@ class Board:
         rows, cols = b.row - a.row, b.col - a.col
         if not self.game.wraps:
             return rows, cols
-        return _round(rows, len(self.game.rows)), _round(cols, len(self.game.rows[0]))
+        height, width = len(self.game.rows), len(self.game.rows[0])
+        rows, cols = rows % height, cols % width
+        return rows - height * (2 * rows > height), cols - width * (2 * cols > width)
 
     def steps(self, a: Cell, b: Cell) -> int:
         """Returns the steps between two cells along rows and columns."""
         return sum(map(abs, self.apart(a, b)))
-
-
-def _round(way: int, length: int) -> int:
-    onward = way % length
-    return onward if 2 * onward <= length else onward - length
 
 
 @lru_cache(maxsize=256)
@@ -93,10 +104,7 @@ def _build(game: ir.Game) -> Board:
         number={cell: number for members in cells.values() for number, cell in enumerate(members)},
         kinds={k.name: k for k in game.kinds},
         shapes={s.name: s for s in (*game.shapes, *game.policy_shapes)},
-        agent_fields={f.name: f for f in game.agents.fields},
-        world_fields={f.name: f for f in game.fields},
-        cell_fields={(k.name, f.name): f for k in game.kinds for f in k.fields},
-        mover_fields={(sort.name, f.name): f for sort in game.movers for f in sort.fields},
+        fields={(f.held_by.name, f.name): f for f in all_fields(game)},
         pools=_pools(game),
         moving=frozenset(id(phase) for phase in phases_of(game) if contains(phase, ir.Move)),
     )
@@ -111,29 +119,29 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
                 first = pools.setdefault(pool, node)
                 if first.after is None and node.after is not None:  # the one that those who come back were sent by
                     pools[pool] = node
-                assert printer.domain(first.domain) == printer.domain(node.domain), f"{pool} is split"
-                assert first.order_stream == node.order_stream, f"{pool} is split"
-                assert first.heading_stream == node.heading_stream, f"{pool} is split"
+                destinations = [(printer.domain(s.domain), s.order_stream, s.heading_stream) for s in (first, node)]
+                assert destinations[0] == destinations[1], f"{pool} is split"
     return pools
 
 
 def declared_world(board: Board, params: dict[str, Value]) -> World:
     """Returns the state before the phase `start`: declared values, the map's own, nobody placed yet."""
-    game, agents = board.game, range(board.agents)
+    game = board.game
     starts = {g.glyph: dict(g.starts) for g in game.glyphs}
     cells = {
         (kind, name): [field_value(f, starts.get(game.rows[r][c], {}).get(name, f.start)) for r, c in board.cells[kind]]
-        for (kind, name), f in board.cell_fields.items()
+        for (kind, name), f in board.fields.items()
+        if f.held_by.what == "cell"
     }
     return World(
         step=0,
         cells=cells,
-        agents={f.name: [field_value(f, f.start) for _ in agents] for f in game.agents.fields},
+        agents={f.name: [field_value(f, f.start)] * board.agents for f in game.agents.fields},
         fields={f.name: field_value(f, f.start) for f in game.fields},
-        position=[None for _ in agents],
-        heading=[0 for _ in agents],
-        moved=[False for _ in agents],
-        away=[None for _ in agents],
+        position=[None] * board.agents,
+        heading=[0] * board.agents,
+        moved=[False] * board.agents,
+        away=[None] * board.agents,
         marks=[],
         params=dict(params),
         movers={sort.name: _declared_herd(sort) for sort in game.movers},
@@ -141,6 +149,5 @@ def declared_world(board: Board, params: dict[str, Value]) -> World:
 
 
 def _declared_herd(sort: ir.Movers) -> Herd:
-    movers = range(sort.number)
-    fields = {f.name: [field_value(f, f.start) for _ in movers] for f in sort.fields}
-    return Herd([None for _ in movers], [False for _ in movers], [None for _ in movers], fields)
+    fields = {f.name: [field_value(f, f.start)] * sort.number for f in sort.fields}
+    return Herd([None] * sort.number, [False] * sort.number, [None] * sort.number, fields)

@@ -45,12 +45,8 @@ def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
             return np.float32(low + np.float32(np.float32(high - low) * np.float32((word >> 8) * 2.0**-24)))
         assert 1 <= high - low + 1 <= 65535, (low, high)
         return low + (word * (high - low + 1) >> 32)
-    if statement.weights:
-        return _weighted(statement, word, here)
-    return statement.words[word * len(statement.words) >> 32]
-
-
-def _weighted(statement: ir.Draw, word: int, here: Instance) -> Value:
+    if not statement.weights:
+        return statement.words[word * len(statement.words) >> 32]
     assert here.draws is not None
     values = statement.numbers or statement.words
     running, computed = np.float32(0), any(_is_computed(w) for w in statement.weights)

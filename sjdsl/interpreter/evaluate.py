@@ -4,15 +4,16 @@ Who belongs to a domain and how far a shape reaches is found here too: a domain 
 lanes end where a condition holds, so that these three are one recursion.
 """
 
-from collections.abc import Callable
-from typing import Any, assert_never
+from collections.abc import Callable, Iterable
+from itertools import islice, product
+from typing import Any, Literal, assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
 from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, sort_of_body, where_is
-from sjdsl.interpreter.evaluation_parts import agents_in, applies, arguments_of, binds_all, entry_place, is_of_class
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found, agent_on, body_on, is_here
 from sjdsl.interpreter.shapes import Seen, lanes_from
@@ -22,31 +23,27 @@ from sjdsl.interpreter.state import HEADINGS, Cell, Mover, Value
 def evaluate(e: ir.Expr, here: Instance) -> Value:
     """Returns the value of an expression; reals as float32, numbers and words checked against what their type allows."""
     if e.__class__ in _ONCE and _is_closed(e, here.board):
-        known = here.known.get(id(e))
-        if known is None:
-            known = here.known[id(e)] = (e, _checked(e, here))
-        return known[1]
+        if id(e) not in here.known:
+            here.known[id(e)] = (e, _checked(e, here))
+        return here.known[id(e)][1]
     return _checked(e, here)
 
 
 def _checked(e: ir.Expr, here: Instance) -> Value:
-    value = VALUES[e.__class__](e, here)
-    type_ = e.type
-    match type_.kind:
-        case "real":
-            value = numbers.real(value)
-            numbers.check_interval(value, type_, e)
-        case "int":
-            numbers.check_interval(value, type_, e)
-        case "word" if not type_.by:
-            assert value in type_.words, (value, e)
+    value, type_ = VALUES[e.__class__](e, here), e.type
+    if type_.kind == "real":
+        value = numbers.real(value)
+    if type_.kind in ("real", "int"):
+        numbers.check_interval(value, type_, e)
+    elif type_.kind == "word" and not type_.by:
+        assert value in type_.words, (value, e)
     return value
 
 
 def _is_closed(e: ir.Expr, board: Board) -> bool:
     """Returns whether all variables of an expression are bound inside it. The board keeps the answers."""
     if id(e) not in board.closed:
-        board.closed[id(e)] = (e, binds_all(e))
+        board.closed[id(e)] = (e, not free_variables(e))
     return board.closed[id(e)][1]
 
 
@@ -55,17 +52,10 @@ def _name(e: "ir.Member | ir.Local", here: Instance) -> Value:
     return here.names[e.name]
 
 
-def _arithmetic(e: ir.Arithmetic, here: Instance) -> Value:
-    return numbers.arithmetic(e.fn, [evaluate(a, here) for a in e.args], e.type.kind == "real")
-
-
-def _sum(e: ir.Sum, here: Instance) -> Value:
+def _over_domain(e: ir.Sum | ir.Extreme, here: Instance) -> Value:
     values = [evaluate(e.value, here.binding(m.names)) for m in members_of(e.domain, here)]
-    return numbers.total(values, e.type.kind == "real")
-
-
-def _extreme(e: ir.Extreme, here: Instance) -> Value:
-    values = [evaluate(e.value, here.binding(m.names)) for m in members_of(e.domain, here)]
+    if isinstance(e, ir.Sum):
+        return numbers.total(values, e.type.kind == "real")
     if not values:
         assert e.otherwise is not None, f"`{e.fn}` over nobody"
         return evaluate(e.otherwise, here)
@@ -75,10 +65,6 @@ def _extreme(e: ir.Extreme, here: Instance) -> Value:
 def _before(e: ir.Before, here: Instance) -> Value:
     assert here.earlier is not None, "no step has been taken"
     return evaluate(e.value, here.earlier.only(here.names))
-
-
-def _event_total(e: ir.EventTotal, here: Instance) -> int:
-    return sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word))
 
 
 def _is_in_range(e: ir.InRange, here: Instance) -> bool:
@@ -259,52 +245,33 @@ def _first(domain: ir.Domain, lane: list[Seen], here: Instance) -> Found | None:
 
 
 def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[Body | Cell, int]]:
-    if domain.var.sort.what != "cell":
-        return [(body, number_of(body)) for body in sorted(_bodies(domain, here), key=number_of) if is_here(body, here.world)]
-    return _cells(domain, here)
-
-
-def _bodies(domain: ir.Domain, here: Instance) -> set[Body]:
-    everybody: list[Body] = list(range(here.board.agents))
-    if domain.var.sort.what == "mover":
-        sort = domain.var.sort.name
-        everybody = [Mover(sort, number) for number in range(len(here.world.movers[sort].position))]
-    restriction = domain.restriction
+    """Returns who may be a member, or which cells, as far as the domain's restriction says; each with its number, in their order."""
+    sort, restriction = domain.var.sort, domain.restriction
+    everything: list[tuple[Body | Cell, int]]
+    if sort.what == "cell":
+        everything = [(cell, number) for number, cell in enumerate(cells_of(here.board, sort.names))]
+    else:
+        herd = here.world.movers[sort.name] if sort.what == "mover" else here.world
+        numbers = [number for number, away in enumerate(herd.away) if away is None]
+        everything = [(Mover(sort.name, number) if sort.what == "mover" else number, number) for number in numbers]
     match restriction:
         case None:
-            return set(everybody)
+            return everything
         case ir.Near():
-            cells = cells_in(restriction, here)
-            return {body for body in everybody if where_is(body, here.world) in cells}
+            near = cells_in(restriction, here)
+            if sort.what == "cell":  # their numbers are those in the shape
+                inside = [(cell, number) for cell, number in near.items() if here.board.kind_of[cell] in sort.names]
+                return sorted(inside, key=lambda pair: pair[1])
+            return [pair for pair in everything if not isinstance(pair[0], Cell) and where_is(pair[0], here.world) in near]
         case ir.InAgents():
-            return set(agents_in(evaluate(restriction.value, here)))
+            chosen = set(agents_in(evaluate(restriction.value, here)))
         case ir.InCell():
-            raise AssertionError("agents are not members of a cell")
+            chosen = {evaluate(restriction.value, here)}
         case ir.Among():
-            return {here.names[m.name] for m in restriction.members}
+            chosen = {here.names[m.name] for m in restriction.members}
         case _:
             assert_never(restriction)
-
-
-def _cells(domain: ir.Domain, here: Instance) -> list[tuple[Body | Cell, int]]:
-    all_cells = cells_of(here.board, domain.var.kinds)
-    match domain.restriction:
-        case None:
-            return [(cell, number) for number, cell in enumerate(all_cells)]
-        case ir.Near():
-            near = cells_in(domain.restriction, here)
-            inside = [(cell, number) for cell, number in near.items() if here.board.kind_of[cell] in domain.var.kinds]
-            return sorted(inside, key=lambda pair: pair[1])
-        case ir.Among():
-            chosen = {here.names[m.name] for m in domain.restriction.members}
-            return [(cell, number) for number, cell in enumerate(all_cells) if cell in chosen]
-        case ir.InCell():
-            held = evaluate(domain.restriction.value, here)
-            return [(cell, number) for number, cell in enumerate(all_cells) if cell == held]
-        case ir.InAgents():
-            raise AssertionError("cells are not members of a set of agents")
-        case _:
-            assert_never(domain.restriction)
+    return [pair for pair in everything if pair[0] in chosen]
 
 
 def _restricted(domain: ir.Domain, member: Body | Cell, number: int, here: Instance) -> Found | None:
@@ -338,19 +305,19 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Distance: _distance,
     ir.At: _entry,
     ir.Step: lambda _, here: here.world.step,
-    ir.Arithmetic: _arithmetic,
+    ir.Arithmetic: lambda e, here: numbers.arithmetic(e.fn, [evaluate(a, here) for a in e.args], e.type.kind == "real"),
     ir.Count: lambda e, here: len(members_of(e.domain, here)),
-    ir.Sum: _sum,
+    ir.Sum: _over_domain,
     ir.SumRow: _of_all_entries,
     ir.ShiftRow: _shifted,
-    ir.Extreme: _extreme,
+    ir.Extreme: _over_domain,
     ir.Case: _case,
     ir.Lowest: _lowest,
     ir.Mix: lambda e, here: numbers.shares(evaluate(e.row, here)),
     ir.Named: lambda e, here: evaluate(e.value, here),
     ir.Narrowed: lambda e, here: evaluate(e.value, here),
     ir.Before: _before,
-    ir.EventTotal: _event_total,
+    ir.EventTotal: lambda e, here: sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word)),
     ir.Compare: lambda e, here: numbers.compare(e.fn, evaluate(e.left, here), evaluate(e.right, here)),
     ir.Same: lambda e, here: evaluate(e.left, here) == evaluate(e.right, here),
     ir.InRange: _is_in_range,
@@ -366,3 +333,55 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Logic: _logic,
     ir.MatrixClass: lambda e, here: is_of_class(e.name, evaluate(e.table, here)),
 }
+
+
+def arguments_of(action: ir.ActionWithArguments, number: int) -> tuple[Value, ...] | None:
+    """Returns the arguments of an action with this number; None if it is another action's."""
+    if number not in action.numbers:
+        return None
+    values: list[Iterable[Value]] = []
+    for argument in action.arguments:
+        if argument.type.kind == "word":
+            values.append(argument.type.words)
+        else:
+            low = int(argument.type.low) if argument.type.kind == "int" else 0
+            values.append(range(low, low + argument.count))
+    return next(islice(product(*values), number - action.first, None))
+
+
+def agents_in(value: Value) -> Iterable[int]:
+    """Returns the agents of a set, the one agent, or none."""
+    if isinstance(value, frozenset):
+        return value
+    return frozenset() if value is None else frozenset({value})
+
+
+def entry_place(level: ir.Level, key: Value) -> int:
+    """Returns the place of the entry that a key names: a word, a number of the range, or an agent."""
+    place = level.place_of(key)
+    assert 0 <= place < len(level), f"no entry for {key} in {level}"
+    return place
+
+
+def applies(arm: ir.Arm, subject: int | str) -> bool:
+    """Returns whether an arm of a `case` is for this word or number."""
+    if isinstance(subject, str):
+        return subject in arm.words
+    return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
+
+
+def is_of_class(name: Literal["prisoners_dilemma", "stag_hunt", "chicken"], table: tuple[tuple[Value, Value], tuple[Value, Value]]) -> bool:
+    """Returns whether a table [own word][other's word], cooperation first, is such a game.
+
+    Source: Macy and Flache, "Learning dynamics in social dilemmas", PNAS 2002; a chicken game by its order alone.
+    """
+    (reward, sucker), (temptation, punishment) = table
+    match name:
+        case "prisoners_dilemma":
+            return bool(temptation > reward > punishment > sucker and 2 * reward > temptation + sucker)
+        case "stag_hunt":
+            return bool(reward > temptation >= punishment > sucker)
+        case "chicken":
+            return bool(temptation > reward > sucker > punishment)
+        case _:
+            assert_never(name)

@@ -21,11 +21,9 @@ class Found:
 
 def radix(domain: ir.Domain, board: Board) -> int:
     """Returns how many members the domain could have."""
-    match domain.restriction:
-        case ir.Near() if domain.var.sort.what == "cell":
-            return shapes.size(board.shapes[domain.restriction.shape])
-        case _:
-            return everybody(domain, board)
+    if isinstance(domain.restriction, ir.Near) and domain.var.sort.what == "cell":
+        return shapes.size(board.shapes[domain.restriction.shape])
+    return everybody(domain, board)
 
 
 def everybody(domain: ir.Domain, board: Board) -> int:

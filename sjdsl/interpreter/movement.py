@@ -1,14 +1,16 @@
 """Interprets `move`: all members step at once, a collision on a cell is settled at random, and swaps are blocked."""
 
+from collections.abc import Mapping
+
 from sjdsl.compiler import ir
-from sjdsl.interpreter.bodies import Body, bodies, heading_of, herd_of, herds, is_free, number_of, sort_of_body, turn, where_is
+from sjdsl.interpreter.bodies import Body, heading_of, herds, is_free, number_of, occupied, sort_of_body, turn, where_is
 from sjdsl.interpreter.evaluate import evaluate, is_blocked, members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
 
-_TURNS = {"turn_left": -1, "turn_right": 1}
-_STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
+TURNS = {"turn_left": -1, "turn_right": 1}
+STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 
 
 def move(sort: ir.Sort, ranks: dict[Body, int], courses: dict[Body, int | None], here: Instance, world: World) -> None:
@@ -18,20 +20,20 @@ def move(sort: ir.Sort, ranks: dict[Body, int], courses: dict[Body, int | None],
     """
     ways = {body: courses[body] if isinstance(body, Mover) else _chosen_way(body, here) for body in ranks}
     targets = {body: target for body, way in ways.items() if (target := _target(body, way, here)) is not None}
-    _stay_if_swapping(targets, here)
-    _stay_if_outranked(targets, ranks)
-    _stay_if_taken(targets, here)
+    place = {body: where_is(body, here.world) for body in targets}
+    for a in [a for a in targets if any(targets[a] == place[b] and targets[b] == place[a] for b in targets)]:  # nobody swaps
+        del targets[a]
+    stay_if_outranked(targets, ranks)
+    stay_if_taken(targets, here.world)
     for body in ranks:
         if not isinstance(body, Mover):
-            turn(body, (heading_of(body, here.world) + _TURNS.get(_action(body, here), 0)) % 4, world)
+            turn(body, (heading_of(body, here.world) + TURNS.get(_action(body, here), 0)) % 4, world)
         elif (way := ways[body]) is not None:
             turn(body, way, world)
-    for body, target in targets.items():
-        herd_of(body, world).position[number_of(body)] = target
     herd = herds(world)[sort]
     herd.moved = [False for _ in herd.moved]
-    for body in targets:
-        herd_of(body, world).moved[number_of(body)] = True
+    for body, target in targets.items():
+        herd.position[number_of(body)], herd.moved[number_of(body)] = target, True
 
 
 def course_of(course: ir.Course, mover: Mover, here: Instance) -> int | None:
@@ -69,7 +71,7 @@ def _action(agent: int, here: Instance) -> str:
 
 def _chosen_way(agent: int, here: Instance) -> int | None:
     """Returns the direction in which an agent has chosen to go, None if it has not."""
-    direction = _STEPS.get(_action(agent, here))
+    direction = STEPS.get(_action(agent, here))
     if direction is not None and here.board.game.agents.relative:
         direction = (here.world.heading[agent] + direction) % 4
     return direction
@@ -81,28 +83,20 @@ def _target(body: Body, way: int | None, here: Instance) -> Cell | None:
     if place is None or way is None:
         return None
     target = here.board.at(place.row + FORWARD[way][0], place.col + FORWARD[way][1])
-    if target is None or is_blocked(target, sort_of_body(body).plural, body, here):
-        return None
-    return target
+    return None if target is None or is_blocked(target, sort_of_body(body).plural, body, here) else target
 
 
-def _stay_if_swapping(targets: dict[Body, Cell], here: Instance) -> None:
-    place = {body: where_is(body, here.world) for body in targets}
-    swapping = [a for a in targets if any(targets[a] == place[b] and targets[b] == place[a] for b in targets)]
-    for body in swapping:
+def stay_if_outranked(targets: dict[Body, Cell], ranks: Mapping[Body, int]) -> None:
+    """Of several who want one cell, the one with the largest rank may enter."""
+    for body in [a for a in targets if any(targets[b] == targets[a] and ranks[b] > ranks[a] for b in targets)]:
         del targets[body]
 
 
-def _stay_if_outranked(targets: dict[Body, Cell], ranks: dict[Body, int]) -> None:
-    outranked = [a for a in targets if any(targets[b] == targets[a] and ranks[b] > ranks[a] for b in targets)]
-    for body in outranked:
-        del targets[body]
-
-
-def _stay_if_taken(targets: dict[Body, Cell], here: Instance) -> None:
+def stay_if_taken(targets: dict[Body, Cell], world: World) -> None:
+    """Nobody may enter a cell where somebody stays, which may be one who has just been kept from moving."""
     while True:
-        staying = {where_is(body, here.world) for body in bodies(here.world) if body not in targets}
-        stopped = [body for body in targets if targets[body] in staying]
+        staying = occupied(world, without=targets)
+        stopped = [body for body, target in targets.items() if target in staying]
         if not stopped:
             return
         for body in stopped:

@@ -1,12 +1,11 @@
 """Interprets `observe`: the egocentric window of each agent, rotated so that its heading points up."""
 
-from functools import lru_cache
 from typing import assert_never
 
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import marking_phases, shown_field, shows_attribute
+from sjdsl.compiler.ir.queries import shown_field, shows_attribute
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import heading_of
@@ -22,7 +21,7 @@ _OTHER_HIDDEN = 6
 def observe(game: ir.Game, world: World) -> np.ndarray:
     """Returns uint8 `[agents, planes, rows, columns]`; who is away sees zeros."""
     board, window = board_of(game), game.window
-    all_planes = _planes(board)
+    all_planes = board.planes
     rows, columns = window.ahead + 1 + window.behind, window.left + 1 + window.right
     picture = np.zeros((board.agents, len(all_planes), rows, columns), np.uint8)
     for agent, place in enumerate(world.position):
@@ -42,27 +41,16 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
 
 def _seen_cells(window: ir.Window, agent: int, place: Cell, here: Instance) -> list[tuple[int, int, Cell]]:
     """Returns the rows and columns of the window in which an observer sees a cell of the map, with these cells; the others show zeros."""
-    view, heading = _view(window, here), here.world.heading[agent]
+    views = (view for view in window.views if view.condition is None or evaluate(view.condition, here))
+    view, heading = next(views, window), here.world.heading[agent]
     found = []
     for row in range(window.ahead + 1 + window.behind):
         for column in range(window.left + 1 + window.right):
             ahead, right = window.ahead - row, column - window.left
-            cell = here.board.at(*place_at(place, heading, ahead, right)) if _is_in(view, ahead, right) else None
-            if cell is not None:
-                found.append((row, column, cell))
+            if -view.behind <= ahead <= view.ahead and -view.left <= right <= view.right:
+                cell = here.board.at(*place_at(place, heading, ahead, right))
+                found += [] if cell is None else [(row, column, cell)]
     return found
-
-
-def _view(window: ir.Window, here: Instance) -> ir.Window | ir.View:
-    """Returns how far the observer sees."""
-    for view in window.views:
-        if view.condition is None or evaluate(view.condition, here):
-            return view
-    return window
-
-
-def _is_in(view: ir.Window | ir.View, ahead: int, right: int) -> bool:
-    return -view.behind <= ahead <= view.ahead and -view.left <= right <= view.right
 
 
 def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
@@ -75,8 +63,7 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
         case "marks":
             if _hides_marks(cell, agent, here):
                 return 0
-            names = _marking_names(here.board)
-            return sum(1 << bit for bit, name in enumerate(names) if (name, *cell) in here.world.marks)
+            return sum(1 << bit for bit, phase in enumerate(here.board.marking) if (phase.name, *cell) in here.world.marks)
         case "other":
             other = _other(cell, agent, here)
             return 0 if other is None else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
@@ -91,16 +78,16 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
 def _content(cell: Cell, agent: int, here: Instance) -> int:
     kind = here.board.kind_of[cell]
     if _somebody(cell, agent, here) and any(hidden.what == "content" for hidden in here.board.game.hidden):
-        return _content_labels(here.board).index(planes.COVERED)
+        return here.board.content_codes[planes.COVERED]
     whole = planes.look_of(here.board.game, kind)
     if whole is not None:
-        return _content_labels(here.board).index(_word(whole, _at_cell(cell, here)))
+        return here.board.content_codes[_word(whole, here.binding({kind: cell}))]
     label = kind
     for observable in planes.content_observables(here.board.game, kind):
-        inside = _at_cell(cell, here)
+        inside = here.binding({kind: cell})
         word = planes.HIDDEN if _is_hidden(observable, inside) else _word(observable, inside)
         label += f" {planes.field_name(observable)}={word}"
-    return _content_codes(here.board)[label]
+    return here.board.content_codes[label]
 
 
 def _somebody(cell: Cell, agent: int, here: Instance) -> bool:
@@ -117,26 +104,6 @@ def _hides_marks(cell: Cell, agent: int, here: Instance) -> bool:
             if hidden.when is None or evaluate(hidden.when, here.binding({hidden.name: cell})):
                 return True
     return False
-
-
-@lru_cache(maxsize=4)
-def _planes(board: Board) -> tuple[planes.Plane, ...]:
-    return planes.planes(board.game)
-
-
-@lru_cache(maxsize=4)
-def _content_labels(board: Board) -> tuple[str, ...]:
-    return planes.content_labels(board.game)
-
-
-@lru_cache(maxsize=4)
-def _content_codes(board: Board) -> dict[str, int]:
-    return {label: code for code, label in enumerate(_content_labels(board)) if code > 0}
-
-
-@lru_cache(maxsize=4)
-def _marking_names(board: Board) -> tuple[str, ...]:
-    return tuple(phase.name for phase in marking_phases(board.game))
 
 
 def _agent(cell: Cell, agent: int, here: Instance) -> int:
@@ -176,10 +143,9 @@ def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
         return first + words.index(planes.HIDDEN) if words and observable.shown_when is not None else 0
     if words:
         return first + words.index(_word(observable, here))
-    if observable.field in ("row", "col") and _is_away(observable, here):
+    if observable.what == "everyone" and observable.field in ("row", "col") and not is_here(here.names["everyone"], here.world):
         return 0
-    value = evaluate(_read(observable, here.board), here)
-    return min(max(int(value), 0), 255)
+    return min(max(int(evaluate(_read(observable, here.board), here)), 0), 255)
 
 
 def _word(observable: ir.Observable, here: Instance) -> str:
@@ -190,11 +156,6 @@ def _word(observable: ir.Observable, here: Instance) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return "nobody" if value is None else str(value)
-
-
-def _is_away(observable: ir.Observable, here: Instance) -> bool:
-    """Returns whether the agent whose place is shown is away; the others of a window and the observer are not."""
-    return observable.what == "everyone" and not is_here(here.names["everyone"], here.world)
 
 
 def _is_hidden(observable: ir.Observable, here: Instance) -> bool:
@@ -224,10 +185,6 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
     inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
     key = ir.Word(type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name)
     return ir.At(type=inner, row=field, key=key)
-
-
-def _at_cell(cell: Cell, here: Instance) -> Instance:
-    return here.binding({here.board.kind_of[cell]: cell})
 
 
 def _other(cell: Cell, agent: int, here: Instance) -> int | None:

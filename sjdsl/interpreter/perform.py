@@ -1,6 +1,6 @@
 """Interprets statements: each one adds its writes to those of its phase, in one instance."""
 
-from typing import assert_never
+from typing import Any, assert_never
 
 import numpy as np
 
@@ -8,54 +8,49 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter import chances, members
 from sjdsl.interpreter.account import Drawn
-from sjdsl.interpreter.evaluate import cells_in, evaluate, members_of, nearest_members
-from sjdsl.interpreter.evaluation_parts import agents_in
+from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of, nearest_members
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import course_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.shifting import shifting
 from sjdsl.interpreter.state import Cell, Mover
-from sjdsl.interpreter.writes import Counted, Lot, Sending, Writes, slots
+from sjdsl.interpreter.writes import Counted, Lot, Sending, Shifting, Writes, slots
 
 
 def perform(body: tuple[ir.Stmt, ...], here: Instance, writes: Writes) -> None:
     """Collects the writes of a block; a name bound by `let` or `draw` holds to the end of it. Raises LeavesFloat32."""
     for statement in body:
         try:
-            here = _performed(statement, here, writes)
+            match statement:
+                case ir.Let():
+                    here = here.binding({statement.name: evaluate(statement.value, here)})
+                case ir.Draw():
+                    drawn = _noted(chances.draw(statement, here), writes)
+                    here = here.binding({statement.name: drawn.result}).because(drawn)
+                case _:
+                    before = writes.sizes()
+                    _statement(statement, here, writes)
+                    writes.tell(statement, here, before)
         except FloatingPointError:
             raise LeavesFloat32(statement, here.world.step) from None
 
 
-def _performed(statement: ir.Stmt, here: Instance, writes: Writes) -> Instance:
-    """Collects the writes of one statement; returns the instance in which those after it stand."""
-    match statement:
-        case ir.Let():
-            return here.binding({statement.name: evaluate(statement.value, here)})
-        case ir.Draw():
-            drawn = _noted(chances.draw(statement, here), writes)
-            return here.binding({statement.name: drawn.result}).because(drawn)
-        case _:
-            before = writes.sizes()
-            _statement(statement, here, writes)
-            writes.tell(statement, here, before)
-            return here
-
-
-def _statement(
-    statement: "ir.Each | ir.Pick | ir.First | ir.Match | ir.When | ir.Chance | ir.Set | ir.Add | ir.Give | ir.Tally"
-    " | ir.Send | ir.Shift | ir.Remove | ir.Move | ir.Mark | ir.End",
-    here: Instance,
-    writes: Writes,
-) -> None:
+def _statement(statement: ir.Stmt, here: Instance, writes: Writes) -> None:
     match statement:
         case ir.Each():
             for member in members_of(statement.domain, here):
                 _inside(statement.body, statement.domain, member, here, writes)
         case ir.Pick():
-            _pick(statement, here, writes)
+            candidates = members_of(statement.domain, here)
+            if not candidates:
+                perform(statement.otherwise, here, writes)
+            for member, drawn in chances.picked(statement, candidates, here):
+                _inside(statement.body, statement.domain, member, here.because(_noted(drawn, writes)), writes)
         case ir.First():
-            _first(statement, here, writes)
+            by_lane = nearest_members(statement.domain, here)
+            for lane, nearest in enumerate(by_lane):
+                block, names = (statement.otherwise, {}) if nearest is None else (statement.body, nearest.names)
+                perform(block, here.inside(names, lane, len(by_lane)), writes)
         case ir.Match():
             for left, right, drawn in chances.matched(statement, here):
                 if _noted(drawn, writes).result:
@@ -77,11 +72,12 @@ def _statement(
         case ir.Give():
             _give(statement, here, writes)
         case ir.Tally():
-            _tally(statement, here, writes)
-        case ir.Send():
+            word = None if statement.word is None else evaluate(statement.word, here)
+            amount = 1 if statement.amount is None else evaluate(statement.amount, here)
+            receivers = [None] if statement.receiver is None else sorted(agents_in(evaluate(statement.receiver, here)))
+            writes.tallies += [Counted(statement.event, word, agent, amount) for agent in receivers]
+        case ir.Send() | ir.Shift():
             _send(statement, here, writes)
-        case ir.Shift():
-            _shift(statement, here, writes)
         case ir.Remove():
             writes.removes |= set(agents_in(evaluate(statement.who, here)))
         case ir.Move():
@@ -91,6 +87,8 @@ def _statement(
             writes.marks |= set(cells_in(near, here))
         case ir.End():
             writes.end = True
+        case ir.Let() | ir.Draw():
+            raise AssertionError(statement)
         case _:
             assert_never(statement)
 
@@ -105,65 +103,33 @@ def _inside(body: tuple[ir.Stmt, ...], domain: ir.Domain, member: members.Found,
     perform(body, here.inside(member.names, member.number, members.radix(domain, here.board)), writes)
 
 
-def _pick(statement: ir.Pick, here: Instance, writes: Writes) -> None:
-    all_members = members_of(statement.domain, here)
-    if not all_members:
-        perform(statement.otherwise, here, writes)
-    for member, drawn in chances.picked(statement, all_members, here):
-        _inside(statement.body, statement.domain, member, here.because(_noted(drawn, writes)), writes)
-
-
-def _first(statement: ir.First, here: Instance, writes: Writes) -> None:
-    by_lane = nearest_members(statement.domain, here)
-    for lane, member in enumerate(by_lane):
-        if member is None:
-            perform(statement.otherwise, here.inside({}, lane, len(by_lane)), writes)
-        else:
-            perform(statement.body, here.inside(member.names, lane, len(by_lane)), writes)
-
-
 def _give(statement: ir.Give, here: Instance, writes: Writes) -> None:
     value = np.float32(evaluate(statement.value, here))
-    if statement.receiver is None:
-        receivers = set(range(here.board.agents))
-    else:
-        receivers = set(agents_in(evaluate(statement.receiver, here)))
-    if statement.but is not None:
-        receivers -= {here.names[statement.but.name]}
-    writes.gives += [(agent, value) for agent in sorted(receivers)]
+    everybody = range(here.board.agents)
+    receivers = set(everybody if statement.receiver is None else agents_in(evaluate(statement.receiver, here)))
+    but = set() if statement.but is None else {here.names[statement.but.name]}
+    writes.gives += [(agent, value) for agent in sorted(receivers - but)]
 
 
-def _tally(statement: ir.Tally, here: Instance, writes: Writes) -> None:
-    word = None if statement.word is None else evaluate(statement.word, here)
-    amount = 1 if statement.amount is None else evaluate(statement.amount, here)
-    receivers = [None] if statement.receiver is None else sorted(agents_in(evaluate(statement.receiver, here)))
-    writes.tallies += [Counted(statement.event, word, agent, amount) for agent in receivers]
-
-
-def _send(statement: ir.Send, here: Instance, writes: Writes) -> None:
-    ticks = 0 if statement.after is None else evaluate(statement.after, here)
+def _send(statement: ir.Send | ir.Shift, here: Instance, writes: Writes) -> None:
+    """Notes where those are sent whom the statement names; of several who send one, all say the same."""
+    ticks = evaluate(statement.after, here) if isinstance(statement, ir.Send) and statement.after is not None else 0
     for agent in agents_in(evaluate(statement.who, here)):
-        sending = Sending(agent, statement, ticks, here.names)
-        others = [s for s in writes.sends if s.agent == agent]
-        assert all(_is_same(sending, s) for s in others), f"agent {agent} is sent to two places"
+        sends: list[Any] = writes.sends if isinstance(statement, ir.Send) else writes.shifts
+        sent: Sending | Shifting
+        sent = Sending(agent, statement, ticks, here.names) if isinstance(statement, ir.Send) else shifting(agent, statement, here)
+        others = [s for s in sends if s.agent == agent]
+        assert all(_destination(s) == _destination(sent) for s in others), f"agent {agent} is sent to two places"
         if not others:
-            writes.sends.append(sending)
+            sends.append(sent)
 
 
-def _shift(statement: ir.Shift, here: Instance, writes: Writes) -> None:
-    for agent in agents_in(evaluate(statement.who, here)):
-        sent = shifting(agent, statement, here)
-        others = [s for s in writes.shifts if s.agent == agent]
-        assert all((s.target, s.statement.facing) == (sent.target, statement.facing) for s in others), (
-            f"agent {agent} is sent to two places"
-        )
-        if not others:
-            writes.shifts.append(sent)
-
-
-def _is_same(a: Sending, b: Sending) -> bool:
-    said = [(s.ticks, s.send.pool, s.send.facing, s.send.stay, [s.names[v.name] for v in variables_around(s.send.domain)]) for s in (a, b)]
-    return said[0] == said[1]
+def _destination(sent: Sending | Shifting) -> tuple[object, ...]:
+    """Returns all that is said of where, when and how somebody is sent."""
+    if isinstance(sent, Shifting):
+        return sent.target, sent.statement.facing
+    s = sent.send
+    return sent.ticks, s.pool, s.facing, s.stay, [sent.names[v.name] for v in variables_around(s.domain)]
 
 
 def _move(statement: ir.Move, here: Instance, writes: Writes) -> None:

@@ -23,7 +23,7 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
         # who may have to stay does not make room for others
         leaving = set() if _may_stay(order, here.board) else {s.agent for s in together}
         free = [c for c in free_cells(together[0].send.domain, leaving, here) if c not in entered]
-        own = _is_own(order, here.board)
+        own = any(variables_around(s.domain) for s in _sends_to(order, here.board))  # the cells that fit differ from agent to agent
         free = free if own else _fitting(together[0].send.domain, free, {}, here)
         for agent, statement, ticks, names in together:
             fitting = _fitting(statement.domain, free, names, here) if own else free
@@ -40,17 +40,14 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
 
 
 @lru_cache(maxsize=256)
-def _is_own(order_stream: int, board: Board) -> bool:
-    """Returns whether the cells that fit differ from one agent sent to this pool to another."""
-    sends = (n for n in ir.walk(board.game) if isinstance(n, ir.Send))
-    return any(variables_around(s.domain) for s in sends if s.order_stream == order_stream)
+def _sends_to(order_stream: int, board: Board) -> tuple[ir.Send, ...]:
+    """Returns the statements that send to one pool."""
+    return tuple(n for n in ir.walk(board.game) if isinstance(n, ir.Send) and n.order_stream == order_stream)
 
 
-@lru_cache(maxsize=256)
 def _may_stay(order_stream: int, board: Board) -> bool:
     """Returns whether any statement that sends to this pool says `otherwise stay`."""
-    sends = (n for n in ir.walk(board.game) if isinstance(n, ir.Send))
-    return any(s.stay for s in sends if s.order_stream == order_stream)
+    return any(s.stay for s in _sends_to(order_stream, board))
 
 
 def _no_room(agent: Body, statement: ir.Send) -> str:
@@ -105,13 +102,16 @@ def _fitting(domain: ir.Domain, free: list[Cell], names: Mapping[str, Value], he
 def _enter(agent: Body, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World) -> None:
     herd_of(agent, world).position[number_of(agent)] = cell
     herd_of(agent, world).away[number_of(agent)] = None
-    match facing:
-        case None:
-            turn(agent, here.word(stream, number_of(agent)) >> 30, world)
-        case "same":
-            pass
-        case _:
-            turn(agent, HEADINGS.index(facing), world)
+    enter_facing(agent, facing, stream, here, world)
+
+
+def enter_facing(agent: Body, facing: Facing | None, stream: int | None, here: Instance, world: World) -> None:
+    """Turns somebody who has been sent somewhere: in the direction that the statement says, or else in one that is drawn."""
+    if facing is None:
+        assert stream is not None
+        turn(agent, here.word(stream, number_of(agent)) >> 30, world)
+    elif facing != "same":
+        turn(agent, HEADINGS.index(facing), world)
 
 
 def _leave(agent: Body, away: Away, world: World) -> None:

@@ -1,9 +1,11 @@
 """Interprets `send x by n DIRECTION` and `send x to CELL`: the way of each agent, and all who are sent in one phase settled together."""
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.bodies import Body, heading_of, herd_of, herds, is_free, number_of, occupied, sort_of_body, turn, where_is
+from sjdsl.interpreter.bodies import Body, heading_of, herd_of, herds, is_free, number_of, sort_of_body, where_is
 from sjdsl.interpreter.evaluate import cell_of, evaluate, is_blocked
 from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.movement import stay_if_outranked, stay_if_taken
+from sjdsl.interpreter.sending import enter_facing
 from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import HEADINGS, World
 from sjdsl.interpreter.writes import Shifting
@@ -54,30 +56,10 @@ def shift(shifts: list[Shifting], here: Instance, world: World) -> None:
     agents, *movers = herds(world)
     for sort in (*movers, agents):
         own = [s for s in shifts if sort_of_body(s.agent) == sort]
-        _shift_sort(own, here, world)
-
-
-def _shift_sort(shifts: list[Shifting], here: Instance, world: World) -> None:
-    """Of several who want one cell, one drawn by lot may enter; nobody may enter a cell where somebody stays."""
-    ranks = {s.agent: here.word(s.statement.stream, number_of(s.agent)) & ~0xFF | number_of(s.agent) for s in shifts}
-    goes = {s.agent: s for s in shifts if s.target is not None and s.target != where_is(s.agent, world)}
-    outranked = [a for a in goes if any(goes[b].target == goes[a].target and ranks[b] > ranks[a] for b in goes)]
-    for agent in outranked:
-        del goes[agent]
-    while True:
-        staying = occupied(world, without=goes)
-        stopped = [agent for agent in goes if goes[agent].target in staying]
-        if not stopped:
-            break
-        for agent in stopped:
-            del goes[agent]
-    for agent, sent in goes.items():
-        herd_of(agent, world).position[number_of(agent)] = sent.target
-        match sent.statement.facing:
-            case "same":
-                pass
-            case None:
-                assert sent.statement.heading_stream is not None
-                turn(agent, here.word(sent.statement.heading_stream, number_of(agent)) >> 30, world)
-            case facing:
-                turn(agent, HEADINGS.index(facing), world)
+        ranks = {s.agent: here.word(s.statement.stream, number_of(s.agent)) & ~0xFF | number_of(s.agent) for s in own}
+        targets = {s.agent: s.target for s in own if s.target is not None and s.target != where_is(s.agent, world)}
+        stay_if_outranked(targets, ranks)
+        stay_if_taken(targets, world)
+        for sent in (s for s in own if s.agent in targets):
+            herd_of(sent.agent, world).position[number_of(sent.agent)] = sent.target
+            enter_facing(sent.agent, sent.statement.facing, sent.statement.heading_stream, here, world)

@@ -11,8 +11,7 @@ from sjdsl.compiler.ir.queries import action_named, event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.bodies import away_of, bodies, where_is
-from sjdsl.interpreter.evaluate import evaluate
-from sjdsl.interpreter.evaluation_parts import arguments_of, entry_place
+from sjdsl.interpreter.evaluate import arguments_of, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import move
 from sjdsl.interpreter.numbers import added_up, check_int32
@@ -21,6 +20,7 @@ from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
 from sjdsl.interpreter.shifting import shift
 from sjdsl.interpreter.state import Outcome, Value, World, copied
+from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
 
@@ -94,8 +94,7 @@ def _measured(measure: ir.Measure, here: Instance) -> Value:
 
 def _forbidden(board: Board, world: World, agent: int) -> set[int]:
     here, agents = Instance(board, world, names={"agent": agent}), board.game.agents
-    found = {action for forbid in agents.forbids for action in _closed(forbid, here)}
-    return found - {agents.actions.index("stay")}
+    return {action for forbid in agents.forbids for action in _closed(forbid, here)} - {agents.actions.index("stay")}
 
 
 def _closed(forbid: ir.Forbid, here: Instance) -> Iterator[int]:
@@ -123,7 +122,7 @@ def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, .
 
 def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None, sends: bool = True) -> World:
     """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
-    writes = Writes() if tell is None else Writes(told=[], drawn=[])
+    writes = Writes() if tell is None else Writes(done=[], drawn=[])
     with watched(lambda: phase, here.world.step):
         perform(phase.body, here, writes)
     world = copied(here.world)
@@ -149,7 +148,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None,
     outcome.terminated = outcome.terminated or writes.end
     _check_places(here.board, world)
     if tell is not None:
-        tell(Account(phase, here.world, world, tuple(writes.told or ()), tuple(writes.drawn or ())))
+        tell(Account(phase, here.world, world, tuple(writes.done or ()), tuple(writes.drawn or ())))
     return world
 
 
@@ -163,18 +162,12 @@ def _tick(here: Instance) -> World:
     """Returns the state after `tick`: timers first, then the agents that come back see the new ones."""
     world = copied(here.world)
     board = here.board
-    for name, declared in board.agent_fields.items():
-        if declared.timer:
-            world.agents[name] = [_fallen(v) for v in world.agents[name]]
-    for name, declared in board.world_fields.items():
-        if declared.timer:
-            world.fields[name] = _fallen(world.fields[name])
-    for key, declared in board.cell_fields.items():
-        if declared.timer:
-            world.cells[key] = [_fallen(v) for v in world.cells[key]]
-    for (sort, name), declared in board.mover_fields.items():
-        if declared.timer:
-            world.movers[sort].fields[name] = [_fallen(v) for v in world.movers[sort].fields[name]]
+    for declared in board.fields.values():
+        if declared.timer and declared.held_by.what == "world":
+            world.fields[declared.name] = _fallen(world.fields[declared.name])
+        elif declared.timer:
+            values = held_values(declared, world)
+            values[:] = map(_fallen, values)
     bring_back(Instance(board, copied(world), here.actions, here.draws), world)
     _check_places(board, world)
     return world
@@ -195,18 +188,16 @@ def _nothing_yet(board: Board) -> Outcome:
 
 def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
     event = event_named(board.game, counted.event)
-    path: list[int | str] = [event.name]
+    holder: Any = outcome.events
+    place: Any = event.name
     if event.per_agent:
         assert counted.agent is not None, event.name
-        path.append(counted.agent)
+        holder, place = holder[place], counted.agent
     if event.by:
         assert counted.word is not None, event.name
-        path.append(entry_place(event.by, counted.word))
-    holder: Any = outcome.events
-    for key in path[:-1]:
-        holder = holder[key]
-    holder[path[-1]] += counted.amount
-    check_int32(holder[path[-1]], counted.event)
+        holder, place = holder[place], entry_place(event.by, counted.word)
+    holder[place] += counted.amount
+    check_int32(holder[place], counted.event)
 
 
 def _check_places(board: Board, world: World) -> None:

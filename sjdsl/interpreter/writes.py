@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from functools import reduce
+from operator import getitem
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,11 +13,11 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body
-from sjdsl.interpreter.evaluate import evaluate
-from sjdsl.interpreter.evaluation_parts import agents_in, entry_place
+from sjdsl.interpreter.evaluate import agents_in, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import added_up, check_int32, check_interval
 from sjdsl.interpreter.state import Cell, Mover, Value, World
+from sjdsl.interpreter.stored import held_values
 
 
 class Slot(NamedTuple):
@@ -69,12 +71,7 @@ class Lot(NamedTuple):
 
 def winners(lots: Iterable[Lot]) -> dict[Slot, Lot]:
     """Returns for each entry of a field who of those that would write it does."""
-    found: dict[Slot, Lot] = {}
-    for lot in lots:
-        best = found.get(lot.slot)
-        if best is None or (-lot.rank, lot.place) < (-best.rank, best.place):
-            found[lot.slot] = lot
-    return found
+    return {lot.slot: lot for lot in sorted(lots, key=lambda lot: (lot.rank, *(-part for part in lot.place)))}
 
 
 _LISTS = ("sets", "adds", "lots", "gives", "tallies", "sends", "shifts")
@@ -88,7 +85,7 @@ class Writes:
     sort: of those who `move`. courses: the direction in which each mover of a `move` goes, None if it stays. lots: those who would write
     a target `by lot`.
 
-    told, drawn: an account of it, statement by statement, where one is wanted; else None.
+    done, drawn: an account of it, statement by statement, where one is wanted; else None.
     """
 
     sets: list[tuple[Slot, Value]] = field(default_factory=list)
@@ -104,18 +101,18 @@ class Writes:
     courses: dict[Body, int | None] = field(default_factory=dict)
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
-    told: list[Done] | None = None
+    done: list[Done] | None = None
     drawn: list[Drawn] | None = None
 
     def sizes(self) -> dict[str, int]:
         """Returns how much was written so far, of what comes in lists; nothing where no account is wanted."""
-        return {} if self.told is None else {name: len(getattr(self, name)) for name in _LISTS}
+        return {} if self.done is None else {name: len(getattr(self, name)) for name in _LISTS}
 
     def tell(self, statement: ir.Stmt, here: Instance, before: dict[str, int]) -> None:
         """Keeps what a statement that writes (not one that has others in it) has written since `before`."""
-        if self.told is not None and isinstance(statement, _WRITING):
+        if self.done is not None and isinstance(statement, _WRITING):
             written = {name: tuple(getattr(self, name)[size:]) for name, size in before.items() if len(getattr(self, name)) > size}
-            self.told.append(Done(statement, here.names, here.causes, written))
+            self.done.append(Done(statement, here.names, here.causes, written))
 
 
 def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:
@@ -131,11 +128,7 @@ def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Val
 
 def declaration(slot: Slot, board: Board) -> ir.VarField:
     """Returns the field a slot belongs to."""
-    if slot.owner is None:
-        return board.world_fields[slot.name]
-    if slot.owner[0] == "agent":
-        return board.agent_fields[slot.name]
-    return board.cell_fields.get((slot.owner[0], slot.name)) or board.mover_fields[slot.owner[0], slot.name]
+    return board.fields["world" if slot.owner is None else slot.owner[0], slot.name]
 
 
 def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
@@ -170,24 +163,19 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
     for slot, value in writes.adds:
         adds.setdefault(slot, []).append(_fitting(declaration(slot, board), value))
     for slot, value in sets.items():
-        _put(slot, value, world)
+        _put(slot, value, board, world)
     for slot, values in adds.items():
         declared = declaration(slot, board)
         assert slot not in sets or declared.type.kind == "agents", f"{slot} is set and added to"
-        _put(slot, _added(declared, _get(slot, world), values), world)
+        _put(slot, _added(declared, _get(slot, board, world), values), board, world)
     for slot in (*sets, *adds):
-        _check(declaration(slot, board), _get(slot, world), board)
+        _check(declaration(slot, board), _get(slot, board, world), board)
 
 
 def _fitting(declared: ir.VarField, value: Value) -> Value:
     """Returns a value as a field of this type holds it."""
-    match declared.type.kind:
-        case "agents":
-            return frozenset(agents_in(value))
-        case "real":
-            return np.float32(value)
-        case _:
-            return value
+    kind = declared.type.kind
+    return frozenset(agents_in(value)) if kind == "agents" else np.float32(value) if kind == "real" else value
 
 
 def _added(declared: ir.VarField, before: Value, values: list[Value]) -> Value:
@@ -214,40 +202,23 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
             raise AssertionError(declared)
 
 
-def _get(slot: Slot, world: World) -> Value:
-    value = _holder(slot, world)
-    for entry in slot.entries:
-        value = value[entry]
-    return value
+def _get(slot: Slot, board: Board, world: World) -> Value:
+    values, place = _holder(slot, board, world)
+    return reduce(getitem, slot.entries, values[place])
 
 
-def _put(slot: Slot, value: Value, world: World) -> None:
-    whole = _replaced(_holder(slot, world), slot.entries, value)
-    match slot.owner:
-        case None:
-            world.fields[slot.name] = whole
-        case ("agent", agent):
-            world.agents[slot.name][agent] = whole
-        case (sort, number) if sort in world.movers:
-            world.movers[sort].fields[slot.name][number] = whole
-        case (kind, number):
-            world.cells[kind, slot.name][number] = whole
+def _put(slot: Slot, value: Value, board: Board, world: World) -> None:
+    values, place = _holder(slot, board, world)
+    values[place] = _replaced(values[place], slot.entries, value)
 
 
-def _holder(slot: Slot, world: World) -> Value:
-    match slot.owner:
-        case None:
-            return world.fields[slot.name]
-        case ("agent", agent):
-            return world.agents[slot.name][agent]
-        case (sort, number) if sort in world.movers:
-            return world.movers[sort].fields[slot.name][number]
-        case (kind, number):
-            return world.cells[kind, slot.name][number]
+def _holder(slot: Slot, board: Board, world: World) -> tuple[Any, Any]:
+    """Returns the list or dictionary that the field's value is kept in, and its place there."""
+    return (world.fields, slot.name) if slot.owner is None else (held_values(declaration(slot, board), world), slot.owner[1])
 
 
 def _replaced(whole: Value, entries: tuple[int, ...], value: Value) -> Value:
     if not entries:
         return value
-    first, *rest = entries
-    return (*whole[:first], _replaced(whole[first], tuple(rest), value), *whole[first + 1 :])
+    first = entries[0]
+    return (*whole[:first], _replaced(whole[first], entries[1:], value), *whole[first + 1 :])

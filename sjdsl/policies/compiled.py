@@ -1,5 +1,6 @@
 """Scripted policies as JAX functions of the true state: the first rule that applies to an agent is the one it follows."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import jax.numpy as jnp
@@ -11,8 +12,8 @@ from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import blocks_always, body_sorts, kinds_by_glyph, shape_named
 from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
-from sjdsl.policies.poses import visible_from
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.geometry import turned
 from sjdsl.runtime.path_search import board, contains, destination, first_moves, moves_of, shifted, wrapped
 from sjdsl.runtime.policy import MemoryPolicy
 from sjdsl.runtime.random_bits import below, key_words, random_bits_at
@@ -47,8 +48,7 @@ class Chooser:
         """Raises NotSupported."""
         self._env = env
         self._game: ir.Game = env.game
-        lowered = lower_policy(policy, self._game)
-        self._rules, self._pad = lowered.rules, lowered.pad
+        self._rules, self._pad = lower_policy(policy, self._game)
         self._stay = self._game.agents.actions.index("stay")
         self._moves = moves_of(self._game.agents.actions, self._game.agents.relative, open_cells(self._game), self._game.wraps)
         self._shape = self._moves.open.shape
@@ -94,8 +94,7 @@ class Chooser:
         if not self._moves.actions:  # nobody walks: a rule applies to those who are there already
             return self._is_there(goals, here), jnp.broadcast_to(done, here[0].shape)
         arrived, found, best = first_moves(self._moves, goals, enterable, here, wanted)
-        walks = self._walk(best, enterable, here, present, self._movers(state), bits)
-        return found, jnp.where(arrived, done, walks)
+        return found, jnp.where(arrived, done, self._walk(best, enterable, here, present, self._movers(state), bits))
 
     def _is_there(self, goals: Array, here: tuple[Array, Array, Array]) -> Array:
         """Returns which agents are where a rule leads, `[N]` bool. goals: `[K, P, H, L]` boards."""
@@ -123,11 +122,11 @@ class Chooser:
     ) -> Array:
         """Returns the moves; where another agent or a mover is in the way, half of them are drawn from those that enter nothing avoided."""
         heading, row, col = here
-        if not self._moves.actions:
-            return jnp.full(row.shape, self._stay, jnp.int32)
-        places = [self._leads_to(number, heading, row, col) for number in range(len(self._moves.actions))]
+        places = [(row, col) if step is None else destination(self._moves, step, heading, row, col) for step in self._moves.steps]
         rows, cols = (jnp.stack([place[axis] for place in places], axis=-1) for axis in (0, 1))
-        may = self._may_enter(rows, cols, enterable) | ((rows == row[:, None]) & (cols == col[:, None]))
+        which = jnp.arange(rows.shape[0]) if enterable.shape[0] > 1 else jnp.zeros(rows.shape[0], jnp.int32)
+        may = contains(enterable, jnp.broadcast_to(which[:, None], rows.shape), rows, cols)
+        may = may | ((rows == row[:, None]) & (cols == col[:, None]))
         to_row, to_col = (jnp.take_along_axis(x, best[:, None], axis=1) for x in (rows, cols))
         others = present[None] & ~jnp.eye(row.shape[0], dtype=bool)
         blocked = jnp.any((to_row == row[None]) & (to_col == col[None]) & others, axis=1)
@@ -137,20 +136,11 @@ class Chooser:
         move = jnp.where(blocked & (bits[:, 1] < jnp.uint32(HALF)), drawn.astype(jnp.int32), best)
         return jnp.asarray(self._moves.actions, jnp.int32)[move]
 
-    def _leads_to(self, number: int, heading: Array, row: Array, col: Array) -> tuple[Array, Array]:
-        step = self._moves.steps[number]
-        return (row, col) if step is None else destination(self._moves, step, heading, row, col)
-
-    def _may_enter(self, rows: Array, cols: Array, enterable: Array) -> Array:
-        """Returns which cells `[N, M]` may be entered by the agents."""
-        which = jnp.arange(rows.shape[0]) if enterable.shape[0] > 1 else jnp.zeros(rows.shape[0], jnp.int32)
-        return contains(enterable, jnp.broadcast_to(which[:, None], rows.shape), rows, cols)
-
     def _board(self, cells: Cells, state: Any) -> Array:
         """Returns the cells of members as boards, `[N or 1, H, L]`."""
         height, width = self._shape
         if cells.numbers is not None:
-            (members,) = _as_tuple(cells.read(state, self._env.params))
+            members = cells.read(state, self._env.params)
             padded = jnp.concatenate([members, jnp.zeros((members.shape[0], 1), bool)], axis=1)
             return board(padded[:, jnp.asarray(cells.numbers)].reshape(-1, height, width))
         members, at = cells.read(state, self._env.params)
@@ -193,5 +183,31 @@ def open_cells(game: ir.Game) -> np.ndarray:
     return np.array([[kinds[glyph] not in closed for glyph in row] for row in game.rows])
 
 
-def _as_tuple(value: Any) -> tuple[Array, ...]:
-    return value if isinstance(value, tuple) else (value,)
+def visible_from(game: ir.Game, shape: ir.Shape, heading: int) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
+    """Yields each cell of a shape as seen with a heading, and from where it is not behind a cell that always blocks the shape.
+
+    Yields:
+      rows down and columns to the right of the agent, and `[H, W]` bool over the agent's cells.
+    """
+    kinds = kinds_by_glyph(game)
+    stops = {kind.name for kind in game.kinds if blocks_always(kind, shape.name)}
+    blocking = np.array([[kinds[glyph] in stops for glyph in row] for row in game.rows])
+    met = {(0, 0)}
+    for lane in shape.lanes:
+        free = np.ones(blocking.shape, bool)
+        for offset in turned(lane, heading):
+            place = (offset[0] % blocking.shape[0], offset[1] % blocking.shape[1])
+            if game.wraps and place in met and offset != (0, 0):  # a cell of the shape already
+                continue
+            met.add(place)
+            yield offset, free
+            if not shape.see_through:
+                free = free & ~_found_at(blocking, *offset, game.wraps)
+
+
+def _found_at(cells: np.ndarray, rows: int, cols: int, wraps: bool) -> np.ndarray:
+    """Returns for each cell of the map whether the cell so many rows down and columns to the right of it is one of `cells`."""
+    height, width = cells.shape
+    margin = (0, 0) if wraps else (abs(rows), abs(cols))
+    framed = np.roll(np.pad(cells, [(side, side) for side in margin]), (-rows, -cols), (0, 1))
+    return framed[margin[0] : margin[0] + height, margin[1] : margin[1] + width]

@@ -10,14 +10,11 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named, blocks_always
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import occupied, where_is
-from sjdsl.interpreter.evaluate import evaluate, members_of
-from sjdsl.interpreter.evaluation_parts import arguments_of
+from sjdsl.interpreter.evaluate import arguments_of, evaluate, members_of
 from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.movement import STEPS, TURNS
 from sjdsl.interpreter.shapes import FORWARD, lanes_from
 from sjdsl.interpreter.state import Cell, World
-
-TURNED = {"turn_left": -1, "turn_right": 1}
-STEPPED = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 
 
 class Pose(NamedTuple):
@@ -38,10 +35,10 @@ class Ground:
 
     def after(self, move: str, pose: Pose) -> Pose:
         """Returns where a move leads, whether or not the cell can be entered."""
-        if move in TURNED:
-            return Pose(pose.cell, (pose.heading + TURNED[move]) % 4)
+        if move in TURNS:
+            return Pose(pose.cell, (pose.heading + TURNS[move]) % 4)
         turned = pose.heading if self.board.game.agents.relative else 0
-        rows, cols = FORWARD[(turned + STEPPED[move]) % 4]
+        rows, cols = FORWARD[(turned + STEPS[move]) % 4]
         row, col = pose.cell.row + rows, pose.cell.col + cols
         return Pose(self.board.at(row, col) or Cell(row, col), pose.heading)
 
@@ -49,7 +46,7 @@ class Ground:
 @lru_cache(maxsize=16)
 def _ground_of(board: Board) -> Ground:
     actions = board.game.agents.actions
-    moves = {number: name for number, name in enumerate(actions) if name in TURNED or name in STEPPED}
+    moves = {number: name for number, name in enumerate(actions) if name in TURNS or name in STEPS}
     open_ = frozenset(cell for cell, kind in board.kind_of.items() if not blocks_always(board.kinds[kind]))
     ground = Ground(board, open_, moves)
     for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
@@ -93,7 +90,8 @@ def _towards(rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, 
         done = stay
     else:
         enterable = ground.open - closed
-        goals = set(_poses(rule, members, ground))
+        reached = _reached(ground.board, rule.shape).items()  # what blocks the shape under a condition is not considered
+        goals = {aimed for aimed, cells in reached if not cells.isdisjoint(members)}
         done = _taken(rule, here)
     if pose in goals:
         return done
@@ -119,24 +117,14 @@ def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:
             yield cell
 
 
-def _poses(rule: ir.Aim, members: Collection[Cell], ground: Ground) -> Iterator[Pose]:
-    """Yields every pose of an agent that has a member in the shape; what blocks the shape under a condition is not considered."""
-    for pose, cells in _reached(ground.board, rule.shape).items():
-        if not cells.isdisjoint(members):
-            yield pose
-
-
 @lru_cache(maxsize=16)
 def _reached(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
     """Returns the cells of a shape that are reached from each pose."""
     shape = board.shapes[name]
-
-    def stops(cell: Cell) -> bool:
-        return blocks_always(board.kinds[board.kind_of[cell]], name)
-
+    stopping = {cell for cell, kind in board.kind_of.items() if blocks_always(board.kinds[kind], name)}
     found = {}
     for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
-        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.at, stops)
+        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.at, stopping.__contains__)
         found[pose] = frozenset(seen.cell for lane in lanes for seen in lane)
     return found
 

@@ -17,7 +17,7 @@ from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.names import KERNELS
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.lower import NotSupported, new_module, state_reads
-from sjdsl.compiler.lower.axes import TRUE, Value, iota, spread
+from sjdsl.compiler.lower.axes import Value, iota, spread
 from sjdsl.compiler.lower.chosen import action_number
 from sjdsl.compiler.lower.domains import enter, is_empty
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
@@ -56,63 +56,46 @@ class LoweredRule:
     taken: Read | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class LoweredPolicy:
-    """Rules in order, and the padding of the frame in which they read positions."""
+def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[LoweredRule], int]:
+    """Returns the rules of a policy in order, and the padding of the frame in which they read positions.
 
-    rules: tuple[LoweredRule, ...]
-    pad: int
-
-
-def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
-    """Returns the functions of a policy. Raises NotSupported for what the compiler cannot say exactly."""
+    Raises NotSupported for what the compiler cannot say exactly.
+    """
     module = new_module(game.rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}))
-    texts: list[str] = []
-    waiting: list[tuple[ir.PolicyRule, Any, str]] = []
+    names: dict[str, Any] = {}
 
-    def function(w: Writer) -> str:
-        name = f"read_{len(texts)}"
-        arguments = (("state", "object"), ("params", "object"))
-        texts.append("\n".join(function_lines(Function(name, arguments, "object", "", tuple(w.body)))))
-        return name
+    def function(w: Writer) -> Read:
+        name = f"read_{len(names)}"
+        exec("\n".join(function_lines(Function(name, (("state", "object"), ("params", "object")), "object", "", tuple(w.body)))), names)
+        read: Read = names[name]
+        return read
 
-    def cells(domain: ir.Domain | None) -> tuple[str, np.ndarray | None] | None:
-        if domain is None:
-            return None
+    def cells(domain: ir.Domain | None) -> Cells | None:
         w = Writer(module)
-        if is_empty(domain, w):
+        if domain is None or is_empty(domain, w):
             return None
         numbers = _write_members(domain, module, w)
-        return function(w), numbers
+        return Cells(function(w), numbers)
 
-    def taken(rule: ir.PolicyRule) -> str:
-        if isinstance(rule, ir.Go) or not rule.chosen:
-            return ""
+    def of_each(value: Callable[[IterationScope, Writer], Value]) -> Read:
         w = Writer(module)
         scope = _of_agents(w)
-        number, _ = action_number(action_named(game, rule.chosen), rule.given, scope, w)
-        w.give_back(spread(number, scope.axes))
+        w.give_back(spread(value(scope, w), scope.axes))
         return function(w)
 
-    for rule in policy.rules:
-        match rule:
-            case ir.Act():
-                w = Writer(module)
-                scope = _of_agents(w)
-                w.give_back(spread(w.value(rule.condition, scope), scope.axes))
-                waiting.append((rule, function(w), taken(rule)))
-            case ir.Go() | ir.Aim():
-                waiting.append((rule, (cells(rule.domain), cells(rule.avoided)), taken(rule)))
-    names = namespace(module)
-    exec("\n".join(texts), names)
-    found = []
-    for rule, parts, number in waiting:
+    def taken(rule: ir.PolicyRule) -> Read | None:
+        if isinstance(rule, ir.Go) or not rule.chosen:
+            return None
+        return of_each(lambda scope, w: action_number(action_named(game, rule.chosen), rule.given, scope, w)[0])
+
+    def lowered(rule: ir.PolicyRule) -> LoweredRule:
         if isinstance(rule, ir.Act):
-            found.append(LoweredRule(rule, condition=names[parts], taken=names.get(number)))
-        else:
-            sought, avoided = (None if part is None else Cells(names[part[0]], part[1]) for part in parts)
-            found.append(LoweredRule(rule, sought=sought, avoided=avoided, taken=names.get(number)))
-    return LoweredPolicy(tuple(found), module.layout.pad)
+            return LoweredRule(rule, of_each(lambda scope, w: w.value(rule.condition, scope)), taken=taken(rule))
+        return LoweredRule(rule, None, cells(rule.domain), cells(rule.avoided), taken(rule))
+
+    rules = [lowered(rule) for rule in policy.rules]
+    names.update(namespace(module))  # what the functions read, known once all of them are written
+    return rules, module.layout.pad
 
 
 def _of_agents(w: Writer) -> IterationScope:
@@ -128,18 +111,17 @@ def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray |
     if len(added) > 1:
         raise NotSupported("a domain of several axes in a policy", domain.origin)
     member = inner.variables[domain.var.name]
-    mask = inner.mask or TRUE
+    mask = inner.mask
     whole = isinstance(member, CellVar) and member.axis is not None
     at = None if whole else _map_cells(member, module, w)
     depends = any(axis in value.axes for value in (mask, *([] if at is None else [at])) for axis in outer.axes)
     axes = (*outer.axes, *added) if depends else added
-    number = Literal(module.num_agents if depends else 1)
-    rows_of_members = Sequence((number, Literal(-1)))
+    rows_of_members = Sequence((Literal(module.num_agents if depends else 1), Literal(-1)))
     values = (mask, *([] if at is None else [at]))  # one without axes may be a plain number, which has no method `reshape`
     w.give_back(*(Call(Attribute(Name("jnp"), "reshape"), (spread(value, axes), rows_of_members)) for value in values))
     if not whole:
         return None
-    rows = module.layout.map
+    rows = module.game.rows
     return geometry.site_numbers(rows, 0, geometry.cells_of(rows, 0, module.layout.glyphs(domain.var.kinds)))
 
 
@@ -155,6 +137,6 @@ def namespace(module: Module) -> dict[str, Any]:
     names: dict[str, Any] = {"jnp": jnp}
     for home, kernels in KERNELS.items():
         names |= {kernel: getattr(import_module(home), kernel) for kernel in kernels}
-    names |= {"NUM_AGENTS": module.num_agents, "MAP": module.layout.map, "PAD": module.layout.pad}
+    names |= {"NUM_AGENTS": module.num_agents, "MAP": module.game.rows, "PAD": module.layout.pad}
     exec("\n".join(f"{c.name} = {text(c.value)}" for c in module.constants.values()), names)
     return names | {n.name: n.value for n in module.numbers.values()}

@@ -13,7 +13,7 @@ from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.names import identifier
 from sjdsl.compiler.lower import new_module, state_reads
-from sjdsl.compiler.lower.axes import TRUE, as_dtype, iota, spread
+from sjdsl.compiler.lower.axes import as_dtype, iota, spread
 from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
@@ -92,7 +92,7 @@ def _seek(domain: ir.Domain, number: int, module: Module) -> str:
     at = state_reads.cell(member, w) if isinstance(member, CellVar) else state_reads.position(member, w)
     row, col = (_less(Binary(op, at.node, Literal(module.layout.cols)), module.layout.pad) for op in ("//", "%"))
     cells = replace(at, node=Binary("+", Binary("*", row, Literal(module.layout.width)), col))
-    w.give_back(*(_of_agents(spread(value, inner.axes), inner) for value in (cells, inner.mask or TRUE)))
+    w.give_back(*(_of_agents(spread(value, inner.axes), inner) for value in (cells, inner.mask)))
     return _function(f"seek_{number}", w)
 
 

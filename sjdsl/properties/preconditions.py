@@ -11,8 +11,7 @@ from sjdsl.compiler.ir.queries import action_named, all_fields, body_sorts, cont
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import board_of, cells_of
 from sjdsl.interpreter.bodies import where_is
-from sjdsl.interpreter.evaluate import evaluate
-from sjdsl.interpreter.evaluation_parts import arguments_of
+from sjdsl.interpreter.evaluate import arguments_of, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Mover, Value, World
 from sjdsl.properties.effects import STEP, field_part, part_of, reads, written_by

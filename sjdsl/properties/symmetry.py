@@ -17,7 +17,7 @@ from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.queries import body_sort, movers_named
 from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import integer, words
-from sjdsl.interpreter.evaluation_parts import arguments_of
+from sjdsl.interpreter.evaluate import arguments_of
 from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Draws

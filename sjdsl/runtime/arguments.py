@@ -1,7 +1,7 @@
 """Checks of what callers hand to an environment: of types and shapes alone, so that a compiled step has none of them."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -72,3 +72,23 @@ def _described(value: Any) -> str:
 
 def _for_a_batch(axes: int) -> str:
     return "; for a batch of environments, jax.vmap the call" if axes > 0 else ""
+
+
+def check_arrays(params: Any, own: Any) -> None:
+    """Looks whether parameters have the shapes and dtypes of a game's own, also where they are traced.
+
+    A number of Python or NumPy has no dtype that counts: it becomes one of the parameter's.
+
+    Raises ValueError, by the name of the parameter.
+    """
+    for name in (field.name for field in fields(own)):
+        value, wanted = getattr(params, name), getattr(own, name)
+        if not isinstance(value, int | float | np.generic | np.ndarray | jax.Array):
+            raise ValueError(f"`{name}` is {value!r}, and an array is wanted: {_array_text(wanted)}")
+        same_dtype = isinstance(value, int | float | np.generic) or jnp.result_type(value) == jnp.result_type(wanted)
+        if jnp.shape(value) != jnp.shape(wanted) or not same_dtype:
+            raise ValueError(f"`{name}` is {_array_text(value)}, and {_array_text(wanted)} is wanted")
+
+
+def _array_text(array: Any) -> str:
+    return f"{jnp.result_type(array)}{list(jnp.shape(array))}"

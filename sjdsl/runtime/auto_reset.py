@@ -17,9 +17,7 @@ Params = Any
 
 def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
     """Returns the first state of an episode where `done`, else `state`."""
-    forms = (partial(_if_any_is_done, reset), partial(_always_computed, reset))
-    result: State = by_platform(*forms, done, words, params, state)
-    return result
+    return by_platform(partial(_if_any_is_done, reset), partial(_always_computed, reset), done, words, params, state)
 
 
 def _always_computed(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:

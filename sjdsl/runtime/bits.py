@@ -1,5 +1,6 @@
 """Sets as bits of 32-bit integers: packing, and selecting the n-th member without a scan."""
 
+import operator
 from collections.abc import Sequence
 
 import jax
@@ -69,8 +70,7 @@ def nth_bit(word: Array, n: Array) -> Array:
 
 def nth(words: Array, n: Array) -> Array:
     """Returns which member is the n-th, n from 0: `[..., W]` uint32 and `[...]` int32 -> `[...]` int32. Anything if there are fewer."""
-    result: Array = nth_bit(words[..., 0], n) if words.shape[-1] == 1 else by_platform(_nth_by_sums, _nth_in_turn, words, n)
-    return result
+    return nth_bit(words[..., 0], n) if words.shape[-1] == 1 else by_platform(_nth_by_sums, _nth_in_turn, words, n)
 
 
 def _nth_in_turn(words: Array, n: Array) -> Array:
@@ -90,13 +90,10 @@ def _nth_by_sums(words: Array, n: Array) -> Array:
     numbers = jnp.broadcast_to(index, words.shape)
     chosen = (jnp.where(here, words, jnp.uint32(0)), jnp.where(here, before, 0), jnp.where(here, numbers, 0))
     # one sum of three instead of three: each would find `here` again
-    word, passed, number = lax.reduce(chosen, (jnp.uint32(0), jnp.int32(0), jnp.int32(0)), _added, (words.ndim - 1,))
+    zeros = (jnp.uint32(0), jnp.int32(0), jnp.int32(0))
+    word, passed, number = lax.reduce(chosen, zeros, lambda a, b: tuple(map(operator.add, a, b)), (words.ndim - 1,))
     result: Array = number * WIDTH + nth_bit(word, n - passed)
     return result
-
-
-def _added(left: tuple[Array, ...], right: tuple[Array, ...]) -> tuple[Array, ...]:
-    return tuple(a + b for a, b in zip(left, right, strict=True))
 
 
 def apart(words: Array) -> list[Array]:

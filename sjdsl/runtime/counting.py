@@ -43,8 +43,7 @@ def times_in(sets: Array, agents: int) -> Array:
     Returns:
       `[agents]` int32.
     """
-    result: Array = by_platform(partial(_added_in_rows, agents=agents), partial(_added_at_once, agents=agents), sets.reshape(-1))
-    return result
+    return by_platform(partial(_added_in_rows, agents=agents), partial(_added_at_once, agents=agents), sets.reshape(-1))
 
 
 def _added_at_once(sets: Array, agents: int) -> Array:
@@ -70,8 +69,7 @@ def _added_in_rows(sets: Array, agents: int) -> Array:
     parts = [rows[first : min(first + _ROWS_AT_ONCE, full)] for first in range(0, full, _ROWS_AT_ONCE)] + [[row] for row in rows[full:]]
     counts = jnp.zeros(agents, jnp.int32)
     for part in parts:
-        by_lane = reduce(jnp.add, map(members, part))
-        counts = counts + jnp.sum(by_lane, axis=1, dtype=jnp.uint8).astype(jnp.int32)
+        counts = counts + jnp.sum(reduce(jnp.add, map(members, part)), axis=1, dtype=jnp.uint8).astype(jnp.int32)
     return counts
 
 
@@ -87,8 +85,7 @@ _ROWS_AT_ONCE = 4  # at most 7: a byte holds 7 * 32; 6 are as fast, 2 and 7 slow
 @partial(jax.jit, static_argnums=1)  # as above
 def occupied(site: Array, size: int) -> Array:
     """Returns which cells have an agent on them: `[size]` bool, from `[N]` cell numbers (`size` for elsewhere)."""
-    result: Array = by_platform(partial(_marked, size=size), partial(_compared, size=size), site)
-    return result
+    return by_platform(partial(_marked, size=size), partial(_compared, size=size), site)
 
 
 def _compared(site: Array, size: int) -> Array:

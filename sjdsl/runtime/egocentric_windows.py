@@ -32,8 +32,7 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
       row `ahead`, column `left`. Not in rows: XLA makes vector instructions of the last axis only, and a row is too short.
     """
     sides = (ahead, behind, left, right)
-    result: Array = by_platform(partial(_windows_cut, sides=sides), partial(_windows_looked_up, sides=sides), plane, position, heading)
-    return result
+    return by_platform(partial(_windows_cut, sides=sides), partial(_windows_looked_up, sides=sides), plane, position, heading)
 
 
 def _windows_looked_up(plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]) -> Array:
@@ -79,8 +78,7 @@ def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
       cells: `[S]` int32, ascending; constant: not traced.
       values: `[S]` uint8.
     """
-    result: Array = by_platform(partial(_filled_in_runs, cells), partial(_filled_by_number, cells), plane, values)
-    return result
+    return by_platform(partial(_filled_in_runs, cells), partial(_filled_by_number, cells), plane, values)
 
 
 def _filled_by_number(cells: Array | np.ndarray, plane: Array, values: Array) -> Array:
@@ -145,10 +143,8 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
       cells: `[M]` int32.
       bits: uint8, `[M]` (then the cells differ) or one for all.
     """
-    result: Array = by_platform(
-        _painted_by_cell, _painted_as_bits if np.ndim(bits) == 0 else _painted_by_comparing, plane, cells, jnp.asarray(bits, jnp.uint8)
-    )
-    return result
+    for_gpus = _painted_as_bits if np.ndim(bits) == 0 else _painted_by_comparing
+    return by_platform(_painted_by_cell, for_gpus, plane, cells, jnp.asarray(bits, jnp.uint8))
 
 
 def _painted_as_bits(plane: Array, cells: Array, bits: Array) -> Array:

@@ -8,12 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from sjdsl.runtime.arguments import check_params, check_state, checked_actions
+from sjdsl.runtime.arguments import check_arrays, check_params, check_state, checked_actions
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.gpu_program import in_its_form
 from sjdsl.runtime.module import GameModule
-from sjdsl.runtime.param_arrays import check_arrays
-from sjdsl.runtime.planes import TokenPlane, channel_names
+from sjdsl.runtime.planes import channel_names
 from sjdsl.runtime.random_bits import key_words
 from sjdsl.runtime.state_vector import state_vector
 from sjdsl.runtime.tokens import to_channels
@@ -33,6 +32,7 @@ class Environment:
     Attributes:
       name, title, hash: the game; two games share a hash if and only if their rules are equal.
       num_agents, num_actions, action_names, episode_length: as the rules have them.
+      forbids_actions: whether `allowed_actions` is ever false: the game has a `forbid`.
       observation_shape: `(N, P, rows, cols)` for tokens, `(N, C, rows, cols)` for onehot; observation_dtype: uint8.
       token_planes: what each of the P planes means; channel_names: names of the C one-hot channels.
       params: the run-time parameters, a pytree; the defaults of `reset` and `step`.
@@ -51,52 +51,18 @@ class Environment:
         self.observation = observation
         self.game = game
         self._admit = admit
+        self.name, self.title, self.hash = module.NAME, module.TITLE, module.HASH
+        self.num_agents, self.num_actions, self.action_names = module.NUM_AGENTS, len(module.ACTIONS), module.ACTIONS
+        self.forbids_actions = module.FORBIDS_ACTIONS
+        self.token_planes, self.channel_names = module.TOKEN_PLANES, channel_names(module.TOKEN_PLANES)
+        depth = len(self.token_planes if observation == "tokens" else self.channel_names)
+        self.observation_shape: tuple[int, int, int, int] = (self.num_agents, depth, *module.WINDOW)
+        self.observation_dtype = np.dtype(np.uint8)
         self.reset: Callable[..., tuple[Array, State]] = jax.jit(in_its_form(self._reset))
         self.step: Step = jax.jit(in_its_form(self._step))
         self.step_env: Step = jax.jit(in_its_form(self._step_env))
         self.observe: Callable[..., Array] = jax.jit(in_its_form(self._observe))
         self._tokens: Callable[..., Array] = jax.jit(module.observe)  # one function of the program, however often a step observes
-
-    @property
-    def name(self) -> str:
-        return self.module.NAME
-
-    @property
-    def title(self) -> str:
-        return self.module.TITLE
-
-    @property
-    def hash(self) -> str:
-        return self.module.HASH
-
-    @property
-    def num_agents(self) -> int:
-        return self.module.NUM_AGENTS
-
-    @property
-    def num_actions(self) -> int:
-        return len(self.module.ACTIONS)
-
-    @property
-    def action_names(self) -> tuple[str, ...]:
-        return self.module.ACTIONS
-
-    @property
-    def token_planes(self) -> tuple[TokenPlane, ...]:
-        return self.module.TOKEN_PLANES
-
-    @property
-    def channel_names(self) -> tuple[str, ...]:
-        return channel_names(self.token_planes)
-
-    @property
-    def observation_shape(self) -> tuple[int, int, int, int]:
-        depth = len(self.token_planes) if self.observation == "tokens" else len(self.channel_names)
-        return self.num_agents, depth, *self.module.WINDOW
-
-    @property
-    def observation_dtype(self) -> jnp.dtype:
-        return np.dtype(np.uint8)
 
     @property
     def episode_length(self) -> int:
@@ -191,34 +157,24 @@ class Environment:
 
     def _events(self, out: Any) -> dict[str, Array]:
         """Returns the counts of a step by event; a `by` event gives `name[word]` for each word."""
-        return {
-            name: getattr(out, attribute) if entry is None else getattr(out, attribute)[..., entry]
-            for name, attribute, entry in self.module.EVENTS
-        }
+        counts = ((name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS)
+        return {name: count if entry is None else count[..., entry] for name, count, entry in counts}
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
         check_state(self.module, state)
         tokens = self._tokens(state, self._given(params))
-        if self.observation == "tokens":
-            return tokens
-        return to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
+        return tokens if self.observation == "tokens" else to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
 
     def allowed_actions(self, state: State, params: Params | None = None) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
         check_state(self.module, state)
         return self.module.allowed_actions(state, self._given(params))
 
-    @property
-    def forbids_actions(self) -> bool:
-        """Whether `allowed_actions` is ever false: the game has a `forbid`."""
-        return self.module.FORBIDS_ACTIONS
-
     def state_vector(self, state: State, params: Params | None = None) -> Array:
         """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
         row, col = self.cells(state)
-        length = self.module.episode_length(self._given(params))
-        return state_vector(self.module, state, row, col, length)
+        return state_vector(self.module, state, row, col, self.module.episode_length(self._given(params)))
 
     @property
     def roles(self) -> tuple[int, ...] | None:
@@ -228,22 +184,12 @@ class Environment:
         """
         if self.module.ROLE is None:
             return None
-        return _lasting_roles(self.module.ROLE, lambda key: self.reset(key)[1])
+        states = jax.vmap(lambda key: self.reset(key)[1])(jax.vmap(jax.random.key)(jnp.arange(ALIKE)))
+        roles = np.asarray(getattr(states, self.module.ROLE))
+        return tuple(int(role) for role in roles[0]) if (roles == roles[0]).all() else None
 
     def cells(self, state: State) -> tuple[Array, Array]:
         """Returns the (row, col) of each agent on the map, int32 `[N]` each; negative for those who are away."""
         _, cols = self.module.FRAME
         pad = self.module.PAD
         return state.position // cols - pad, state.position % cols - pad
-
-
-def _lasting_roles(attribute: str, reset: Callable[[Array], Any]) -> tuple[int, ...] | None:
-    """Returns the number of each agent's role; None if it is drawn.
-
-    Args:
-      attribute: of the state, that holds the roles and that no step writes.
-      reset: key to the first state of an episode.
-    """
-    states = jax.vmap(reset)(jax.vmap(jax.random.key)(jnp.arange(ALIKE)))
-    roles = np.asarray(getattr(states, attribute))
-    return tuple(int(role) for role in roles[0]) if (roles == roles[0]).all() else None

@@ -5,15 +5,16 @@ kernels, each of much independent work, and none that waits for the result of an
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 from jax import lax
 
+T = TypeVar("T")
 forced = jax.make_user_context(None)  # `with forced("gpu"):` and `with forced("cpu"):` choose the form, whatever the platform
 
 
-def by_platform(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: Any) -> Any:
+def by_platform(cpu: Callable[..., T], gpu: Callable[..., T], *arguments: Any) -> T:
     """Returns what a kernel makes of its arguments, in the form for the platform that the program is compiled for.
 
     Where JAX has only CPUs the other form is not even traced. To compile for a GPU on such a machine, use `with forced("gpu"):`.
@@ -21,7 +22,8 @@ def by_platform(cpu: Callable[..., Any], gpu: Callable[..., Any], *arguments: An
     chosen = forced.value or ("cpu" if jax.default_backend() == "cpu" else None)
     if chosen is not None:
         return {"cpu": cpu, "gpu": gpu}[chosen](*arguments)
-    return lax.platform_dependent(*arguments, cpu=_all_in("cpu", cpu), default=_all_in("gpu", gpu))
+    result: T = lax.platform_dependent(*arguments, cpu=_all_in("cpu", cpu), default=_all_in("gpu", gpu))
+    return result
 
 
 def _all_in(form: str, kernel: Callable[..., Any]) -> Callable[..., Any]:

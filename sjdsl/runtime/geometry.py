@@ -118,7 +118,7 @@ def shape_offsets(rows: Rows, pad: int, cells: Sequence[tuple[int, int]], wraps:
     table = np.zeros((4, len(cells)), np.int32)
     for heading in range(4):
         met = {(0, 0)}
-        for number, (down, right) in enumerate(_turned(cells, heading)):
+        for number, (down, right) in enumerate(turned(cells, heading)):
             place = (down % len(rows), right % len(rows[0]))
             again = wraps and place in met and (down, right) != (0, 0)
             table[heading, number] = height * width if again else down * width + right
@@ -126,7 +126,7 @@ def shape_offsets(rows: Rows, pad: int, cells: Sequence[tuple[int, int]], wraps:
     return table
 
 
-def _turned(cells: Sequence[tuple[int, int]], heading: int) -> list[tuple[int, int]]:
+def turned(cells: Sequence[tuple[int, int]], heading: int) -> list[tuple[int, int]]:
     """Returns how many rows down and columns to the right each (ahead, right) is for one who faces a heading."""
     ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
     return [(a * ahead[0] + c * right[0], a * ahead[1] + c * right[1]) for a, c in cells]
@@ -194,8 +194,8 @@ def view_steps(ahead: int, behind: int, left: int, right: int) -> np.ndarray:
 def view_steps_around(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
     """Returns how many steps each cell of a window is from the agent on a map that wraps, for each heading: `[4, V]` int32."""
     height, width = len(rows), len(rows[0])
-    turned = [_turned(_view(ahead, behind, left, right), heading) for heading in range(4)]
-    return np.array([[min(r % height, -r % height) + min(c % width, -c % width) for r, c in cells] for cells in turned], np.int32)
+    views = [turned(_view(ahead, behind, left, right), heading) for heading in range(4)]
+    return np.array([[min(r % height, -r % height) + min(c % width, -c % width) for r, c in cells] for cells in views], np.int32)
 
 
 def view_cells(ahead: int, behind: int, left: int, right: int, *own: int) -> np.ndarray:

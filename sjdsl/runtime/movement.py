@@ -29,8 +29,7 @@ def resolve(position: Array, target: Array, word: Array, exchange: bool = False)
         return target
     if n > PACKED:
         return _by_spreading(position, target, word, exchange)
-    result: Array = by_platform(partial(_by_spreading, exchange=exchange), partial(_by_walking, exchange=exchange), position, target, word)
-    return result
+    return by_platform(partial(_by_spreading, exchange=exchange), partial(_by_walking, exchange=exchange), position, target, word)
 
 
 def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> Array:
@@ -86,10 +85,10 @@ def _spread(into: Array, lost: Array) -> Array:
     bit = (jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)).astype(jnp.uint32)
     waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
     stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)
-    stays = lax.fori_loop(0, n - 1, lambda _, s: s | _waiting(waits, bit, s), stays)
+
+    def waiting(_: int, stays: Array) -> Array:
+        return stays | jnp.sum(jnp.where((waits & stays) != 0, bit, jnp.uint32(0)), dtype=jnp.uint32)
+
+    stays = lax.fori_loop(0, n - 1, waiting, stays)
     result: Array = (stays & bit) != 0
     return result
-
-
-def _waiting(waits: Array, bit: Array, stays: Array) -> Array:
-    return jnp.sum(jnp.where((waits & stays) != 0, bit, jnp.uint32(0)), dtype=jnp.uint32)

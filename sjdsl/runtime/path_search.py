@@ -153,8 +153,7 @@ def first_moves(
     arrived = holds(goals, heading, row, col)
     if not moves.actions:
         return arrived, arrived, jnp.zeros_like(heading)
-    start = (goals, arrived, jnp.zeros_like(heading), jnp.asarray(True))
-    _, found, best, _ = lax.while_loop(goes_on, advance, start)
+    _, found, best, _ = lax.while_loop(goes_on, advance, (goals, arrived, jnp.zeros_like(heading), jnp.asarray(True)))
     return arrived, found, best
 
 
@@ -178,21 +177,11 @@ def _expanded(moves: Moves, reached: Array, enterable: Array) -> Array:
 
     found = []
     for plane in range(planes):
-        parts = []
+        union = jnp.zeros_like(reached[:, plane])
         for turn, step in zip(moves.turns, moves.steps, strict=True):
-            if step is None:
-                if planes > 1:
-                    parts.append(reached[:, (plane + turn) % 4])
+            if step is not None:
+                union = union | before(plane, (plane * int(moves.relative) + step) % 4 if planes > 1 else step)
             elif planes > 1:
-                parts.append(before(plane, (plane * int(moves.relative) + step) % 4))
-            else:
-                parts.append(before(0, step))
-        found.append(_union(parts, reached[:, plane]))
+                union = union | reached[:, (plane + turn) % 4]
+        found.append(union)
     return jnp.stack(found, axis=1)
-
-
-def _union(parts: list[Array], nothing: Array) -> Array:
-    union = jnp.zeros_like(nothing)
-    for part in parts:
-        union = union | part
-    return union

@@ -107,9 +107,9 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     """
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
-    form = _chosen_turn_by_turn if words.shape[-1] > MOST_TURNS else partial(by_platform, _chosen_turn_by_turn, _chosen_backwards)
-    result: Array = form(member, words, number)
-    return result
+    if words.shape[-1] > MOST_TURNS:
+        return _chosen_turn_by_turn(member, words, number)
+    return by_platform(_chosen_turn_by_turn, _chosen_backwards, member, words, number)
 
 
 MOST_TURNS = 32  # that are unrolled
@@ -160,33 +160,7 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
     """
-    if cells.shape[0] == 0:
-        return position, jnp.zeros_like(sent)
-    if _is_long(cells, position):
-        return _place_one_by_one(cells, free, words, position, sent)
-    result: tuple[Array, Array] = by_platform(_place_one_by_one, _place_unrolled, cells, free, words, position, sent)
-    return result
-
-
-def _place_one_by_one(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
-    """The form of `place` for CPUs: a loop with a turn for each agent that is sent."""
-    index = jnp.arange(position.shape[0], dtype=jnp.int32)
-
-    def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
-        return jnp.any(state[0])
-
-    def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
-        left, free, position, placed = state
-        who = jnp.argmax(left).astype(jnp.int32)
-        number = bits.count(free)
-        cell = bits.nth(free, below(_entry(words, who), number))
-        there = (index == who) & left & (number > 0)
-        free = bits.without(free, cell)
-        return left & (index != who), free, jnp.where(there, _entry(cells, cell), position), placed | there
-
-    # a turn for each agent sent, not for each agent: most steps send nobody
-    start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
-    return lax.while_loop(waiting, place_one, start)[2:]
+    return _placed(cells, free, None, words, position, sent)
 
 
 @jax.jit  # as above
@@ -198,18 +172,26 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
     Returns:
       as `place`: an agent for whom no fitting cell is left was not placed.
     """
-    if cells.shape[0] == 0:
+    return _placed(cells, free, own, words, position, sent)
+
+
+LONG = 16_384  # agents times cells from which on placing would be too long a program if it were unrolled
+
+
+def _placed(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """Places agents as `place_fitting` does; own: None: all cells fit all."""
+    agents, size = position.shape[0], cells.shape[0]
+    if size == 0:
         return position, jnp.zeros_like(sent)
-    if _is_long(cells, position):
-        return _place_fitting_one_by_one(cells, free, own, words, position, sent)
-    result: tuple[Array, Array] = by_platform(_place_fitting_one_by_one, _place_fitting_unrolled, cells, free, own, words, position, sent)
-    return result
+    if agents > bits.WIDTH or agents * size > LONG:
+        return _one_by_one(cells, free, own, words, position, sent)
+    return by_platform(_one_by_one, _unrolled, cells, free, own, words, position, sent)
 
 
-def _place_fitting_one_by_one(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
-    """The form of `place_fitting` for CPUs."""
+def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form for CPUs: a loop with a turn for each agent that is sent, not for each agent: most steps send nobody."""
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
-    fitting = bits.pack(own)
+    fitting = None if own is None else bits.pack(own)
 
     def waiting(state: tuple[Array, Array, Array, Array]) -> Array:
         return jnp.any(state[0])
@@ -217,37 +199,20 @@ def _place_fitting_one_by_one(cells: Array, free: Array, own: Array, words: Arra
     def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         left, free, position, placed = state
         who = jnp.argmax(left).astype(jnp.int32)
-        among = free & _entry(fitting, who)
+        among = free if fitting is None else free & _entry(fitting, who)
         number = bits.count(among)
         cell = bits.nth(among, below(_entry(words, who), number))
         there = (index == who) & left & (number > 0)
-        free = jnp.where(number > 0, bits.without(free, cell), free)
+        free = bits.without(free, cell) if fitting is None else jnp.where(number > 0, bits.without(free, cell), free)
         return left & (index != who), free, jnp.where(there, _entry(cells, cell), position), placed | there
 
     start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, start)[2:]
 
 
-LONG = 16_384  # agents times cells
-
-
-def _is_long(cells: Array, position: Array) -> bool:
-    """Returns whether placing would be too long a program if it were unrolled."""
-    return position.shape[0] > bits.WIDTH or position.shape[0] * cells.shape[0] > LONG
-
-
-def _place_unrolled(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
-    """The form of `place` for GPUs: one agent after the other, on scalars, none of which is written to memory."""
-    return _unrolled(cells, free, None, words, position, sent)
-
-
-def _place_fitting_unrolled(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
-    """The form of `place_fitting` for GPUs."""
-    return _unrolled(cells, free, bits.pack(own), words, position, sent)
-
-
-def _unrolled(cells: Array, free: Array, fitting: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
-    """Places agents as `place` does. fitting: `[N, W]` uint32, the cells that fit each agent as bits; None: all fit all."""
+def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    """The form for GPUs: one agent after the other, on scalars, none of which is written to memory."""
+    fitting = None if own is None else bits.pack(own)
     agents = position.shape[0]
     index = jnp.arange(agents, dtype=jnp.int32)
     left = bits.apart(bits.pack(free))
@@ -285,10 +250,8 @@ def come_back(
       heading: `[N]` integers; away_facing: `[N]` int32, the heading each will have, ANY_HEADING or SAME_HEADING.
       cells, free, position: as of `place`; own: as of `place_fitting`, None if each cell fits everybody.
     """
-    if own is None:
-        position, placed = place(cells, free, words, position, back)
-    else:
-        position, placed = place_fitting(cells, free, own, words, position, back)
+    among = (cells, free) if own is None else (cells, free, own)
+    position, placed = (place if own is None else place_fitting)(*among, words, position, back)
     facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing).astype(heading.dtype)
     facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
     return position, jnp.where(placed, facing, heading), placed
@@ -318,19 +281,16 @@ def pair(ranks: Array, alike: bool) -> Array:
     in_turn = partial(_paired_in_turn, alike=alike, most=most)
     if most > MOST_PAIRS:
         return in_turn(ranks)
-    result: Array = by_platform(in_turn, partial(_all_paired_unrolled, alike=alike, most=most), ranks)
-    return result
+
+    def unrolled(ranks: Array) -> Array:  # as of `pair_reached`, whose left members all reach everybody
+        everybody = jnp.broadcast_to(jnp.arange(right, dtype=jnp.int32)[None], ranks.shape)
+        return _paired_unrolled(everybody, ranks, right, alike, most)
+
+    return by_platform(in_turn, unrolled, ranks)
 
 
 MOST_PAIRS = 16  # whose turns are unrolled
 FEW_PAIRS = 64  # pairs times turns up to which a GPU takes up each pair by itself
-
-
-def _all_paired_unrolled(ranks: Array, alike: bool, most: int) -> Array:
-    """The form of `pair` for GPUs: of `pair_reached`, whose left members all reach everybody."""
-    right = ranks.shape[1]
-    everybody = jnp.broadcast_to(jnp.arange(right, dtype=jnp.int32)[None], ranks.shape)
-    return _paired_unrolled(everybody, ranks, right, alike, most)
 
 
 def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most: int) -> Array:
@@ -409,8 +369,7 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
     if most > MOST_PAIRS:
         return in_turn(reached, ranks)
     unrolled = partial(_paired_unrolled, right=right, alike=alike, most=most)
-    result: Array = by_platform(in_turn, unrolled, reached, ranks)
-    return result
+    return by_platform(in_turn, unrolled, reached, ranks)
 
 
 def _reached_paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Array:

@@ -19,9 +19,7 @@ class TokenPlane:
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the one-hot channels this plane becomes, in order."""
-        if self.encoding == "number":
-            return (self.name,)
-        return tuple(f"{self.name}: {label}" for label in self.labels)
+        return (self.name,) if self.encoding == "number" else tuple(f"{self.name}: {label}" for label in self.labels)
 
 
 def channel_names(planes: tuple[TokenPlane, ...]) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.runtime.actions import DIRECTIONS
 from sjdsl.runtime.torus import shorter_way
 
 FAR = 2**20  # more than the steps between any two cells of a map
@@ -25,38 +26,25 @@ def gains(position: Array, cells: Array, member: Array, cols: int) -> Array:
     Returns:
       `[M, 4]` int32, north, east, south, west: negative is nearer; 0 for a mover without any member.
     """
-    rows_away, cols_away = _away(position, cells, cols)
-
-    def steps(down: int, right: int) -> Array:
-        return jnp.abs(rows_away - down) + jnp.abs(cols_away - right)
-
-    return _gained(steps, member)
+    return _gained(position, cells, member, cols, lambda away, _: away)
 
 
 @jax.jit  # as above
 def gains_around(position: Array, cells: Array, member: Array, cols: int, height: int, width: int) -> Array:
     """Returns what `gains` does, on a map of that height and width that wraps."""
-    rows_away, cols_away = _away(position, cells, cols)
-
-    def steps(down: int, right: int) -> Array:
-        return jnp.abs(shorter_way(rows_away - down, height)) + jnp.abs(shorter_way(cols_away - right, width))
-
-    return _gained(steps, member)
+    return _gained(position, cells, member, cols, lambda away, axis: shorter_way(away, (height, width)[axis]))
 
 
-def _away(position: Array, cells: Array, cols: int) -> tuple[Array, Array]:
-    """Returns how many rows and columns of the frame lie between movers and cells, `[M, T]` each."""
-    return cells // cols - position[:, None] // cols, cells % cols - position[:, None] % cols
-
-
-def _gained(steps: Callable[[int, int], Array], member: Array) -> Array:
-    """Returns how much farther the nearest member is after a step in each direction. steps: `[M, T]` after so many rows and columns."""
+def _gained(position: Array, cells: Array, member: Array, cols: int, way: Callable[[Array, int], Array]) -> Array:
+    """Returns how much farther the nearest member is after a step in each direction. way: the one to go of rows (0) or columns (1) away."""
+    rows_away = cells // cols - position[:, None] // cols
+    cols_away = cells % cols - position[:, None] % cols
 
     def nearest(down: int, right: int) -> Array:
-        return jnp.min(jnp.where(member, steps(down, right), FAR), axis=1)
+        steps = jnp.abs(way(rows_away - down, 0)) + jnp.abs(way(cols_away - right, 1))
+        return jnp.min(jnp.where(member, steps, FAR), axis=1)
 
-    beside = [nearest(down, right) for down, right in ((-1, 0), (0, 1), (1, 0), (0, -1))]
-    return jnp.stack(beside, axis=1) - nearest(0, 0)[:, None]
+    return jnp.stack([nearest(down, right) for down, right in DIRECTIONS], axis=1) - nearest(0, 0)[:, None]
 
 
 def is_one_of(cells: Array, taken: Array) -> Array:

@@ -34,5 +34,4 @@ def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype,
             case "number":
                 scaled = value.astype(dtype)
                 channels.append(scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled)
-    together = jnp.concatenate(channels, axis=-1)
-    return together.reshape(*lead, len(channels), rows, cols)
+    return jnp.concatenate(channels, axis=-1).reshape(*lead, len(channels), rows, cols)

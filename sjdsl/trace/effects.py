@@ -9,10 +9,10 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, sort_of_body, where_is
-from sjdsl.interpreter.evaluate import cells_in, evaluate
-from sjdsl.interpreter.evaluation_parts import agents_in
+from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Away, Cell, Mover, Value
+from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot, winners
 
@@ -69,16 +69,14 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
     writers, lost = _writers(account)
     before, after = account.before, account.after
     rows: list[tuple[ir.VarField, tuple[str, int] | None, int | Mover | Cell | None, Value, Value]] = []
-    for (kind, name), declared in board.cell_fields.items():
-        pairs = zip(before.cells[kind, name], after.cells[kind, name], strict=True)
-        rows += [(declared, (kind, n), board.cells[kind][n], old, new) for n, (old, new) in enumerate(pairs)]
-    for name, declared in board.agent_fields.items():
-        pairs = zip(before.agents[name], after.agents[name], strict=True)
-        rows += [(declared, ("agent", n), n, old, new) for n, (old, new) in enumerate(pairs)]
-    rows += [(declared, None, None, before.fields[name], after.fields[name]) for name, declared in board.world_fields.items()]
-    for (sort, name), declared in board.mover_fields.items():
-        pairs = zip(before.movers[sort].fields[name], after.movers[sort].fields[name], strict=True)
-        rows += [(declared, (sort, n), Mover(sort, n), old, new) for n, (old, new) in enumerate(pairs)]
+    for (holder, _), declared in sorted(board.fields.items(), key=lambda field: field[1].held_by.what == "mover"):
+        old, new = (held_values(declared, world) for world in (before, after))
+        what = declared.held_by.what
+        if what == "world":
+            rows.append((declared, None, None, old, new))
+        else:
+            places = board.cells[holder] if what == "cell" else [Mover(holder, n) if what == "mover" else n for n in range(len(old))]
+            rows += [(declared, (holder, n), *entry) for n, entry in enumerate(zip(places, old, new, strict=True))]
     for declared, owner, place, old, new in rows:
         for entries, label, was, now in _entries(declared.type.by, old, new):
             slot = Slot(declared.name, owner, entries)

@@ -12,7 +12,7 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import rewrite
-from sjdsl.compiler.ir.hash import SAID, game_hash
+from sjdsl.compiler.ir.hash import HASHED, game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game, games_folder, main_games
 from sjdsl.stored_hashes import FILE, current_hash
@@ -78,8 +78,8 @@ def nodes() -> set[type[ir.Node]]:
 
 
 def test_every_class_and_field_is_said_or_left_out_on_purpose() -> None:
-    assert nodes() == (SAID.keys() - {ir.Type}) | UNHASHED | IN_CHECKS
-    for kind, said in SAID.items():
+    assert nodes() == (HASHED.keys() - {ir.Type}) | UNHASHED | IN_CHECKS
+    for kind, said in HASHED.items():
         named = [name.rpartition("=")[2].partition(".")[0] for name in said.split()[1:]]
         left_out = kind.model_fields.keys() - {*named, "origin"}
         assert left_out == INFERRED.get(kind, {"type"} & kind.model_fields.keys() - set(named)), kind
@@ -88,7 +88,7 @@ def test_every_class_and_field_is_said_or_left_out_on_purpose() -> None:
 
 def test_a_tag_is_one_class() -> None:
     """`param` is one where it is declared and where it is read, `window` the whole and a part: places that no class shares."""
-    tags = Counter(said.split()[0] for said in SAID.values())
+    tags = Counter(said.split()[0] for said in HASHED.values())
     assert {tag for tag, times in tags.items() if times > 1} == {"param"}
 
 

@@ -38,7 +38,7 @@ from sjdsl.doc.expressions import value as english
 from sjdsl.doc.wording import variable
 from sjdsl.editor.highlighting import patterns
 from sjdsl.interpreter import numbers
-from sjdsl.interpreter.evaluation_parts import is_of_class
+from sjdsl.interpreter.evaluate import is_of_class
 from sjdsl.properties.monotonicity import decide_monotone
 from tests.fuzz.together import interpret, on_numpy, random_play, run
 

@@ -109,11 +109,10 @@ def _reals(values: Any) -> Iterator[Any]:
 class OnNumPy(Environment):
     """A compiled game whose module runs on NumPy: steps and resets, with keys as two words."""
 
-    def __init__(self, game: ir.Game, module: ModuleType):  # nothing is jitted
-        self.game, self.module, self.observation = game, module, "tokens"
+    def __init__(self, game: ir.Game, module: ModuleType):
+        super().__init__(module, module.default_params(), game=game)
         self.pools = [f"{pool.phase} {pool.send.pool}" for pools in all_pools(game).values() for pool in pools]
-        self.params = module.default_params()
-        self._tokens = module.observe
+        self._tokens = module.observe  # not jitted
 
     def begin(self, words: Words) -> Any:
         return self.module.reset(self.params, key_of(words))

@@ -21,14 +21,14 @@ def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> W
     before, after = board_of(game), board_of(changed)
     cells = {}
     for (kind, name), values in world.cells.items():
-        type_ = before.cell_fields[kind, name].type
+        type_ = before.fields[kind, name].type
         moved = {after.number[s.cell(cell)]: _value(v, type_, s) for cell, v in zip(before.cells[kind], values, strict=True)}
         cells[kind, name] = [moved[number] for number in range(len(values))]
     return replace(
         world,
         cells=cells,
-        agents={n: _agents([_value(v, before.agent_fields[n].type, s) for v in values], s) for n, values in world.agents.items()},
-        fields={n: _value(v, before.world_fields[n].type, s) for n, v in world.fields.items()},
+        agents={n: _agents([_value(v, before.fields["agent", n].type, s) for v in values], s) for n, values in world.agents.items()},
+        fields={n: _value(v, before.fields["world", n].type, s) for n, v in world.fields.items()},
         position=_agents([None if p is None else s.cell(p) for p in world.position], s),
         heading=_agents([s.heading(h) for h in world.heading], s),
         moved=_agents(world.moved, s),
@@ -40,7 +40,7 @@ def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> W
 
 def _herd(sort: str, herd: Herd, game: ir.Game, s: Symmetry) -> Herd:
     """Returns movers, which keep their numbers."""
-    fields = {n: [_value(v, board_of(game).mover_fields[sort, n].type, s) for v in values] for n, values in herd.fields.items()}
+    fields = {n: [_value(v, board_of(game).fields[sort, n].type, s) for v in values] for n, values in herd.fields.items()}
     return Herd(
         position=[None if p is None else s.cell(p) for p in herd.position],
         moved=herd.moved,

@@ -14,14 +14,7 @@ from sjdsl.compiler.program import expressions as array
 COMPARISON, UNARY, ATOM = 0, 6, 7
 PYTHON_PRECEDENCE = {
     **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), COMPARISON),
-    "|": 1,
-    "^": 1,
-    "&": 2,
-    "<<": 3,
-    ">>": 3,
-    "+": 4,
-    "-": 4,
-    **dict.fromkeys(("*", "/", "//", "%"), 5),
+    **{op: strength for strength, ops in enumerate(("| ^", "&", "<< >>", "+ -", "* / // %"), 1) for op in ops.split()},
 }
 BITWISE = {"|", "^", "&", "<<", ">>"}
 
@@ -75,7 +68,9 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
         case array.Name():
             return node.identifier
         case array.Literal():
-            return _literal(node)
+            if node.name or isinstance(node.value, str):
+                return node.name or quoted(str(node.value))
+            return "..." if node.value is ... else repr(node.value)
         case array.Slice():
             start, stop = ("" if part is None else flat(pieces(part)) for part in (node.start, node.stop))
             return f"{start}:{stop}"
@@ -90,63 +85,33 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
             return Chain((Bracketed("{", tuple(_after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries), "}"),))
         case array.Lambda():
             return _after(f"lambda {', '.join(node.parameters)}: ", pieces(node.body))
-        case _:
-            return Chain(tuple(_trailers(node)))
-
-
-def _trailers(node: array.Expression | array.Slice) -> list["str | Bracketed"]:
-    """Returns what is called, indexed or asked for an attribute as its base and what follows it."""
-    match node:
         case array.Attribute():
-            return [*_base(node.value), f".{node.name}"]
+            return Chain((*_base(node.value), f".{node.name}"))
         case array.Index():
-            return [*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")]
+            return Chain((*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")))
         case array.Call():
-            return [*_base(node.function), _arguments(node.arguments, node.keywords)]
+            named = tuple(_after(f"{name}=", pieces(value)) for name, value in node.keywords)
+            return Chain((*_base(node.function), Bracketed("(", (*map(pieces, node.arguments), *named), ")")))
         case array.Where():
-            return _of_jnp("where", node.condition, node.then, node.otherwise)
+            return pieces(array.call("jnp.where", node.condition, node.then, node.otherwise))
         case array.Cast():
-            return [*_base(node.value), ".astype", _arguments((array.DTYPES[node.dtype],))]
+            return pieces(array.Call(array.Attribute(node.value, "astype"), (array.DTYPES[node.dtype],)))
         case array.Reduce():
-            axes = () if node.axes is None else (("axis", _axis(node.axes)),)
-            return _trailers(array.Call(array.path(f"jnp.{node.fn}"), (node.value,), (*axes, *_dtype(node.dtype))))
+            axes = {} if node.axes is None else {"axis": array.constant(node.axes[0] if len(node.axes) == 1 else node.axes)}
+            return pieces(array.call(f"jnp.{node.fn}", node.value, **axes, **_dtype(node.dtype)))
         case array.Broadcast():
-            return _of_jnp("broadcast_to", node.value, array.Sequence(node.shape))
+            return pieces(array.call("jnp.broadcast_to", node.value, array.Sequence(node.shape)))
         case array.Arange():
-            return _trailers(array.Call(array.path("jnp.arange"), (node.size,), _dtype(node.dtype)))
+            return pieces(array.call("jnp.arange", node.size, **_dtype(node.dtype)))
         case array.Update():
             at = array.Attribute(array.Index(array.Attribute(node.target, "at"), node.keys), node.fn)
-            return _trailers(array.Call(at, (node.value,), (("mode", array.Literal("drop")),) if node.drop else ()))
-        case (
-            array.Name()
-            | array.Literal()
-            | array.Slice()
-            | array.Unary()
-            | array.Binary()
-            | array.Sequence()
-            | array.Mapping()
-            | array.Lambda()
-        ):
-            raise AssertionError(node)
+            return pieces(array.Call(at, (node.value,), (("mode", array.Literal("drop")),) if node.drop else ()))
         case _:
             assert_never(node)
 
 
-def _dtype(dtype: array.DType | None) -> tuple[tuple[str, array.Expression], ...]:
-    return () if dtype is None else (("dtype", array.DTYPES[dtype]),)
-
-
-def _axis(axes: tuple[int, ...]) -> array.Expression:
-    return array.Literal(axes[0]) if len(axes) == 1 else array.Sequence(tuple(map(array.Literal, axes)))
-
-
-def _of_jnp(function: str, *arguments: array.Expression) -> list["str | Bracketed"]:
-    return _trailers(array.Call(array.path(f"jnp.{function}"), arguments))
-
-
-def _arguments(arguments: tuple[array.Expression, ...], keywords: tuple[tuple[str, array.Expression], ...] = ()) -> Bracketed:
-    named = tuple(_after(f"{name}=", pieces(value)) for name, value in keywords)
-    return Bracketed("(", (*map(pieces, arguments), *named), ")")
+def _dtype(dtype: array.DType | None) -> dict[str, array.Expression]:
+    return {} if dtype is None else {"dtype": array.DTYPES[dtype]}
 
 
 def _base(node: array.Expression) -> list["str | Bracketed"]:
@@ -202,11 +167,3 @@ def _after(prefix: str, piece: Piece) -> Piece:
             return Chain((prefix, *piece.pieces))
         case Operation():
             return Operation(_after(prefix, piece.first), piece.rest)
-
-
-def _literal(node: array.Literal) -> str:
-    if node.name:
-        return node.name
-    if isinstance(node.value, str):
-        return quoted(node.value)
-    return "..." if node.value is ... else repr(node.value)

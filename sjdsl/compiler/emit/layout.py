@@ -26,12 +26,12 @@ def layout(piece: Piece, column: int, indent: int, after: int, bracketed: bool =
         return last
     if not bracketed:
         inside = layout(piece, indent + INDENT, indent + INDENT, 0, bracketed=True)
-        return f"(\n{_spaces(indent + INDENT)}{inside}\n{_spaces(indent)})"
+        return f"(\n{' ' * (indent + INDENT)}{inside}\n{' ' * indent})"
     lines = [layout(piece.first, column, indent, 0, bracketed=True)]
     for number, (op, operand) in enumerate(piece.rest, 1):
         tail = after if number == len(piece.rest) else 0
         lines.append(f"{op} {layout(operand, indent + len(op) + 1, indent, tail, bracketed=True)}")
-    return f"\n{_spaces(indent)}".join(lines)
+    return f"\n{' ' * indent}".join(lines)
 
 
 def _last_broken(piece: Operation, column: int, indent: int, after: int) -> str | None:
@@ -55,9 +55,8 @@ def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
     assert isinstance(bracket, Bracketed)
     before, behind = Chain(tuple(parts[:widest])), Chain(tuple(parts[widest + 1 :]))
     head = layout(before, column, indent, len(bracket.open)) if before.pieces else ""
-    tail_column = indent + len(bracket.close)
-    tail = layout(behind, tail_column, indent, after) if behind.pieces else ""
-    return f"{head}{bracket.open}\n{_items(bracket, indent + INDENT)}\n{_spaces(indent)}{bracket.close}{tail}"
+    tail = layout(behind, indent + len(bracket.close), indent, after) if behind.pieces else ""
+    return f"{head}{bracket.open}\n{_items(bracket, indent + INDENT)}\n{' ' * indent}{bracket.close}{tail}"
 
 
 def _items(bracket: Bracketed, indent: int) -> str:
@@ -65,11 +64,7 @@ def _items(bracket: Bracketed, indent: int) -> str:
     together = ", ".join(map(flat, bracket.items)) + "," * bracket.comma
     rows = bracket.open == "{" or any(isinstance(item, Chain) and isinstance(item.pieces[0], Bracketed) for item in bracket.items)
     if indent + len(together) <= WIDTH and not rows:
-        return _spaces(indent) + together
+        return " " * indent + together
     comma = "," if len(bracket.items) > 1 or bracket.comma else ""
     lines = [layout(item, indent, indent, len(comma), bracketed=True) for item in bracket.items]
-    return "\n".join(f"{_spaces(indent)}{line}{comma}" for line in lines)
-
-
-def _spaces(number: int) -> str:
-    return " " * number
+    return "\n".join(f"{' ' * indent}{line}{comma}" for line in lines)

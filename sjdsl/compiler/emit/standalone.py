@@ -16,23 +16,23 @@ def standalone(program: Program) -> str:
     called = {module.removeprefix(f"{RUNTIME}."): names for module, names in kernels(program).items()}
     return template("standalone.py.j2").render(
         docstring=docstring(program),
-        kernels=[(name, _kernel(name)) for name in _in_order((*called, ENVIRONMENT))],
+        kernels=[(name, _kernel(name)[0]) for name in _in_order((*called, ENVIRONMENT))],
         names=[(module, name) for module, names in called.items() for name in names],
         module=body(program).strip("\n"),
     )
 
 
 @cache
-def _source(name: str) -> tuple[str, tuple[str, ...]]:
-    """Returns the text of a module of the runtime, and which others it calls."""
+def _kernel(name: str) -> tuple[list[str], list[str]]:
+    """Returns a module of the runtime as the body of a function that looks others up in their scopes, and which others it calls."""
     text = files(RUNTIME).joinpath(f"{name}.py").read_text(encoding="utf-8")
-    called = []
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.ImportFrom) and node.module == RUNTIME:
-            called += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{RUNTIME}."):
-            called.append((node.module or "").removeprefix(f"{RUNTIME}."))
-    return text, tuple(called)
+    lines, called = text.splitlines(), list[str]()
+    for node in reversed(ast.parse(text).body):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(RUNTIME):
+            scope, names = (node.module or "").removeprefix(RUNTIME).removeprefix("."), [alias.name for alias in node.names]
+            lines[node.lineno - 1 : node.end_lineno] = [f"{one} = _{scope}.{one}" if scope else f"{one} = _{one}" for one in names]
+            called = [*([scope] if scope else names), *called]
+    return [f"    {line}".rstrip() for line in lines], called
 
 
 def _in_order(names: tuple[str, ...]) -> list[str]:
@@ -41,22 +41,10 @@ def _in_order(names: tuple[str, ...]) -> list[str]:
 
     def visit(name: str) -> None:
         if name not in order:
-            for called in _source(name)[1]:
+            for called in _kernel(name)[1]:
                 visit(called)
             order.append(name)
 
     for name in sorted(set(names)):
         visit(name)
     return order
-
-
-def _kernel(name: str) -> list[str]:
-    """Returns a module of the runtime as the body of a function, where imports of others are looked up in their scopes."""
-    lines = _source(name)[0].splitlines()
-    for node in reversed(ast.parse("\n".join(lines)).body):
-        if isinstance(node, ast.ImportFrom) and node.module == RUNTIME:
-            lines[node.lineno - 1 : node.end_lineno] = [f"{alias.name} = _{alias.name}" for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{RUNTIME}."):
-            scope = (node.module or "").removeprefix(f"{RUNTIME}.")
-            lines[node.lineno - 1 : node.end_lineno] = [f"{alias.name} = _{scope}.{alias.name}" for alias in node.names]
-    return [f"    {line}".rstrip() for line in lines]

@@ -16,11 +16,11 @@ def function_lines(function: Function) -> list[str]:
     parameters = Bracketed("(", tuple(f"{name}: {type_}" for name, type_ in function.parameters), ")")
     head = layout(Chain((f"def {function.name}", parameters)), 0, 0, len(f" -> {function.returns}:"))
     lines = f"{head} -> {function.returns}:".split("\n") + _docstring(function.doc)
-    said = ""
+    last_comment = ""
     for statement in function.body:
         comment = origin(statement.origin)
-        lines += statement_lines(statement, comment if comment != said else "")
-        said = comment or said
+        lines += statement_lines(statement, comment if comment != last_comment else "")
+        last_comment = comment or last_comment
     return lines
 
 

@@ -46,7 +46,9 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
         case ir.Arithmetic():
             return _entry_by_entry(CALCULATIONS[e.fn].fold, *(_value(a, params) for a in e.args))
         case ir.Compare():
-            return _compare(e.fn, _value(e.left, params), _value(e.right, params))
+            a, b = _value(e.left, params), _value(e.right, params)
+            equal = abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b))  # numbers that are as good as equal are
+            return bool(COMPARISONS[e.fn].holds(a, a if equal else b))
         case ir.InRange():
             return _value(e.low, params) - TOLERANCE <= _value(e.value, params) <= _value(e.high, params) + TOLERANCE
         case ir.InWords():
@@ -78,9 +80,3 @@ def _applies(arm: ir.Arm, subject: bool | int | str) -> bool:
     if isinstance(subject, str):
         return subject in arm.words
     return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
-
-
-def _compare(fn: str, a: float, b: float) -> bool:
-    """Returns whether a comparison holds, where numbers that are as good as equal are."""
-    equal = abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b))
-    return bool(COMPARISONS[fn].holds(a, a if equal else b))

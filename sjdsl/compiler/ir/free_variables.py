@@ -25,14 +25,11 @@ def variables_around(domain: ir.Domain) -> list[Variable]:
 
 def _free(node: ir.Node, bound: frozenset[str]) -> Iterator[Variable]:
     if isinstance(node, ir.Count | ir.Sum | ir.Extreme):
-        inner = bound | {m.name for m in (node.domain.var, node.domain.on) if m is not None}
-        for child in ir.children(node.domain):
-            if child not in (node.domain.var, node.domain.on):
-                yield from _free(child, inner)
-        if not isinstance(node, ir.Count):
-            yield from _free(node.value, inner)
-        if isinstance(node, ir.Extreme) and node.otherwise is not None:
-            yield from _free(node.otherwise, bound)
+        domain, value, otherwise = node.domain, getattr(node, "value", None), getattr(node, "otherwise", None)
+        inner = bound | {m.name for m in (domain.var, domain.on) if m is not None}
+        for part, around in ((domain.restriction, bound), (domain.where, inner), (value, inner), (otherwise, bound)):
+            if part is not None:
+                yield from _free(part, around)
     elif isinstance(node, Variable):
         if node.name not in bound:
             yield node

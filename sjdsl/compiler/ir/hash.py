@@ -4,7 +4,7 @@ What is hashed is JSON: a node of the IR is a list, its tag and then what the ru
 
     set soil.fruit = ripe   ->   ["set", {"target": ["read", {"name": "fruit", "owner": …}], "value": ["word", {"value": "ripe"}]}]
 
-Tags and names stand in `SAID`, so that classes and fields of the IR can be renamed: then the left side of a line changes, or `name=field`
+Tags and names stand in `HASHED`, so that classes and fields of the IR can be renamed: then the left side of a line changes, or `name=field`
 says what the field is called now, `name=field.part` which part of it is said. Types that are inferred, their intervals among them, are not hashed. Of an optional field only what is
 not its default is: a new one leaves the hashes of games without it as they are.
 """
@@ -18,7 +18,7 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.printer import game as ir_text
 
-SAID: dict[type[ir.Node | ir.Type], str] = {
+HASHED: dict[type[ir.Node | ir.Type], str] = {
     # expressions
     ir.Number: "number value",
     ir.Word: "word value",
@@ -134,12 +134,12 @@ def game_hash(game: ir.Game) -> str:
 
 def picture_hash(game: ir.Game) -> str:
     """Returns 16 hexadecimal digits of what a picture of a game shows: the rules and the looks."""
-    return _digest({**_rules(game), "looks": _said(game.looks)})
+    return _digest({**_rules(game), "looks": _hashable(game.looks)})
 
 
 def policy_hash(policy: ir.ScriptedPolicy) -> str:
     """Returns 64 hexadecimal digits of the rules of a policy."""
-    return sha256(_text(_said(policy)).encode()).hexdigest()
+    return sha256(_text(_hashable(policy)).encode()).hexdigest()
 
 
 def printed_digest(game: ir.Game) -> str:
@@ -149,31 +149,31 @@ def printed_digest(game: ir.Game) -> str:
 
 def _rules(game: ir.Game) -> dict[str, Any]:
     required = tuple(check for check in game.checks if check.sort == "require")
-    return {"requires": _said(required), **{name: _said(getattr(game, name)) for name in RULES}}
+    return {"requires": _hashable(required), **{name: _hashable(getattr(game, name)) for name in RULES}}
 
 
-def _said(value: object) -> Any:
+def _hashable(value: object) -> Any:
     match value:
         case ir.Named() | ir.Narrowed():  # what a define or a guard has made of an expression says nothing more
-            return _said(value.value)
+            return _hashable(value.value)
         case ir.Node() | ir.Type():
-            tag, fields = _form(type(value))
+            tag, fields = _hashed_form(type(value))
             said = ((name, attrgetter(field)(value), default) for name, field, default in fields)
-            return [tag, {name: _said(found) for name, found, default in said if found != default}]
+            return [tag, {name: _hashable(found) for name, found, default in said if found != default}]
         case ir.Entry():
             return value.name
         case ir.Level():
             return list(value.names)
         case tuple():
-            return [_said(item) for item in value]
+            return [_hashable(item) for item in value]
         case _:
             return value
 
 
 @cache
-def _form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, str, object], ...]]:
+def _hashed_form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, str, object], ...]]:
     """Returns the tag of a class, and what is said of it: by which name, the field, and the default that need not be said."""
-    tag, *names = SAID[kind].split()
+    tag, *names = HASHED[kind].split()
     pairs = [(name.partition("=")[0], name.rpartition("=")[2]) for name in names]
     return tag, tuple((name, field, _default(kind, field)) for name, field in pairs)
 
@@ -183,9 +183,9 @@ def _default(kind: type[ir.Node | ir.Type], field: str) -> object:
     return () if part == "names" else kind.model_fields[name].default
 
 
-def _text(said: object) -> str:
-    return json.dumps(said, sort_keys=True, separators=(",", ":"))
+def _text(hashable: object) -> str:
+    return json.dumps(hashable, sort_keys=True, separators=(",", ":"))
 
 
-def _digest(said: object) -> str:
-    return sha256(_text(said).encode()).hexdigest()[:16]
+def _digest(hashable: object) -> str:
+    return sha256(_text(hashable).encode()).hexdigest()[:16]

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field
 from functools import cached_property
 from math import ceil, floor, inf, isinf
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -31,7 +31,6 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
             yield condition if holds else ir.Not(value=condition, origin=condition.origin)
 
 
-Comparison = Literal["<", "<=", ">", ">=", "==", "!="]
 Interval = tuple[float, float]
 
 
@@ -101,7 +100,7 @@ def is_known(condition: ir.Expr, known: Iterable[Fact]) -> bool:
     return any(f.form == wanted for f in known)
 
 
-def compares(left: ir.Expr, fn: Comparison, right: ir.Expr | float, known: Iterable[Fact]) -> bool:
+def compares(left: ir.Expr, fn: ir.Comparison, right: ir.Expr | float, known: Iterable[Fact]) -> bool:
     """Returns whether a comparison is one of the facts."""
     right = right if isinstance(right, ir.Node) else ir.Number(type=left.type, value=right)
     return is_known(ir.Compare(fn=fn, left=left, right=right), known)
@@ -127,7 +126,9 @@ def contradict(a: Fact, b: Fact) -> bool:
         case (ir.Chose(), ir.ChoseWith()) | (ir.ChoseWith(), ir.Chose()):
             return True
         case ir.ChoseWith() as one, ir.ChoseWith() as other:
-            return one.action != other.action or any(_differ(x.value, y.value) for x, y in zip(one.given, other.given, strict=False))
+            written = [(x.value, y.value) for x, y in zip(one.given, other.given, strict=False)]
+            plain = [(x.value, y.value) for x, y in written if isinstance(x, ir.Number | ir.Word) and isinstance(y, type(x))]
+            return one.action != other.action or any(x != y for x, y in plain)
         case ir.StandsOn() as here, ir.StandsOn() as there:
             return not set(here.kinds) & set(there.kinds)
         case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
@@ -135,15 +136,6 @@ def contradict(a: Fact, b: Fact) -> bool:
     if a.interval is not None and b.interval is not None:
         return a.interval[1] < b.interval[0] or b.interval[1] < a.interval[0]
     return a.words is not None and b.words is not None and not a.words & b.words
-
-
-def _differ(one: ir.Expr, other: ir.Expr) -> bool:
-    """Returns whether two arguments are written as different numbers or words."""
-    match one, other:
-        case (ir.Number(value=a), ir.Number(value=b)) | (ir.Word(value=a), ir.Word(value=b)):
-            return a != b
-        case _:
-            return False
 
 
 class Said(NamedTuple):
@@ -222,13 +214,6 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
 
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
-    low, high = _narrowed(e, known)
-    if known and isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
-        return narrowed_sum(e, (low, high), (f.condition for f in known))
-    return low, high
-
-
-def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     low, high = e.type.low, e.type.high
     if not known:
         return low, high
@@ -243,4 +228,6 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
             for bounds in (f.interval, f.reach):
                 if bounds is not None:
                     low, high = max(low, bounds[0]), min(high, bounds[1])
+    if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
+        return narrowed_sum(e, (low, high), (f.condition for f in known))
     return low, high

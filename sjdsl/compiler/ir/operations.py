@@ -161,10 +161,6 @@ def _rounded_down(x: float, y: float) -> float:
     return (-1 if x and (x < 0) != (y < 0) else 0) if abs(y) == inf else x // y
 
 
-def _remainder(_: Interval, b: Interval) -> Interval:
-    return (0, b[1] - 1) if b[0] > 0 else (min(b[0] + 1, 0), max(b[1] - 1, 0))
-
-
 def _nearest_whole(a: Interval) -> Interval:
     """Returns the interval of the whole numbers nearest to reals, which float32 arithmetic may pass by a little."""
     low, high = (end if abs(end) == inf else round(end + slack * max(1.0, abs(end))) for end, slack in zip(a, (-SLACK, SLACK), strict=True))
@@ -207,14 +203,6 @@ def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> S
 # ---- ranges in float32
 
 
-def _sum_rounding(a: Range, b: Range) -> Rounding:
-    return Rounding(a.terms + b.terms, (a.low >= 0 and b.low >= 0) or (a.high <= 0 and b.high <= 0))
-
-
-def _difference_rounding(a: Range, b: Range) -> Rounding:
-    return Rounding(a.terms + b.terms, (a.low >= 0 and b.high <= 0) or (a.high <= 0 and b.low >= 0))
-
-
 def _quotient_rounding(a: Range, b: Range) -> Rounding:
     least = min(abs(b.low), abs(b.high))
     return Rounding(a.terms / least * max(1.0, b.terms / least), True, once=False)  # XLA may multiply by 1 / b
@@ -230,6 +218,12 @@ def _ramp_range(parts: Sequence[Range]) -> Range:
 def _one_of(two: str, more: str) -> Callable[..., str]:
     """Returns the English of one of several numbers: how it is called among two, and among more."""
     return lambda *of: f"the {two} of {' and '.join(of)}" if len(of) == 2 else f"the {more} of {'; '.join(of)}"
+
+
+def _operator(sign: str, gives: str, **columns: Any) -> Calculation:
+    """Returns the row of an operator between two numbers that is the same in arrays."""
+    english = {"english": lambda a, b: f"{a} {sign} {b}", **columns}
+    return Calculation(name=sign, uses=((f"a {sign} b", gives),), least=2, most=2, sign=sign, array=sign, **english)
 
 
 # ---- the table
@@ -396,59 +390,42 @@ OPERATIONS: tuple[Function, ...] = (
         array="-",
         english=lambda a: f"-{a}",
     ),
-    Calculation(
-        name="+",
-        uses=(("a + b", "of numbers, or of rows entry by entry"),),
-        least=2,
-        most=2,
-        sign="+",
+    _operator(
+        "+",
+        "of numbers, or of rows entry by entry",
         verb="add",
         rows=True,
         fold=operator.add,
         interval=lambda a, b: (a[0] + b[0], a[1] + b[1]),
         factors=(1, 1),
         slope=lambda parts, _: _together([p.slope for p in parts]),
-        rounding=_sum_rounding,
-        array="+",
-        english=lambda a, b: f"{a} + {b}",
+        rounding=lambda a, b: Rounding(a.terms + b.terms, (a.low >= 0 and b.low >= 0) or (a.high <= 0 and b.high <= 0)),
     ),
-    Calculation(
-        name="-",
-        uses=(("a - b", "of numbers, or of rows entry by entry"),),
-        least=2,
-        most=2,
-        sign="-",
+    _operator(
+        "-",
+        "of numbers, or of rows entry by entry",
         verb="subtract",
         rows=True,
         fold=operator.sub,
         interval=lambda a, b: (a[0] - b[1], a[1] - b[0]),
         factors=(1, -1),
         slope=lambda parts, _: _together([parts[0].slope, OPPOSITE[parts[1].slope]]),
-        rounding=_difference_rounding,
-        array="-",
-        english=lambda a, b: f"{a} - {b}",
+        rounding=lambda a, b: Rounding(a.terms + b.terms, (a.low >= 0 and b.high <= 0) or (a.high <= 0 and b.low >= 0)),
     ),
-    Calculation(
-        name="*",
-        uses=(("a * b", "of numbers"),),
-        least=2,
-        most=2,
-        sign="*",
+    _operator(
+        "*",
+        "of numbers",
         verb="multiply",
         unit=times_unit,
         fold=operator.mul,
         interval=_product,
         slope=lambda parts, _: _together([_scaled(parts[0].slope, parts[1].range), _scaled(parts[1].slope, parts[0].range)]),
         rounding=lambda a, b: Rounding(a.terms * b.terms, True),
-        array="*",
         english=lambda a, b: f"{a} × {b}",
     ),
-    Calculation(
-        name="/",
-        uses=(("a / b", "a real number"),),
-        least=2,
-        most=2,
-        sign="/",
+    _operator(
+        "/",
+        "a real number",
         verb="divide",
         divisor=1,
         unit=over_unit,
@@ -458,22 +435,17 @@ OPERATIONS: tuple[Function, ...] = (
         interval=_quotient,
         slope=lambda parts, _: _quotient_slope(*parts),
         rounding=_quotient_rounding,
-        array="/",
         english=lambda a, b: f"{a} ÷ {b}",
     ),
-    Calculation(
-        name="%",
-        uses=(("a % b", "the remainder of whole numbers, with the sign of b"),),
-        least=2,
-        most=2,
-        sign="%",
+    _operator(
+        "%",
+        "the remainder of whole numbers, with the sign of b",
         verb="take the remainder of",
         whole_only=True,
         divisor=1,
         fold=operator.mod,
-        interval=_remainder,
+        interval=lambda _, b: (0, b[1] - 1) if b[0] > 0 else (min(b[0] + 1, 0), max(b[1] - 1, 0)),
         slope=lambda *_: None,
-        array="%",
         english=lambda a, b: f"the remainder of {a} divided by {b}",
     ),
 )

@@ -27,10 +27,8 @@ def expression(e: ir.Expr) -> str:
             return "nowhere"
         case ir.ParamRef() | ir.Member() | ir.Local():
             return e.name
-        case ir.FieldRead():
+        case ir.FieldRead() | ir.Attribute():
             return e.name if e.owner is None else f"{expression(e.owner)}.{e.name}"
-        case ir.Attribute():
-            return f"{expression(e.owner)}.{e.name}"
         case ir.Distance():
             return f"distance({expression(e.left)}, {expression(e.right)})"
         case ir.At():
@@ -38,69 +36,10 @@ def expression(e: ir.Expr) -> str:
         case ir.Step():
             return "step"
         case ir.Arithmetic():
-            return _arithmetic(e)
-        case ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
-            return _test(e)
-        case ir.Chose() | ir.ChoseWith() | ir.ArgumentOf():
-            return _choice(e)
-        case ir.Unoccupied():
-            return f"(nobody on {expression(e.cell)})"
-        case ir.StandsOn():
-            return f"({expression(e.agent)} on {' | '.join(e.kinds)})"
-        case ir.Not():
-            return f"(not {expression(e.value)})"
-        case ir.Logic():
-            return "(" + f" {e.fn} ".join(expression(a) for a in e.args) + ")"
-        case ir.Count():
-            return f"count({domain(e.domain)})"
-        case ir.Sum():
-            return f"sum({expression(e.value)} over {domain(e.domain)})"
-        case ir.SumRow() | ir.ShiftRow() | ir.Lowest() | ir.Mix():
-            return _of_row(e)
-        case ir.Extreme():
-            return _extreme(e)
-        case ir.Case():
-            return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
-        case ir.Named() | ir.Narrowed() | ir.Before():
-            return f"before({expression(e.value)})" if isinstance(e, ir.Before) else expression(e.value)
-        case ir.EventTotal():
-            return e.name if e.word is None else f"{e.name}[{e.word}]"
-        case ir.MatrixClass():
-            return f"{e.name}({expression(e.table)})"
-        case _:
-            assert_never(e)
-
-
-def _choice(e: ir.Chose | ir.ChoseWith | ir.ArgumentOf) -> str:
-    match e:
-        case ir.Chose():
-            return f"({expression(e.agent)} chose #{e.action})"
-        case ir.ChoseWith():
-            given = f"({', '.join(expression(g.value) for g in e.given)})" if e.given else ""
-            return f"({expression(e.agent)} chose {e.action}{given})"
-        case ir.ArgumentOf():
-            return f"{expression(e.agent)}.{e.action}" + (f".{e.name}" if e.name else "")
-
-
-def _of_row(e: ir.SumRow | ir.ShiftRow | ir.Lowest | ir.Mix) -> str:
-    match e:
-        case ir.SumRow():
-            return f"{e.fn}({expression(e.row)})"
-        case ir.ShiftRow():
-            return f"shift({expression(e.row)}, {e.by}, {expression(e.filler)})"
-        case ir.Lowest():
-            return f"{'highest' if e.last else 'lowest'}({expression(e.row)})"
-        case ir.Mix():
-            return f"mix({expression(e.row)})"
-
-
-def _extreme(e: ir.Extreme) -> str:
-    otherwise = "" if e.otherwise is None else f" otherwise {expression(e.otherwise)}"
-    return f"{e.fn}({expression(e.value)} over {domain(e.domain)}{otherwise})"
-
-
-def _test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty) -> str:
-    match e:
+            row, args = CALCULATIONS[e.fn], [expression(a) for a in e.args]
+            if not row.sign:
+                return f"{row.name}({', '.join(args)})"
+            return f"({row.sign}{args[0]})" if len(args) == 1 else f"({args[0]} {row.sign} {args[1]})"
         case ir.Compare():
             return f"({expression(e.left)} {e.fn} {expression(e.right)})"
         case ir.Same():
@@ -113,13 +52,48 @@ def _test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEm
             return f"({expression(e.value)} in {expression(e.container)})"
         case ir.IsEmpty():
             return f"({expression(e.container)} is nobody)"
-
-
-def _arithmetic(e: ir.Arithmetic) -> str:
-    row, args = CALCULATIONS[e.fn], [expression(a) for a in e.args]
-    if not row.sign:
-        return f"{row.name}({', '.join(args)})"
-    return f"({row.sign}{args[0]})" if len(args) == 1 else f"({args[0]} {row.sign} {args[1]})"
+        case ir.Chose():
+            return f"({expression(e.agent)} chose #{e.action})"
+        case ir.ChoseWith():
+            given = f"({', '.join(expression(g.value) for g in e.given)})" if e.given else ""
+            return f"({expression(e.agent)} chose {e.action}{given})"
+        case ir.ArgumentOf():
+            return f"{expression(e.agent)}.{e.action}" + (f".{e.name}" if e.name else "")
+        case ir.Unoccupied():
+            return f"(nobody on {expression(e.cell)})"
+        case ir.StandsOn():
+            return f"({expression(e.agent)} on {' | '.join(e.kinds)})"
+        case ir.Not():
+            return f"(not {expression(e.value)})"
+        case ir.Logic():
+            return "(" + f" {e.fn} ".join(expression(a) for a in e.args) + ")"
+        case ir.Count():
+            return f"count({domain(e.domain)})"
+        case ir.Sum():
+            return f"sum({expression(e.value)} over {domain(e.domain)})"
+        case ir.SumRow():
+            return f"{e.fn}({expression(e.row)})"
+        case ir.ShiftRow():
+            return f"shift({expression(e.row)}, {e.by}, {expression(e.filler)})"
+        case ir.Lowest():
+            return f"{'highest' if e.last else 'lowest'}({expression(e.row)})"
+        case ir.Mix():
+            return f"mix({expression(e.row)})"
+        case ir.Extreme():
+            otherwise = "" if e.otherwise is None else f" otherwise {expression(e.otherwise)}"
+            return f"{e.fn}({expression(e.value)} over {domain(e.domain)}{otherwise})"
+        case ir.Case():
+            return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
+        case ir.Named() | ir.Narrowed():
+            return expression(e.value)
+        case ir.Before():
+            return f"before({expression(e.value)})"
+        case ir.EventTotal():
+            return e.name if e.word is None else f"{e.name}[{e.word}]"
+        case ir.MatrixClass():
+            return f"{e.name}({expression(e.table)})"
+        case _:
+            assert_never(e)
 
 
 def _arm(arm: ir.Arm) -> str:
@@ -159,17 +133,12 @@ def game(g: ir.Game, positions: bool = False) -> str:
 def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[str]:
     pad = "  " * depth
     match value:
-        case ir.Game():
-            yield f"{pad}{label}"
-            for name in ir.Game.model_fields:
-                if name != "origin":
-                    yield from _lines(getattr(value, name), name, depth + 1, positions)
         case ir.Node() if ir.is_expression(value):
             yield f"{pad}{label}: {expression(value)}  : {_type(value.type)}{_at(value, positions)}"
         case ir.Domain():
             yield f"{pad}{label}: {domain(value)}{_at(value, positions)}"
         case ir.Node():
-            yield f"{pad}{label}: {type(value).__name__.lower()}{_at(value, positions)}"
+            yield f"{pad}{label}" if isinstance(value, ir.Game) else f"{pad}{label}: {type(value).__name__.lower()}{_at(value, positions)}"
             for name in type(value).model_fields:
                 if name != "origin":
                     yield from _lines(getattr(value, name), name, depth + 1, positions)

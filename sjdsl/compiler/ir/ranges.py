@@ -10,6 +10,8 @@ from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
 from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, anything, as_compared, disjoint, ends, given, real, rounded, whole
 from sjdsl.compiler.ir.types import without_zero
 
+_GIVEN = (ir.ParamRef, ir.FieldRead, ir.Attribute, ir.Distance, ir.Step, ir.Count, ir.Lowest, ir.Local, ir.ArgumentOf)
+
 
 def range_of(e: ir.Expr) -> Range:
     """Returns what a number, or an entry of a row of numbers, can be. What is not known here can be anything."""
@@ -27,8 +29,7 @@ def range_of(e: ir.Expr) -> Range:
         case ir.Arithmetic():
             return _calculated(e)
         case ir.SumRow() if REDUCTIONS[e.fn].adds:
-            entry, many = range_of(e.row), len(e.row.type.by[0])
-            return _sum(entry, many, many)
+            return _sum(range_of(e.row), len(e.row.type.by[0]), len(e.row.type.by[0]))
         case ir.SumRow():
             return range_of(e.row)
         case ir.Sum():
@@ -39,17 +40,7 @@ def range_of(e: ir.Expr) -> Range:
             return _one_of([range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type)
         case ir.Case():
             return _one_of([range_of(arm.value) for arm in e.arms], e.type)
-        case (
-            ir.ParamRef()
-            | ir.FieldRead()
-            | ir.Attribute()
-            | ir.Distance()
-            | ir.Step()
-            | ir.Count()
-            | ir.Lowest()
-            | ir.Local()
-            | ir.ArgumentOf()
-        ):
+        case _ if isinstance(e, _GIVEN):
             return given(e.type)
         case _:
             return anything(e.type.kind == "int")
@@ -68,11 +59,7 @@ def apart(a: ir.Expr, b: ir.Expr) -> bool:
 def _one_of(parts: Iterable[Range], type_: ir.Type) -> Range:
     """Returns the range of a number that is one of several, all made reals if one is."""
     parts = [part if type_.kind == "int" else real(part) for part in parts]
-    return reduce(_hull, parts)
-
-
-def _hull(a: Range, b: Range) -> Range:
-    return _exact(min(a.low, b.low), max(a.high, b.high), (a, b))
+    return reduce(lambda a, b: _exact(min(a.low, b.low), max(a.high, b.high), (a, b)), parts)
 
 
 def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:

@@ -44,34 +44,18 @@ def is_number(type_: ir.Type) -> bool:
 def describe(type_: ir.Type) -> str:
     """Returns what an author would call values of this type."""
     if type_.by:
-        return f"a row of {describe_plural(type_)} by {type_.by[0]}"
+        entries = {"word": "words", "int": "numbers", "real": "numbers"}.get(type_.kind, "values")
+        return f"a row of {entries} by {type_.by[0]}"
     match type_.kind:
         case "word":
             return f"a word of {{ {', '.join(type_.words)} }}" if len(type_.words) > 1 else f"the word `{type_.words[0]}`"
         case "int" | "real":
-            return {"number": "a number", "fraction": "a fraction", "probability": "a probability"}.get(
-                type_.unit, f"a {type_.unit}" if type_.unit == "reward" else f"a number of {_plural(type_.unit)}"
-            )
-        case "condition":
-            return "a condition"
-        case "agent":
-            return "an agent"
-        case "agents":
-            return "a set of agents"
-        case "cell":
-            return f"a cell of {' or '.join(type_.kinds)}" if type_.kinds else "a cell"
-        case "mix":
-            return "a mix of words"
-        case "member":
-            return "an agent or a cell"
-
-
-def describe_plural(type_: ir.Type) -> str:
-    return {"word": "words", "int": "numbers", "real": "numbers"}.get(type_.kind, "values")
-
-
-def _plural(unit: str) -> str:
-    return "counts" if unit == "count" else unit
+            plural = "counts" if type_.unit == "count" else type_.unit
+            return f"a number of {plural}" if type_.unit in INTEGER_UNITS else f"a {type_.unit}"
+        case "cell" if type_.kinds:
+            return f"a cell of {' or '.join(type_.kinds)}"
+    kinds = {"condition": "a condition", "agent": "an agent", "agents": "a set of agents", "mix": "a mix of words"}
+    return {**kinds, "cell": "a cell", "member": "an agent or a cell"}[type_.kind]
 
 
 def join_units(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:

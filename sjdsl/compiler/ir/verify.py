@@ -35,7 +35,9 @@ def verify(game: ir.Game) -> ir.Game:
             case _:
                 pass
     _check_streams(game)
-    _check_map(game)
+    glyphs = {g.glyph for g in game.glyphs}
+    assert len(glyphs) == len(game.glyphs), game.glyphs
+    assert game.rows and all(len(row) == len(game.rows[0]) and set(row) <= glyphs for row in game.rows), game.rows
     return game
 
 
@@ -46,15 +48,8 @@ def _check_streams(game: ir.Game) -> None:
         pools: set[int] = set()
         for node in ir.walk(turn):
             match node:
-                case (
-                    ir.Draw(stream=stream)
-                    | ir.Pick(stream=stream)
-                    | ir.Chance(stream=stream)
-                    | ir.Match(stream=stream)
-                    | ir.Move(stream=stream)
-                    | ir.Wander(stream=stream)
-                ):
-                    streams[stream] += 1
+                case ir.Draw() | ir.Pick() | ir.Chance() | ir.Match() | ir.Move() | ir.Wander():
+                    streams[node.stream] += 1
                 case ir.Shift():
                     streams.update(stream for stream in (node.stream, node.heading_stream) if stream is not None)
                 case ir.Set(lot=int(stream)):
@@ -65,9 +60,3 @@ def _check_streams(game: ir.Game) -> None:
                 case _:
                     pass
     assert all(n == 1 for n in streams.values()), streams
-
-
-def _check_map(game: ir.Game) -> None:
-    glyphs = {g.glyph for g in game.glyphs}
-    assert len(glyphs) == len(game.glyphs), game.glyphs
-    assert game.rows and all(len(row) == len(game.rows[0]) and set(row) <= glyphs for row in game.rows), game.rows

@@ -18,19 +18,17 @@ from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, body_sorts, marking_phases, view_size
 from sjdsl.compiler.lower import expressions
 from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_actions
+from sjdsl.compiler.lower.assignments import fields_of_several_lots
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
-from sjdsl.compiler.lower.environment_facts import events, role_attribute
-from sjdsl.compiler.lower.environment_facts import state_fields as described_fields
-from sjdsl.compiler.lower.lots import fields_of_several_lots
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
 from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
 from sjdsl.compiler.lower.relocation import finish as finish_sends
 from sjdsl.compiler.lower.scope import IterationScope, NotSupported
 from sjdsl.compiler.lower.shared_phases import Turn, share
-from sjdsl.compiler.lower.state import outcome_fields, param_value, params_fields, state_fields
+from sjdsl.compiler.lower.state import described_fields, events, outcome_fields, params_fields, role_attribute, state_fields
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
@@ -187,7 +185,14 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
     finish_writes(w)
     finish_sends(sends, w)
     if w.marked:
-        w.changed[f"mark_{phase.name}"] = _all_marks(w.marked, mark_size(phase, module.game))
+        missing = mark_size(phase, module.game) - sum(w.marked.values())
+        parts: tuple[array.Expression, ...] = (
+            *w.marked,
+            *([array.call("jnp.zeros", array.Literal(missing), array.DTYPES["i32"])] if missing else []),
+        )
+        w.changed[f"mark_{phase.name}"] = (
+            parts[0] if len(parts) == 1 else array.call("jnp.concatenate", array.Sequence(parts, is_list=True))
+        )
     w.give_back(replaced("state", w.changed), replaced("out", w.outcome))
     return _function(w, phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources))
 
@@ -200,16 +205,6 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
     first, *rest = sources[span.file].text[span.start : span.end].splitlines()
     margin = re.compile(rf"\s{{0,{span.column - 1}}}")
     return "\n".join([first, *(margin.sub("", line, count=1).rstrip() for line in rest)])
-
-
-def _all_marks(marked: dict[array.Name, int], size: int) -> array.Expression:
-    """Returns the cells of all marks of a phase; those of statements that never happen are missing, and none stand in their places."""
-    missing = size - sum(marked.values())
-    parts: tuple[array.Expression, ...] = (
-        *marked,
-        *([array.call("jnp.zeros", array.Literal(missing), array.DTYPES["i32"])] if missing else []),
-    )
-    return parts[0] if len(parts) == 1 else array.call("jnp.concatenate", array.Sequence(parts, is_list=True))
 
 
 def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
@@ -264,4 +259,4 @@ def _observe(module: Module) -> Function:
     return _function(w, "observe", READING, "Array", doc)
 
 
-__all__ = ["NotSupported", "lower", "new_module", "param_value", "token_planes"]
+__all__ = ["NotSupported", "lower", "new_module", "token_planes"]

@@ -5,12 +5,65 @@ from math import isinf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import REDUCTIONS
+from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, iota, literal, reduce, select, spread
-from sjdsl.compiler.lower.domains import enter, is_empty, shape_name, whole_set
-from sjdsl.compiler.lower.neighbours import is_over_neighbours, over_neighbours
+from sjdsl.compiler.lower.domains import enter, is_empty, neighbours_constant, shape_name, whole_set
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import DType, Unary, call, path
+from sjdsl.compiler.program.expressions import DType, Lambda, Literal, Name, Unary, call, path
+
+MOST = 32  # cells of a shape: each is a few lines of the program that XLA compiles
+_PLAIN = (
+    ir.Number, ir.Word, ir.Truth, ir.ParamRef, ir.Member, ir.Local, ir.At, ir.Named, ir.FieldRead, ir.Arithmetic, ir.Compare, ir.Same,
+    ir.InRange, ir.InWords, ir.Not, ir.Logic, ir.Case, ir.Narrowed,
+)  # fmt: skip
+
+
+def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w: Writer) -> bool:
+    """Returns whether a domain is the cells of a small shape around each cell, and what is asked about them is plain."""
+    d = e.domain
+    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell" or len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
+        return False
+    anchor = scope.variables[d.restriction.anchor.name]
+    if not isinstance(anchor, CellVar) or anchor.painted is not None or len(scope.axes) != 1 or anchor.site.axes != scope.axes:
+        return False
+    if anchor.axis is None and scope.axes[0].size < state_reads.MANY:
+        return False
+    asked = [x for x in (d.where, None if isinstance(e, ir.Count) else e.value) if x is not None]
+    nodes = [n for x in asked for n in ir.walk(x)]
+    if not all(isinstance(n, _PLAIN) for n in nodes if isinstance(n, ir.Expression)):
+        return False
+    fields = any(isinstance(n, ir.FieldRead) and isinstance(n.owner, ir.Member) and n.owner.name == d.var.name for n in nodes)
+    return fields and sum(map(len, w.module.shape(d.restriction.shape).lanes)) <= MOST
+
+
+def over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w: Writer, otherwise: Value | None = None) -> Value:
+    """Returns a count, a sum or an extreme over the cells around each cell. `otherwise`: what stands for no cell."""
+    d = e.domain
+    assert isinstance(d.restriction, ir.Near)
+    anchor = scope.variables[d.restriction.anchor.name]
+    assert isinstance(anchor, CellVar)
+    (axis,) = scope.axes
+    table = neighbours_constant(d.restriction, anchor, d.var.kinds, w)
+    number = Name(w.names.fresh(d.var.name))
+    site = Value(number, "i32", (axis,))
+    w.parameters[number] = number
+    inner = scope.always().binding(**{d.var.name: CellVar(site, d.var.kinds, beside=True)}).when(state_reads.is_site(site, d.var.kinds, w))
+    if d.where is not None:
+        inner = inner.when(w.value(d.where, inner.always()))
+    fold = "sum" if isinstance(e, ir.Count | ir.Sum) else REDUCTIONS[e.fn].array
+    if isinstance(e, ir.Count):
+        value = inner.mask
+    else:
+        nothing = literal(0, "i32") if otherwise is None else otherwise
+        value = select(inner.mask, as_dtype(w.value(e.value, inner.always()), "i32"), nothing)
+    _, *given = w.parameters.items()
+    body = Lambda((number.identifier, *(name.identifier for _, name in given)), spread(value, (axis,)))
+    w.names.taken.difference_update(name.identifier for name in w.parameters.values())  # they mean nothing outside
+    w.parameters.clear()
+    some = {} if anchor.axis is not None else {"around": anchor.site.node}
+    return Value(call("over_neighbours", Literal(fold), table, body, *(stored for stored, _ in given), **some), "i32", (axis,))
+
 
 LARGEST = 2**31 - 1  # of the whole numbers of the language
 
@@ -28,10 +81,9 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
     if isinstance(e, ir.Count):
-        counted = inner.mask if inner.mask is not None else TRUE
         if not new:
-            return as_dtype(counted, "i32")
-        return w.keep(f"num_{e.domain.var.name}", reduce("sum", counted, new))
+            return as_dtype(inner.mask, "i32")
+        return w.keep(f"num_{e.domain.var.name}", reduce("sum", inner.mask, new))
     value = as_dtype(w.value(e.value, inner.always()), "i32" if e.type.kind == "int" else "f32")
     return w.keep("total", reduce("sum", select(inner.mask, value, literal(0, value.dtype)), new))
 
@@ -50,12 +102,12 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     value, mask = as_dtype(w.value(e.value, inner.always()), dtype), inner.mask
     if any(a in value.axes for a in new):
         nothing = _nothing(e, otherwise, dtype)
-        if mask is not None and otherwise not in (None, nothing):
+        if mask != TRUE and otherwise not in (None, nothing):
             mask = w.keep("member", mask)  # for it is read twice
         value = w.keep(REDUCTIONS[e.fn].kept, reduce(REDUCTIONS[e.fn].array, select(mask, value, nothing), new))
         if nothing == otherwise:
             return value
-    if otherwise is None or mask is None:
+    if otherwise is None or mask == TRUE:
         return value
     return select(w.keep("anybody", reduce("any", mask, new)), value, otherwise)
 
@@ -90,7 +142,7 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:
         return None
-    if d.where is not None and _others(d.where, d.var.name):
+    if d.where is not None and any(isinstance(n, ir.Member | ir.Local) and n.name != d.var.name for n in ir.walk(d.where)):
         return None
     shape = w.module.shape(d.restriction.shape)
     masks = w.module.layout.near_table(anchor.kinds, shape, d.var.kinds)
@@ -101,8 +153,3 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     member = TRUE if d.where is None else w.value(d.where, scope.always().binding(**{d.var.name: other}))
     vector = member.node if axis in member.axes else spread(member, (axis,))
     return w.keep("near", Value(call("count_near", vector, constant), "i32", (anchor.axis,)))
-
-
-def _others(test: ir.Expr, name: str) -> bool:
-    """Returns whether a condition reads a variable other than `name`."""
-    return any(isinstance(n, ir.Member | ir.Local) and n.name != name for n in ir.walk(test))

@@ -28,12 +28,8 @@ def allowed_actions(module: Module) -> Function:
         closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
         name = module.constant("forbids", array.constant(closes), "actions a `forbid` is about", "bool")
         closed = w.bind("closed", array.Binary("&", aligned(test, axes), array.Index(name, (array.NEW_AXIS,))))
-        for_each_agent = axes[0] in test.axes
-        allowed = (
-            array.Binary("&", allowed, array.Unary("~", closed))
-            if allowed != everything or not for_each_agent
-            else array.Unary("~", closed)
-        )
+        first = allowed == everything and axes[0] in test.axes
+        allowed = array.Unary("~", closed) if first else array.Binary("&", allowed, array.Unary("~", closed))
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."

@@ -1,17 +1,20 @@
-"""Lowers `set` and `add`: by selection where the target is the axis itself, by scatter where its index is computed."""
+"""Lowers `set` and `add`: by selection where the target is the axis itself, by scatter where its index is computed, or by lot."""
 
 from dataclasses import replace
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.queries import all_fields
-from sjdsl.compiler.lower import cell_values, state_reads
+from sjdsl.compiler.ir.queries import all_fields, written_field
+from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
+    TRUE,
     Axis,
     Value,
     aligned,
     as_dtype,
+    binary,
     indexed,
     iota,
     joined,
@@ -22,23 +25,109 @@ from sjdsl.compiler.lower.axes import (
     taken,
     union,
 )
-from sjdsl.compiler.lower.entries import rolled, to_words, unrolled
+from sjdsl.compiler.lower.draws import random_bits
+from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
-from sjdsl.compiler.lower.lots import write_by_lot
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
-from sjdsl.compiler.lower.targets import Target, past_the_end
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
 
-def split(target: ir.Expr) -> tuple[ir.FieldRead, tuple[ir.Expr, ...]]:
-    """Returns the field a target names, and the keys into its row."""
-    keys: list[ir.Expr] = []
-    while isinstance(target, ir.At):
-        keys.insert(0, target.key)
-        target = target.row
-    assert isinstance(target, ir.FieldRead)
-    return target, tuple(keys)
+class Target(Record):
+    """One field that a statement writes: of whom (None: the world), at which keys of its row, in which instances."""
+
+    declared: ir.VarField
+    who: Variable | None
+    keys: tuple[ir.Expr, ...]
+    read: ir.FieldRead
+    scope: IterationScope
+
+    @property
+    def attribute(self) -> str:
+        return attribute_name(self.declared)
+
+    @property
+    def own_axes(self) -> tuple[Axis, ...] | None:
+        """The axis of those whose field it is, none for the world; None if they are computed numbers."""
+        if self.who is None:
+            return ()
+        return None if self.who.axis is None else (self.who.axis,)
+
+    def key(self, w: Writer) -> Value | None:
+        """Returns the place of the entry of a row that is written; None for all of it."""
+        return row_key(self.keys[0], self.read.type.by[0], self.scope.always(), w) if self.keys else None
+
+    @property
+    def along(self) -> Axis | None:
+        """The axis that runs along the row that is written, one entry for each place; None where entries are found one by one."""
+        axis = whole_axis(self.keys[0], self.scope) if self.keys else None
+        return axis if axis is not None and self.own_axes is not None and axis not in self.own_axes else None
+
+
+def past_the_end(who: Variable, w: Writer) -> Value:
+    """Returns the number after that of the last agent, or cell of its kinds: what is written there is dropped."""
+    return Value(w.module.extent(who.sort), "i32")
+
+
+def fields_of_several_lots(phase: ir.Phase) -> frozenset[tuple[str, str]]:
+    """Returns the fields, by holder and name, that several statements of a phase set by lot."""
+    sets = [written_field(s.target) for s in ir.walk(phase) if isinstance(s, ir.Set) and s.lot is not None]
+    named = [(read.held_by.what, read.name) for read in sets]
+    return frozenset(field for field in named if named.count(field) > 1)
+
+
+def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
+    """Writes one field, or an entry of a row, where the scope's mask holds and the lot falls on the instance: one for each target.
+
+    What an earlier statement wrote by lot is overwritten where this one drew a greater rank.
+    """
+    scope = target.scope
+    word = binary(">>", random_bits(stream, scope, w), literal(1, "u32"), "u32")
+    rank = select(scope.mask, binary("+", word, literal(1, "u32"), "u32"), literal(0, "u32"))
+    index = literal(0, "i32") if target.who is None else target.who.number
+    key = target.key(w)
+    axes = union(scope.axes, index.axes, rank.axes, value.axes, () if key is None else key.axes)
+    at = _flat(select(scope.mask, index, literal(0, "i32")), axes, "i32")
+    entry = None if key is None else _flat(select(scope.mask, as_dtype(key, "i32"), literal(0, "i32")), axes, "i32")
+    place, ranks = at, _flat(rank, axes, "u32")
+    extent: array.Expression = array.Literal(1) if target.who is None else w.module.extent(target.who.sort)
+    if entry is not None:
+        words = w.module.num_entries(target.read.type.by[0])
+        place = entry if target.who is None else array.Binary("+", array.Binary("*", at, words), entry)
+        extent = words if target.who is None else array.Binary("*", extent, words)
+    if (target.read.held_by.what, target.read.name) in w.several_lots:  # only ranks above those that earlier statements drew count
+        place, ranks = w.bind("place", place), w.bind("rank", ranks)
+        best: array.Expression | None = w.best_ranks.get(target.attribute)
+        if best is not None:
+            ranks = w.bind("rank", array.call("outranking", place, ranks, best))
+        best = best or array.call("jnp.zeros", extent, array.DTYPES["u32"])
+        w.best_ranks[target.attribute] = w.bind("best", array.call("best_ranks", place, ranks, best))
+    won = w.bind("won", array.call("drawn_by_lot", place, ranks, extent))
+    if target.who is None and entry is None:
+        drawn = array.Index(_values(value, target, axes, w), (array.call("jnp.argmax", won),))
+        w.assign(target.attribute, array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)))
+        return
+    past = w.module.num_entries(target.read.type.by[0]) if target.who is None else past_the_end(target.who, w).node
+    mine = place if target.who is None or entry is None else at
+    keys = (array.Where(won, mine, array.scalar(past, "i32")), *([entry] if target.who is not None and entry is not None else []))
+    new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
+    w.assign(target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True))
+
+
+def _values(value: Value, target: Target, axes: tuple[Axis, ...], w: Writer, along_row: bool = False) -> array.Expression:
+    """Returns the value of each instance; one value that a whole row is set to stands beside a new axis."""
+    type_ = target.read.type if not target.keys else target.read.type.model_copy(update={"by": ()})
+    words = [w.module.num_entries(level) for level in type_.by]
+    large = [array.Literal(w.module.set_words)] * (w.module.levels(type_) - len(words))
+    flat = _flat(value, axes, value.dtype, tuple([*words, *large] if value.levels > len(large) else large))
+    return array.Index(flat, (array.ALL, array.NEW_AXIS)) if along_row and words and value.levels == len(large) else flat
+
+
+def _flat(value: Value, axes: tuple[Axis, ...], dtype: array.DType, inside: tuple[array.Expression, ...] = ()) -> array.Expression:
+    """Returns a value for each instance, in the order of their numbers. `inside`: extents of the value's own axes."""
+    extents = (*(a.extent for a in axes), *inside)
+    full = array.Broadcast(array.as_array(aligned(value, axes), dtype) if value.literal else aligned(value, axes, value.levels), extents)
+    return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1), *inside))
 
 
 def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
@@ -48,10 +137,11 @@ def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     if len(written) > 1 and not value.literal:
         value = w.keep("written", value)
     for target in written:
+        kept = as_dtype(value, state_reads.storage(target.declared, w))
         if s.lot is not None:
-            write_by_lot(s.lot, target, as_dtype(value, state_reads.storage(target.declared, w)), w)
-            continue
-        _write(target, as_dtype(value, state_reads.storage(target.declared, w)), w)
+            write_by_lot(s.lot, target, kept, w)
+        else:
+            _write(target, kept, w)
 
 
 def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -61,7 +151,7 @@ def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) 
     if isinstance(e, ir.Case) and e.type.kind == "word":  # the words of the field at once, not those of the arms first
         e = e.model_copy(update={"type": target.type})
     if target.type.kind == "cell":
-        return cell_values.kept(e, scope, w)
+        return state_reads.kept_cell(e, scope, w)
     value = w.value(e, scope.always())
     match target.type.kind:
         case "word":
@@ -74,24 +164,24 @@ def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) 
 
 def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
     """Returns the fields a write reaches, each with whose it is: one, or one for each kind of a group that is on the map."""
-    read, keys = split(target)
-    if read.owner is None:
-        return [Target(w.module.field(read), None, keys, read, scope)]
-    who = owner(read.owner, scope, w)
-    if isinstance(who, AgentVar) or len(who.kinds) == 1:
+    keys: tuple[ir.Expr, ...] = ()
+    while isinstance(target, ir.At):
+        keys, target = (target.key, *keys), target.row
+    assert isinstance(target, ir.FieldRead)
+    read, who = target, None if target.owner is None else owner(target.owner, scope, w)
+    if not isinstance(who, CellVar) or len(who.kinds) == 1:
         return [Target(w.module.field(read), who, keys, read, scope)]
     found = []
     layout = w.module.layout
     there = [kind for kind in who.kinds if layout.num_cells((kind,))]  # of others there is no cell that could be written
-    if len(there) > 1 and scope.mask is not None:  # once for all kinds
+    if len(there) > 1:  # once for all kinds
         scope = replace(scope, mask=w.keep("active", scope.mask))
     for kind in there:
         table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
         key = array.Slice(None, array.Literal(-1)) if who.axis is not None else who.site.node
-        axes = (who.axis,) if who.axis is not None else who.site.axes
-        cell = CellVar(Value(array.Index(name, (key,)), "i32", axes), (kind,))
+        cell = CellVar(Value(array.Index(name, (key,)), "i32", who.site.axes), (kind,))
         found.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return found
 
@@ -107,7 +197,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     before = stored if along is None else unrolled(stored, along)
     own = before.axes
     over = tuple(a for a in target.scope.axes if a not in own)
-    mask = None if target.scope.mask is None else reduce("any", target.scope.mask, over)
+    mask = reduce("any", target.scope.mask, over)
     if mask == FALSE:
         return
     key = None if key is None else _of_the_one(key, over, target.scope.mask)
@@ -116,7 +206,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
         w.assign(target.attribute, after.node if along is None else rolled(after.node, own, along))
 
 
-def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value | None) -> Value:
+def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
     """Returns a value or key without the axes of the statements inside the target's.
 
     It differs along them only if one instance at most reaches each target (else the write is refused): they are lanes of shapes
@@ -125,31 +215,31 @@ def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value | None) -> Val
     gone = tuple(a for a in over if a in value.axes)
     if not gone:
         return value
-    if any(a.size > 1 for a in gone):
-        return _only(value, over, mask)
+    if any(a.size > 1 for a in gone):  # the sum is the value of the one instance that happens
+        assert mask != TRUE, over
+        number: array.DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
+        return as_dtype(reduce("sum", select(mask, as_dtype(value, number), literal(0, number)), over), value.dtype)
     kept = tuple(a for a in value.axes if a not in gone)
     return replace(value, node=array.Index(value.node, tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)), axes=kept)
 
 
-def _only(value: Value, over: tuple[Axis, ...], mask: Value | None) -> Value:
-    """Returns the value of the one instance along some axes that happens."""
-    assert mask is not None, over
-    number: array.DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
-    return as_dtype(reduce("sum", select(mask, as_dtype(value, number), literal(0, number)), over), value.dtype)
-
-
-def _entries(before: Value, mask: Value | None, key: Value | None, target: Target, value: Value, w: Writer) -> Value:
+def _entries(before: Value, mask: Value, key: Value | None, target: Target, value: Value, w: Writer) -> Value:
     """Returns the field with the value in its place: the whole, or one entry of a row."""
-    if mask == FALSE:
-        return before
+    if key is None and mask != TRUE:
+        return select(mask, value, before)
+    if key is None and value.axes == before.axes and value.levels == before.levels and not value.literal:
+        return value
+    if key is None and not value.axes and not value.levels:
+        return replace(before, node=array.call("jnp.full_like", before.node, value.node))
     if key is None:
-        return _filled(before, value) if mask is None else select(mask, value, before)
+        rows = aligned(value, before.axes, before.levels)
+        return replace(before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape")))
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
         keys = (*[array.ALL] * len(before.axes), key.node)
         return replace(before, node=array.Update(before.node, keys, "set", new.node))
     hit = _is_word(key, before.axes, target, w)
-    if mask is not None:
+    if mask != TRUE:
         hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
     if before.levels > 1:  # of large sets
         words = array.Index(hit, (array.REST, array.NEW_AXIS))
@@ -169,16 +259,6 @@ def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     return indexed(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
 
 
-def _filled(before: Value, value: Value) -> Value:
-    """Returns the field with the value everywhere."""
-    if value.axes == before.axes and value.levels == before.levels and not value.literal:
-        return value
-    if not value.axes and not value.levels:
-        return replace(before, node=array.call("jnp.full_like", before.node, value.node))
-    rows = aligned(value, before.axes, before.levels)
-    return replace(before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape")))
-
-
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
     """Writes at computed places; instances that do not happen write past the end."""
     scope = target.scope
@@ -188,7 +268,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         past = Value(w.module.num_entries(target.read.type.by[0]), "i32")
     else:
         index, name, rest, past = target.who.number, _place(target.who), key, past_the_end(target.who, w)
-    axes = union(index.axes, *(x.axes for x in (scope.mask, rest, value) if x is not None))
+    axes = union(index.axes, scope.mask.axes, value.axes, () if rest is None else rest.axes)
     at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
     keys = (at.node, *([] if rest is None else [aligned(rest, axes)]))
     levels = w.module.levels(target.read.type) - (key is not None)
@@ -206,14 +286,18 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
     for target in targets(s.target, scope, w):
         if target.read.type.kind == "agents":
             _add_member(s, target, w)
-            continue
-        value = w.value(s.value, scope.always())
-        _add_number(target, as_dtype(value, "f32" if target.read.type.kind == "real" else "i32"), w)
+        else:
+            _add_number(target, as_dtype(w.value(s.value, scope.always()), "f32" if target.read.type.kind == "real" else "i32"), w)
 
 
 def _add_number(target: Target, value: Value, w: Writer) -> None:
     scope = target.scope
-    masked = _masked(value, scope)
+    if scope.mask == TRUE or not value.levels:
+        masked = select(scope.mask, value, literal(0, value.dtype))
+    else:
+        axes = union(scope.mask.axes, value.axes)
+        test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
+        masked = replace(value, node=array.Where(test, _row_aligned(value, axes), array.Literal(0)), axes=axes)
     sums = w.added.setdefault(target.attribute, [])
     own = target.own_axes
     if own is not None and target.along is not None:
@@ -224,7 +308,10 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
         return
     key = target.key(w)
     if key is not None:
-        masked = _one_hot(masked, key, target, w)
+        axes = union(masked.axes, key.axes)  # a row that has the value at the key's word and 0 elsewhere
+        zero = array.scalar(literal(0, masked.dtype).node, masked.dtype)
+        row = array.Where(_is_word(key, axes, target, w), _for_each_word(masked, axes), zero)
+        masked = Value(row, masked.dtype, axes, 1)
     if own is not None:
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
         if total.axes or total.levels:  # a row that is the same for all is lined up too: JAX does not guess which axis is missing
@@ -235,7 +322,7 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     index = target.who.number
     axes = union(index.axes, masked.axes)
     total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
-    extent = state_reads.total_extent(target.who, w)
+    extent = w.module.extent(target.who.sort)
     zeros = array.call("jnp.zeros", array.shape_of((extent, *map(w.module.num_entries, target.read.type.by))), array.DTYPES[total.dtype])
     amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
@@ -250,21 +337,6 @@ def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     return array.Index(value.node, (*(array.ALL if a in value.axes else array.NEW_AXIS for a in axes), *[array.ALL] * value.levels))
 
 
-def _masked(value: Value, scope: IterationScope) -> Value:
-    if scope.mask is None or not value.levels:
-        return select(scope.mask, value, literal(0, value.dtype))
-    axes = union(scope.mask.axes, value.axes)
-    test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
-    return Value(array.Where(test, _row_aligned(value, axes), array.Literal(0)), value.dtype, axes, value.levels)
-
-
-def _one_hot(value: Value, key: Value, target: Target, w: Writer) -> Value:
-    """Returns a row that has the value at the key's word and 0 elsewhere."""
-    axes = union(value.axes, key.axes)
-    zero = array.scalar(literal(0, value.dtype).node, value.dtype)
-    return Value(array.Where(_is_word(key, axes, target, w), _for_each_word(value, axes), zero), value.dtype, axes, 1)
-
-
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
     scope, who = target.scope, target.who
@@ -272,18 +344,18 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
     dtype, words = w.module.set_dtype, w.module.set_words
     keys = [x for x in (target.key(w),) if x is not None]
-    mask_axes = () if scope.mask is None else scope.mask.axes
+    around = union(member.axes, *(k.axes for k in keys), scope.mask.axes)
     sizes = [w.module.num_entries(target.read.type.by[0]) for _ in keys]
     sets: array.Expression
     if who is None:  # those who are not added are numbers past the end
-        axes = union(member.axes, *(k.axes for k in keys), mask_axes)
+        axes = around
         at = w.keep("member", Value(spread(select(scope.mask, member, Value(w.module.agents, "i32")), axes), "i32", axes))
         sets = _folded([aligned(key, axes) for key in keys], at.node, sizes, w)
     else:
-        axes = union(who.number.axes, member.axes, *(k.axes for k in keys), mask_axes)
+        axes = union(who.number.axes, around)
         at = Value(spread(select(scope.mask, who.number, past_the_end(who, w)), axes), "i32", axes)
         places = [w.keep(_place(who), at).node, *(aligned(key, axes) for key in keys)]
-        extents = [state_reads.total_extent(who, w), *sizes]
+        extents = [w.module.extent(who.sort), *sizes]
         itself = joining.axis if isinstance(joining, AgentVar) else None
         once = itself is not None and itself in axes and all(a.size == 1 or a == itself for a in axes)  # each agent joins once at most
         if once and not words:

@@ -114,9 +114,7 @@ def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expressio
 
 def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
     """Returns a value spelt out over exactly these axes; a scalar over no axes stays one."""
-    if value.axes == axes:
-        return value.node
-    return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
+    return value.node if value.axes == axes else Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
 
 
 def taken(value: Value, key: Expression, levels: int = 0) -> Value:
@@ -186,15 +184,14 @@ def _is_neutral(op: str, value: Value) -> bool:
     return neutral is not None and value.number == neutral and value.dtype != "bool" and (value.dtype != "f32" or op == "*")
 
 
-def both(*conditions: Value | None) -> Value | None:
-    """Returns the conjunction; None stands for always."""
-    result: Value | None = None
-    for c in conditions:
-        if c is None or c == TRUE:
-            continue
-        if c == FALSE:
-            return c
-        result = c if result is None else binary("&", result, c, "bool")
+def both(*conditions: Value) -> Value:
+    """Returns the conjunction."""
+    result = TRUE
+    for condition in conditions:
+        if condition == FALSE:
+            return FALSE
+        if condition != TRUE:
+            result = condition if result == TRUE else binary("&", result, condition, "bool")
     return result
 
 
@@ -221,9 +218,9 @@ def invert(condition: Value) -> Value:
             return replace(condition, node=Unary("~", condition.node))
 
 
-def select(condition: Value | None, a: Value, b: Value) -> Value:
+def select(condition: Value, a: Value, b: Value) -> Value:
     """Returns `a` where the condition holds, else `b`; both of one dtype."""
-    if condition is None or condition == TRUE:
+    if condition == TRUE:
         return a
     if condition == FALSE:
         return b

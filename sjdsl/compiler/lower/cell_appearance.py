@@ -1,6 +1,7 @@
 """Appearance of cells: numbers for the states of kinds, as painted and as an observer sees them."""
 
 from dataclasses import replace
+from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -37,10 +38,7 @@ class Look(Record):
 
     @property
     def raw_values(self) -> int:
-        size = int(self.present)
-        for _, values in self.painted:
-            size *= values
-        return size
+        return int(self.present) * prod(values for _, values in self.painted)
 
     @property
     def final_words(self) -> tuple[tuple[str, ...], ...]:
@@ -68,14 +66,14 @@ def looks(game: ir.Game) -> tuple[Look, ...]:
     if raw > 256 or len(content_labels(game)) > 256:
         what = f"{max(raw, len(content_labels(game)))} different looks of cells (at most 256)"
         raise NotSupported(what, game.kinds[-1].origin, "`hide` fields of cells that need not be seen, or show them with fewer labels")
-    return tuple(_painted_as(look, found, game) for look in found.values())
+    painted_as = {name: _as_another(look, game) for name, look in found.items()}
+    raws = {name: 0 if other == OUTSIDE else found[other].raw for name, other in painted_as.items() if other is not None}
+    return tuple(replace(look, raw=raws[name], present=False) if name in raws else look for name, look in found.items())
 
 
 def _numbered_looks(game: ir.Game, read: bool) -> tuple[dict[str, Look], int]:
     """Returns the looks of all kinds, and how many numbers are painted. `read`: also the fields are painted that labels and `hide` read."""
-    raw, labels = 1, content_labels(game)
-    glyphs = kinds_by_glyph(game)
-    there = {glyphs[g] for row in game.rows for g in row}
+    raw, labels, there = 1, content_labels(game), _kinds_on_map(game)
     found: dict[str, Look] = {}
     for kind in game.kinds:
         observables = _observables_of(kind, game)
@@ -89,22 +87,17 @@ def _numbered_looks(game: ir.Game, read: bool) -> tuple[dict[str, Look], int]:
     return found, raw
 
 
-def _painted_as(look: Look, others: dict[str, Look], game: ir.Game) -> Look:
-    """Returns the look of a kind, of one that always looks like another with the numbers of that."""
-    name = _as_another(look, game)
-    if name is None:
-        return look
-    return replace(look, raw=0 if name == OUTSIDE else others[name].raw, present=False)
-
-
 def _as_another(look: Look, game: ir.Game) -> str | None:
     """Returns what else, that can be painted, a kind always looks like: another kind on the map, or what is outside."""
     name = look.observables[0].labels[-1].name if len(look.labels) == 1 else ""
     if not name or any(kind in hidden.kinds for hidden in game.hidden for kind in (look.kind.name, name)):
         return None
-    glyphs = kinds_by_glyph(game)
-    there = name in {glyphs[g] for row in game.rows for g in row} and all(s.kind != name for s in game.observables)
+    there = name in _kinds_on_map(game) and all(s.kind != name for s in game.observables)
     return name if name == OUTSIDE or there else None
+
+
+def _kinds_on_map(game: ir.Game) -> set[str]:
+    return {kinds_by_glyph(game)[glyph] for glyph in set().union(*game.rows)}
 
 
 def _observables_of(kind: ir.Kind, game: ir.Game) -> tuple[ir.Observable, ...]:
@@ -132,29 +125,27 @@ def _painted(kind: ir.Kind, observables: tuple[ir.Observable, ...], game: ir.Gam
 
 def _values(field: ir.VarField, game: ir.Game) -> int:
     """Returns how many values a field has that can be painted; 0 if it cannot."""
-    type_ = field.type
-    match type_.kind:
-        case "word" if not type_.by:
-            return len(type_.words)
-        case "agent" if not type_.by:
+    if field.type.by:
+        return 0
+    match field.type.kind:
+        case "word":
+            return len(field.type.words)
+        case "agent":
             return game.agents.number + 1
-        case "int" if not type_.by and type_.low >= 0 and _bound(field, game) < 256:
-            return int(_bound(field, game)) + 1
+        case "int" if field.type.low >= 0:
+            bound = timer_bound(field, ir.walk(game)) if field.timer else field.type.high
+            return int(bound) + 1 if bound < 256 else 0
         case _:
             return 0
 
 
-def _bound(field: ir.VarField, game: ir.Game) -> float:
-    return timer_bound(field, ir.walk(game)) if field.timer else field.type.high
-
-
 def content_labels(game: ir.Game) -> tuple[str, ...]:
     """Returns the labels of the content plane in the order of its values."""
-    whole = {kind.name: _shown_as(kind, game) for kind in game.kinds}
-    labels = [OUTSIDE, *(state for kind in game.kinds if whole[kind.name] is None for state in _states(kind, game))]
-    labels += [word for observable in whole.values() if observable is not None for word in observable_words(observable)]
+    whole = [(kind, _shown_as(kind, game)) for kind in game.kinds]
+    states = [state for kind, observable in whole if observable is None for state in _states(kind, game)]
+    looks = [word for _, observable in whole if observable is not None for word in observable_words(observable)]
     covered = [COVERED] if any(hidden.what == "content" for hidden in game.hidden) else []
-    return tuple(dict.fromkeys([*labels, *covered]))
+    return tuple(dict.fromkeys([OUTSIDE, *states, *looks, *covered]))
 
 
 def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
@@ -197,10 +188,8 @@ def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> Token
     if observable.what == "mover":
         prefix = f"{observable.kind}." if observable.field else observable.kind
     name = f"{prefix}{observable.field}" + (f"[{observable.word.key}]" if observable.word else "")
-    words = shown_words(observable)
-    if words:
-        nobody = {"other": ("nobody",), "mover": ("none",)}.get(observable.what, ())
-        words = (*nobody, *words)
+    if words := shown_words(observable):
+        words = (*{"other": ("nobody",), "mover": ("none",)}.get(observable.what, ()), *words)
         return TokenPlane(name, "word", words, len(words) - 1)
     high = number_bound(observable, game)
     if high == float("inf"):
@@ -225,11 +214,8 @@ def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     field = shown_field(game, observable)
     if not field.timer:
         return field.type.high
-    bound = 0.0
-    for node in ir.walk(game):
-        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and can_be(node.target, field):
-            bound = max(bound, largest(node.value, game))
-    return bound
+    sets = (n for n in ir.walk(game) if isinstance(n, ir.Set) and isinstance(n.target, ir.FieldRead) and can_be(n.target, field))
+    return max((largest(s.value, game) for s in sets), default=0.0)
 
 
 def largest(e: ir.Expr, game: ir.Game) -> float:

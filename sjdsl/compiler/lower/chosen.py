@@ -2,9 +2,9 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.compiler.lower.axes import Value, as_dtype, binary, both, literal
+from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, binary, both, literal
 from sjdsl.compiler.lower.entries import ABSENT, to_words
-from sjdsl.compiler.lower.scope import AgentVar, IterationScope
+from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
@@ -12,11 +12,8 @@ from sjdsl.compiler.program import expressions as array
 def action_of(agent: ir.Expr, scope: IterationScope) -> Value:
     """Returns the number of the action an agent takes in this step."""
     assert isinstance(agent, ir.Member), agent
-    who = scope.variables[agent.name]
-    assert isinstance(who, AgentVar), agent
-    if who.axis is not None:
-        return Value(array.Name("actions"), "i32", (who.axis,))
-    return Value(array.Index(array.Name("actions"), (who.index.node,)), "i32", who.index.axes)
+    who, actions = scope.variables[agent.name], array.Name("actions")
+    return Value(actions if who.axis is not None else array.Index(actions, (who.number.node,)), "i32", who.number.axes)
 
 
 def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
@@ -25,19 +22,17 @@ def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
     taken = action_of(e.agent, scope)
     if e.given:
         number, possible = action_number(action, e.given, scope, w)
-        return both(binary("==", taken, number, "bool"), possible) or literal(True, "bool")
+        return both(binary("==", taken, number, "bool"), possible)
     first = Value(w.module.first_action(action), "i32")
     if len(action.numbers) == 1:
         return binary("==", taken, first, "bool")
     last = literal(action.numbers[-1], "i32")
-    return both(binary(">=", taken, first, "bool"), binary("<=", taken, last, "bool")) or literal(True, "bool")
+    return both(binary(">=", taken, first, "bool"), binary("<=", taken, last, "bool"))
 
 
-def action_number(
-    action: ir.ActionWithArguments, given: tuple[ir.Given, ...], scope: IterationScope, w: Writer
-) -> tuple[Value, Value | None]:
-    """Returns the number of an action with these arguments, and whether there is one (None: surely)."""
-    offset, possible = literal(0, "i32"), None
+def action_number(action: ir.ActionWithArguments, given: tuple[ir.Given, ...], scope: IterationScope, w: Writer) -> tuple[Value, Value]:
+    """Returns the number of an action with these arguments, and whether there is one."""
+    offset, possible = literal(0, "i32"), TRUE
     for asked, argument in zip(given, action.arguments, strict=True):
         at, exists = _place(asked, argument, scope, w)
         offset = binary("+", binary("*", offset, literal(argument.count, "i32"), "i32"), at, "i32")
@@ -47,14 +42,14 @@ def action_number(
     return binary("+", offset, Value(w.module.first_action(action), "i32"), "i32"), possible
 
 
-def _place(asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, w: Writer) -> tuple[Value, Value | None]:
-    """Returns which of the values of an argument is asked for, and whether it is one of them (None: surely)."""
+def _place(asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, w: Writer) -> tuple[Value, Value]:
+    """Returns which of the values of an argument is asked for, and whether it is one of them."""
     value, type_ = w.value(asked.value, scope), asked.value.type
     match argument.type.kind:
         case "word":
             inside = set(type_.words) <= set(argument.type.words)
             number = to_words(value, type_.words, argument.type.words, w)
-            exists = None if inside else binary("!=", number, literal(ABSENT, "u8"), "bool")
+            exists = TRUE if inside else binary("!=", number, literal(ABSENT, "u8"), "bool")
             return as_dtype(number, "i32"), exists
         case "int":
             low, high = argument.type.low, argument.type.high
@@ -63,7 +58,7 @@ def _place(asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, 
             tests += [] if type_.high <= high else [binary("<=", value, literal(high, "i32"), "bool")]
             return binary("-", value, literal(low, "i32"), "i32"), both(*tests)
         case _:
-            return as_dtype(value, "i32"), None
+            return as_dtype(value, "i32"), TRUE
 
 
 def argument_of(e: ir.ArgumentOf, scope: IterationScope, w: Writer) -> Value:

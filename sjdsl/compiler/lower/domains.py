@@ -5,8 +5,8 @@ from itertools import combinations
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.lower import cell_values, state_reads
-from sjdsl.compiler.lower.axes import Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
+from sjdsl.compiler.lower import state_reads
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -26,16 +26,19 @@ from sjdsl.compiler.program.expressions import (
 
 
 class Swept(Record):
-    """The cells of a shape around an anchor: in the frame, along `axis`; `ok`: on the map and reached (None: see member)."""
+    """The cells of a shape around an anchor: in the frame, along `axis`; `ok`: on the map and reached."""
 
     cells: Value
     axis: Axis
-    ok: Value | None
+    ok: Value
 
 
 def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """Returns the scope inside a domain: one more axis unless the member is determined, its mask and its variables."""
-    inner = _cells(d, scope, w) if d.var.sort.what == "cell" else _bodies(d, scope, w)
+    if isinstance(d.restriction, ir.Among):
+        inner = _among(d, d.restriction, scope, w)
+    else:
+        inner = _cells(d, scope, w) if d.var.sort.what == "cell" else _bodies(d, scope, w)
     if d.on is not None:
         agent = inner.variables[d.var.name]
         assert isinstance(agent, AgentVar)
@@ -76,16 +79,11 @@ def extended(scope: IterationScope, axis: Axis | None, d: ir.Domain, variable: V
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     n = w.module.extent(d.var.sort)
-    match d.restriction:
-        case ir.InAgents() if d.restriction.value.type.kind in ("agent", "member"):
-            index = w.keep(d.var.name, w.value(d.restriction.value, scope))
-            variable = AgentVar(index)
-            inner = extended(scope, None, d, variable, index, n)
-            return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(state_reads.present(variable, w))
-        case ir.Among():
-            return _among(d, d.restriction, scope, w)
-        case _:
-            pass
+    if isinstance(d.restriction, ir.InAgents) and d.restriction.value.type.kind in ("agent", "member"):
+        index = w.keep(d.var.name, w.value(d.restriction.value, scope))
+        variable = AgentVar(index)
+        inner = extended(scope, None, d, variable, index, n)
+        return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(state_reads.present(variable, w))
     axis = w.axis(d.var.name, n)
     variable = AgentVar(iota(axis), axis, d.var.sort)
     inner = extended(scope, axis, d, variable, variable.index, n).when(state_reads.present(variable, w))
@@ -105,19 +103,13 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
     index = w.keep(d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis)))
-    variable: Variable
-    if d.var.sort.what == "cell":
-        variable = CellVar(index, d.var.kinds)
-        inner = extended(scope, axis, d, variable, index, w.module.num_cells(d.var.kinds)).when(state_reads.is_site(index, d.var.kinds, w))
-    else:
-        variable = AgentVar(index, sort=d.var.sort)
-        inner = extended(scope, axis, d, variable, index, w.module.extent(variable.sort)).when(state_reads.present(variable, w))
+    variable = CellVar(index, d.var.kinds) if d.var.sort.what == "cell" else AgentVar(index, sort=d.var.sort)
+    there = state_reads.is_site(index, d.var.kinds, w) if isinstance(variable, CellVar) else state_reads.present(variable, w)
+    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort)).when(there)
     for earlier, later in sorted(combinations(range(len(indices)), 2), key=lambda pair: pair[::-1]):
-        same = binary("==", indices[later], indices[earlier], "bool")
         is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
-        repeated = both(is_later, same)
-        assert repeated is not None
-        inner = inner.when(invert(repeated))
+        same = binary("==", indices[later], indices[earlier], "bool")
+        inner = inner.when(invert(both(is_later, same)))
     return inner
 
 
@@ -135,11 +127,9 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return extended(scope, axis, d, CellVar(site, d.var.kinds), iota(axis), axis.extent).when(ok)
     if isinstance(d.restriction, ir.InCell):
-        held = cell_values.variable(d.restriction.value, d.var.kinds, scope, w)
+        held = state_reads.held_cell(d.restriction.value, d.var.kinds, scope, w)
         inner = extended(scope, None, d, held, held.site, w.module.num_cells(d.var.kinds))
         return inner.when(state_reads.is_site(held.site, d.var.kinds, w))
-    if isinstance(d.restriction, ir.Among):
-        return _among(d, d.restriction, scope, w)
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     variable = CellVar(iota(axis), d.var.kinds, axis)
     return extended(scope, axis, d, variable, variable.site, axis.extent)
@@ -149,21 +139,16 @@ def sites_in(near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Wr
     """Returns the numbers (among `kinds`) of a shape's cells around an anchor, their axis, and which are there."""
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
-    label = f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
     if isinstance(anchor, CellVar):
         anchor = state_reads.placed(anchor, w)
         axis = w.axis(name, sum(map(len, shape.lanes)))
         constant = neighbours_constant(near, anchor, kinds, w)
-        if anchor.axis is not None:
-            site = Value(constant, "i32", (anchor.axis, axis))
-        else:
-            site = Value(Index(constant, (anchor.site.node,)), "i32", (*anchor.site.axes, axis))
+        node = constant if anchor.axis is not None else Index(constant, (anchor.site.node,))
+        site = Value(node, "i32", (*anchor.site.axes, axis))
         return site, axis, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
-    site = w.keep(label, state_reads.site_at(swept.cells, kinds, w))
-    there = both(state_reads.is_site(site, kinds, w), swept.ok if has_inner_blocks(shape, w) else None)
-    assert there is not None
-    return site, swept.axis, there
+    site = w.keep(f"{near.shape.split('(')[0]}_{'_'.join(kinds)}", state_reads.site_at(swept.cells, kinds, w))
+    return site, swept.axis, both(state_reads.is_site(site, kinds, w), swept.ok if has_inner_blocks(shape, w) else TRUE)
 
 
 def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], w: Writer) -> Name:
@@ -199,15 +184,17 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     offsets = w.module.layout.offsets_table(shape)
     ident = shape_name(near.shape)
     name = w.module.constant(f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading")
-    axis = _shape_axis(w, ident, sum(map(len, shape.lanes)), anchor)
+    if (ident, anchor) not in w.shape_axes:  # one axis a shape and anchor, so that cells found twice are the same array
+        size = w.module.number(f"num_{ident}_cells", sum(map(len, shape.lanes)), "cells of the shape")
+        w.shape_axes[ident, anchor] = w.axis(ident, size)
+    axis = w.shape_axes[ident, anchor]
     if isinstance(anchor, AgentVar):
         at, facing = state_reads.position(anchor, w), state_reads.heading(anchor, w)
     else:  # a cell has no heading, and the shapes around cells have no direction
         at, facing = state_reads.cell(anchor, w), literal(0, "i32")
-    if shape.see_through:
-        step = Value(Index(name, (Literal(0),)), "i32", (axis,))
-    else:
-        step = Value(Index(name, (facing.node,)), "i32", (*at.axes, axis))
+    step = Value(
+        Index(name, (Literal(0) if shape.see_through else facing.node,)), "i32", (axis,) if shape.see_through else (*at.axes, axis)
+    )
     cells = w.keep(f"{ident}_cells", _plus(at, step, axis, w))
     ok = _reached(shape, ident, at, facing, cells, axis, w)
     if any(a.order >= axis.order for a in scope.axes):  # the same shape of the same agent once more inside itself, or in a later statement
@@ -223,14 +210,6 @@ def _plus(at: Value, step: Value, axis: Axis, w: Writer) -> Value:
     lead = Index(at.node, (*[ALL] * len(at.axes), NEW_AXIS)) if at.axes else at.node
     tail = Index(step.node, (*[NEW_AXIS] * len(at.axes), ALL)) if step.axes != axes else step.node
     return state_reads.on_map(Value(Binary("+", lead, tail), "i32", axes), w)
-
-
-def _shape_axis(w: Writer, ident: str, size: int, anchor: Variable) -> Axis:
-    """One axis a shape and anchor, so that cells found twice are the same array."""
-    key = (ident, anchor)
-    if key not in w.shape_axes:
-        w.shape_axes[key] = w.axis(ident, w.module.number(f"num_{ident}_cells", size, "cells of the shape"))
-    return w.shape_axes[key]
 
 
 def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value, axis: Axis, w: Writer) -> Value:
@@ -257,10 +236,8 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
     layout = w.module.layout
     fixed = w.module.constant(f"blocks_{shape.name}", layout.blocking_table(shape.name), f"cells that always block {shape.name}")
     blocked = Value(Index(fixed, (cells.node,)), "bool", cells.axes)
-    for kind in w.module.game.kinds:
-        for block in kind.blocks:
-            if block.what == shape.name and block.condition is not None and layout.num_cells((kind.name,)):
-                blocked = binary("|", blocked, blocked_by(block, kind, cells, w), "bool")
+    for condition, kind in conditional_blocks(shape.name, w):
+        blocked = binary("|", blocked, blocked_by(condition, kind, cells, w), "bool")
     for block in w.module.game.agents.blocks:
         if block.what == shape.name:
             blocked = binary("|", blocked, _agents_block(block, cells, w), "bool")
@@ -281,6 +258,12 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     return Value(Reduce("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
+def conditional_blocks(what: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
+    """Returns what blocks agents, a sort of movers or a shape under conditions, each with the kind of the cells."""
+    kinds = [kind for kind in w.module.game.kinds if w.module.layout.num_cells((kind.name,))]
+    return [(block, kind) for kind in kinds for block in kind.blocks if block.what == what and block.condition is not None]
+
+
 def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: AgentVar | None = None) -> Value:
     """Returns which of the cells are of a kind and block, by the state of the snapshot."""
     site = state_reads.site_at(cells, (kind.name,), w)
@@ -292,9 +275,7 @@ def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: A
         variables[agent.sort.name] = agent
     assert block.condition is not None
     test = w.value(block.condition, IterationScope(axes=cells.axes, variables=variables))
-    blocks = both(state_reads.is_site(site, (kind.name,), w), test)
-    assert blocks is not None
-    return blocks
+    return both(state_reads.is_site(site, (kind.name,), w), test)
 
 
 def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
@@ -306,14 +287,13 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
         around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
         offsets = w.module.constant(f"{shape.name.split('(')[0]}_around", around, f"cells of {shape.name}")
         axis = w.axis("around", sum(map(len, shape.lanes)))
-        cells, ok = _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis, w), None
+        cells, ok = _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis, w), TRUE
     else:
         swept = sweep(near, scope, w)
-        cells = swept.cells
-        ok = swept.ok if has_inner_blocks(shape, w) else None
+        cells, ok = swept.cells, swept.ok if has_inner_blocks(shape, w) else TRUE
     axes = (*cells.axes[:-1], variable.axis) if variable.axis not in cells.axes else cells.axes[:-1]
     here = stand_on(cells, state_reads.position(variable, w).node)
-    if ok is not None:
+    if ok != TRUE:
         here = Binary("&", here, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
     return w.keep(f"in_{shape_name(near.shape)}", Value(Reduce("any", here, (len(cells.axes) - 1,)), "bool", axes))
 

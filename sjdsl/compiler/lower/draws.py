@@ -22,7 +22,12 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
     number = literal(0, "i32")
     for digit, radix in digits:
         number = binary("+", binary("*", number, Value(radix, "i32"), "i32"), digit, "i32")
-    bits = call("random_bits_at", KEY, w.stream(stream), w.keep("instance", Value(_unsigned(number), "u32", number.axes)).node)
+    bits = call(
+        "random_bits_at",
+        KEY,
+        w.stream(stream),
+        w.keep("instance", Value(as_array(number.node, "u32") if number.literal else Cast(number.node, "u32"), "u32", number.axes)).node,
+    )
     return w.keep("word", Value(bits, "u32", number.axes))
 
 
@@ -32,10 +37,6 @@ def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
         isinstance(digit.node, Arange) and len(digit.axes) == 1 and (place == 0 or digit.axes[0].size == radix.value)
         for place, (digit, radix) in enumerate(digits)
     )
-
-
-def _unsigned(number: Value) -> Expression:
-    return as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
 
 
 def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value], Value]:
@@ -88,19 +89,14 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
         return w.keep(s.name, _weighted(s, word, scope, w))
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
-        return w.keep(s.name, _between(s.low, s.high, word, scope, w))
+        start, end = (real(x, scope.always(), w) for x in (s.low, s.high))
+        place = replace(word, node=call("unit", word.node), dtype="f32")
+        return w.keep(s.name, binary("+", start, binary("*", binary("-", end, start, "f32"), place, "f32"), "f32"))
     low, high = (as_dtype(w.value(x, scope.always()), "i32") for x in (s.low, s.high))
     span = binary("+", binary("-", high, low, "i32"), literal(1, "i32"), "i32")
     axes = union(word.axes, span.axes)
     drawn = Value(call("below", aligned(word, axes), aligned(span, axes)), "i32", axes)
     return w.keep(s.name, binary("+", drawn, low, "i32"))
-
-
-def _between(low: ir.Expr, high: ir.Expr, word: Value, scope: IterationScope, w: Writer) -> Value:
-    """Returns a real number between two others: the upper 24 bits of a word, as many as a float32 holds, say where."""
-    start, end = (real(x, scope.always(), w) for x in (low, high))
-    place = replace(word, node=call("unit", word.node), dtype="f32")
-    return binary("+", start, binary("*", binary("-", end, start, "f32"), place, "f32"), "f32")
 
 
 def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Value:
@@ -111,8 +107,7 @@ def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Valu
         p = _probability(weight, scope, w)
         total = p if total is None else binary("+", total, p, "f32")
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
-        past = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
-        result = binary("+", result, past, "i32")
+        result = binary("+", result, as_dtype(binary(">=", shifted, limit, "bool"), "i32"), "i32")
     if s.numbers:
         table = w.module.constant(f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32")
         return replace(result, node=Index(table, (result.node,)))

@@ -93,10 +93,8 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
     if row.levels > 1:
         left = array.Index(left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)))
     products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
-    return w.keep(
-        "expected" if row.levels == 1 else "expected_row",
-        Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1),
-    )
+    expected = Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1)
+    return w.keep("expected" if row.levels == 1 else "expected_row", expected)
 
 
 def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: Writer, declared: ir.VarField | None = None) -> Value:
@@ -113,5 +111,4 @@ def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: W
     if len(numbers) > 4 and numbers[1:] == [(shift + i) % 256 for i in range(1, len(numbers))]:  # all but the first
         others = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
         return select(binary("==", value, literal(0, "u8"), "bool"), literal(numbers[0], "u8"), others)
-    table = array.as_array(array.constant([*numbers]), "u8")
-    return replace(value, node=array.Index(table, (value.node,)))
+    return replace(value, node=array.Index(array.as_array(array.constant([*numbers]), "u8"), (value.node,)))

@@ -8,11 +8,10 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import param_attribute
-from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
-from sjdsl.compiler.lower import cell_values, chosen, state_reads
+from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS
+from sjdsl.compiler.lower import chosen, state_reads
 from sjdsl.compiler.lower.aggregates import extreme, total
 from sjdsl.compiler.lower.axes import (
-    FALSE,
     TRUE,
     Value,
     aligned,
@@ -35,15 +34,24 @@ from sjdsl.compiler.program import expressions as array
 
 LARGE = 8  # nodes of a defined condition from which on it keeps its name
 ARMS = 4  # of one nested selection
+VALUE_DTYPES: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
 
 
 def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns the array that an expression is for all instances of a scope at once."""
     match e:
-        case ir.Number() | ir.Word() | ir.Truth() | ir.Nobody() | ir.Nowhere():
-            return written(e, w)
+        case ir.Number():
+            return literal(e.value, "i32" if e.type.kind == "int" else "f32")
+        case ir.Word():
+            return w.module.word(e.value, e.type.words)
+        case ir.Truth():
+            return literal(e.value, "bool")
+        case ir.Nobody():
+            return nobody(w)
+        case ir.Nowhere():
+            return state_reads.no_cell(w)
         case ir.ParamRef():
-            return _param(e)
+            return Value(array.path(f"params.{param_attribute(e.name)}"), VALUE_DTYPES[e.type.kind], (), len(e.type.by))
         case ir.Member():
             return scope.variables[e.name].number
         case ir.Local():
@@ -60,10 +68,35 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return Value(w.stored("step"), "i32")
         case ir.Arithmetic():
             return arithmetic(e, scope, w)
-        case ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
-            return test(e, scope, w)
-        case ir.Chose() | ir.Unoccupied() | ir.StandsOn():
-            return whereabouts(e, scope, w)
+        case ir.Compare():
+            left, right = _numbers((e.left, e.right), scope, w)
+            return binary(e.fn, left, right, "bool")
+        case ir.Same():
+            return same(e, scope, w)
+        case ir.InRange():
+            value, low, high = _numbers((e.value, e.low, e.high), scope, w)
+            return both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool"))
+        case ir.InWords():
+            return _is_one_of(lower(e.value, scope, w), e.words, e.value, w)
+        case ir.InSet():
+            container, value = lower(e.container, scope, w), lower(e.value, scope, w)
+            if container.levels:
+                axes = union(container.axes, value.axes)
+                return Value(array.call("has_member", aligned_row(container, axes), aligned(value, axes)), "bool", axes)
+            bit = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
+            return binary("!=", binary("&", bit, literal(1, "u32"), "u32"), literal(0, "u32"), "bool")
+        case ir.IsEmpty():
+            container = lower(e.container, scope, w)
+            empty = binary("==", container, literal(0, "u32"), "bool")
+            return replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0) if container.levels else empty
+        case ir.Chose():
+            return binary("==", chosen.action_of(e.agent, scope), Value(w.module.action(e.action), "i32"), "bool")
+        case ir.Unoccupied():
+            cell = owner(e.cell, scope, w)
+            assert isinstance(cell, CellVar)
+            return invert(state_reads.occupied(cell, w))
+        case ir.StandsOn():
+            return state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)[1]
         case ir.ChoseWith():
             return chosen.chose_with(e, scope, w)
         case ir.ArgumentOf():
@@ -71,82 +104,45 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Not():
             return invert(lower(e.value, scope, w))
         case ir.Logic():
-            return logic(e, scope, w)
+            parts = [lower(a, scope, w) for a in e.args]
+            return either(parts) if e.fn == "or" else both(*parts)
         case ir.Count() | ir.Sum():
             return total(e, scope, w)
         case ir.Extreme():
             return extreme(e, scope, w)
-        case ir.SumRow() | ir.Lowest() | ir.Mix():
-            return of_row(e, lower(e.row, scope, w))
+        case ir.SumRow():
+            row, reduction = lower(e.row, scope, w), REDUCTIONS[e.fn]
+            node = summed(row.node, row.dtype) if reduction.adds else row.node
+            return replace(row, node=array.Reduce(reduction.array, node, (-1,), row.dtype if reduction.adds else None), levels=0)
+        case ir.Lowest():
+            row = lower(e.row, scope, w)
+            return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
+        case ir.Mix():
+            row = lower(e.row, scope, w)
+            return Value(array.call("mix", row.node), "f32", row.axes, 1)
         case ir.ShiftRow():
             return shift(e, scope, w)
         case ir.Case():
             return case(e, scope, w)
-        case ir.Named():
-            return named(e, scope, w)
+        case ir.Named():  # short conditions are written out, all else is kept under its name for all who read it
+            value = lower(e.value, scope, w)
+            return value if value.dtype == "bool" and len(list(walk(value.node))) < LARGE else w.keep(e.name, value)
         case ir.Narrowed():
             return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
-        case ir.Before():
-            return before(e, scope, w)
+        case ir.Before():  # of the state before the step, which a function of checks is given beside the state
+            here, w.state = w.state, "before"
+            value = lower(e.value, scope, w)
+            w.state = here
+            return value
         case ir.EventTotal() | ir.MatrixClass():
             raise AssertionError(e)
         case _:
             assert_never(e)
 
 
-def written(e: ir.Number | ir.Word | ir.Truth | ir.Nobody | ir.Nowhere, w: Writer) -> Value:
-    """Returns a value that stands in the text as it is."""
-    match e:
-        case ir.Number():
-            return literal(e.value, "i32" if e.type.kind == "int" else "f32")
-        case ir.Word():
-            return w.module.word(e.value, e.type.words)
-        case ir.Truth():
-            return literal(e.value, "bool")
-        case ir.Nobody():
-            return nobody(w)
-        case ir.Nowhere():
-            return cell_values.nowhere(w)
-        case _:
-            assert_never(e)
-
-
-def logic(e: ir.Logic, scope: IterationScope, w: Writer) -> Value:
-    """Returns the conjunction or disjunction of conditions."""
-    parts = [lower(a, scope, w) for a in e.args]
-    return either(parts) if e.fn == "or" else both(*parts) or TRUE
-
-
-def named(e: ir.Named, scope: IterationScope, w: Writer) -> Value:
-    """Returns the value of a `define`, kept under its name for all who read it; short conditions are written out instead."""
-    value = lower(e.value, scope, w)
-    return value if value.dtype == "bool" and len(list(walk(value.node))) < LARGE else w.keep(e.name, value)
-
-
-def before(e: ir.Before, scope: IterationScope, w: Writer) -> Value:
-    """Returns a value of the state before the step, which a function of checks is given beside the state."""
-    here, w.state = w.state, "before"
-    value = lower(e.value, scope, w)
-    w.state = here
-    return value
-
-
 def nobody(w: Writer) -> Value:
     """Returns the number that stands for no agent."""
     return Value(w.module.number("nobody", NOBODY, "in place of an agent's number"), "i32")
-
-
-def of_row(e: ir.SumRow | ir.Lowest | ir.Mix, row: Value) -> Value:
-    """Returns what is made of a whole row: its sum, the word of its lowest or highest entry, or the shares of its entries."""
-    match e:
-        case ir.SumRow() if REDUCTIONS[e.fn].adds:
-            return replace(row, node=array.Reduce("sum", summed(row.node, row.dtype), (-1,), row.dtype), levels=0)
-        case ir.SumRow():
-            return replace(row, node=array.Reduce(REDUCTIONS[e.fn].array, row.node, (-1,), None), levels=0)
-        case ir.Lowest():
-            return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
-        case ir.Mix():
-            return Value(array.call("mix", row.node), "f32", row.axes, 1)
 
 
 def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
@@ -158,7 +154,7 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
         case "agents":
             filler = literal(0, row.dtype) if isinstance(e.filler, ir.Nobody) else filler
         case "cell":
-            filler = cell_values.kept(e.filler, scope, w)
+            filler = state_reads.kept_cell(e.filler, scope, w)
         case "int" | "real":
             row, filler = (as_dtype(part, "i32" if e.type.kind == "int" else "f32") for part in (row, filler))
         case _:
@@ -167,10 +163,10 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
     fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
     if row.levels > 1:  # of large sets
         fill = fill if filler.literal else words_first(fill)
-        return replace(
-            row, node=words_last(array.call("shifted", words_first(aligned_row(row, axes)), array.Literal(e.by), fill)), axes=axes
-        )
-    return replace(row, node=array.call("shifted", aligned_row(row, axes), array.Literal(e.by), fill), axes=axes)
+        moved = words_last(array.call("shifted", words_first(aligned_row(row, axes)), array.Literal(e.by), fill))
+    else:
+        moved = array.call("shifted", aligned_row(row, axes), array.Literal(e.by), fill)
+    return replace(row, node=moved, axes=axes)
 
 
 def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -182,9 +178,14 @@ def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
     """Returns the variable whose field is read: one in scope, or the agent an expression gives."""
     if isinstance(e, ir.Member):
         return scope.variables[e.name]
-    if e.type.kind == "cell":
-        return cell_values.variable(e, e.type.kinds, scope, w)
-    return AgentVar(w.value(e, scope))
+    return state_reads.held_cell(e, e.type.kinds, scope, w) if e.type.kind == "cell" else AgentVar(w.value(e, scope))
+
+
+def agent(e: ir.Expr, scope: IterationScope, w: Writer) -> AgentVar:
+    """Returns the agent or mover that an expression is."""
+    who = owner(e, scope, w)
+    assert isinstance(who, AgentVar), e
+    return who
 
 
 def is_cell(e: ir.Expr) -> bool:
@@ -197,11 +198,6 @@ def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:
     while isinstance(e, ir.At | ir.Narrowed):
         e = e.row if isinstance(e, ir.At) else e.value
     return w.module.field(e) if isinstance(e, ir.FieldRead) else None
-
-
-def _param(e: ir.ParamRef) -> Value:
-    dtypes: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8"}
-    return Value(array.path(f"params.{param_attribute(e.name)}"), dtypes[e.type.kind], (), len(e.type.by))
 
 
 def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
@@ -219,8 +215,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
         case "moved":
             return state_reads.moved(who, w)
         case "away":
-            here = state_reads.present(who, w)
-            return FALSE if here is None else invert(here)
+            return invert(state_reads.present(who, w))
         case _:
             raise AssertionError(e)
 
@@ -253,19 +248,14 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     of: array.DType = "i32" if dtype == "i32" and all(a.type.kind == "int" for a in e.args) else "f32"
     args = [as_dtype(lower(a, scope, w), of) for a in e.args]
     if not row.array[0].isalpha():
-        return binary(row.array, args[0], args[1], dtype) if len(args) == 2 else _signed(row, args[0])
+        if len(args) == 2:
+            return binary(row.array, args[0], args[1], dtype)
+        return replace(args[0], node=array.Unary(row.array, args[0].node)) if not args[0].literal else literal(row.fold(args[0].number), of)
     if all(a.literal for a in args) and row.rounding is None:
         return literal(row.fold(*(float32(a.number) if of != dtype else a.number for a in args)), dtype)
     if row.least == row.most:
         return as_dtype(_called(row.array, args, of), dtype)
     return reduce(lambda one, other: _called(row.array, [one, other], dtype), args)
-
-
-def _signed(row: Calculation, value: Value) -> Value:
-    """Returns a number behind a sign."""
-    if value.literal:
-        return literal(row.fold(value.number), value.dtype)
-    return replace(value, node=array.Unary(row.array, value.node))
 
 
 def _called(function: str, args: list[Value], dtype: array.DType) -> Value:
@@ -274,37 +264,21 @@ def _called(function: str, args: list[Value], dtype: array.DType) -> Value:
     return Value(array.call(function, *(aligned(a, axes) for a in args)), dtype, axes)
 
 
-def test(e: ir.Compare | ir.Same | ir.InRange | ir.InWords | ir.InSet | ir.IsEmpty, scope: IterationScope, w: Writer) -> Value:
-    """Returns a comparison."""
-    match e:
-        case ir.Compare():
-            left, right = _numbers((e.left, e.right), scope, w)
-            return binary(e.fn, left, right, "bool")
-        case ir.Same():
-            if is_cell(e.left):
-                return binary("==", cell_values.kept(e.left, scope, w), cell_values.kept(e.right, scope, w), "bool")
-            left, right = lower(e.left, scope, w), lower(e.right, scope, w)
-            if e.left.type.kind == "word":
-                left, right = _common_words(e, left, right, w)
-            return binary("==", left, right, "bool")
-        case ir.InRange():
-            value, low, high = _numbers((e.value, e.low, e.high), scope, w)
-            return both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool")) or TRUE
-        case ir.InWords():
-            return _is_one_of(lower(e.value, scope, w), e.words, e.value, w)
-        case ir.InSet():
-            container, value = lower(e.container, scope, w), lower(e.value, scope, w)
-            if container.levels:
-                axes = union(container.axes, value.axes)
-                return Value(array.call("has_member", aligned_row(container, axes), aligned(value, axes)), "bool", axes)
-            bit = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
-            return binary("!=", binary("&", bit, literal(1, "u32"), "u32"), literal(0, "u32"), "bool")
-        case ir.IsEmpty():
-            container = lower(e.container, scope, w)
-            empty = binary("==", container, literal(0, "u32"), "bool")
-            return replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0) if container.levels else empty
-        case _:
-            assert_never(e)
+def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
+    """Returns whether two cells, agents or words are the same."""
+    if is_cell(e.left):
+        return binary("==", state_reads.kept_cell(e.left, scope, w), state_reads.kept_cell(e.right, scope, w), "bool")
+    left, right = lower(e.left, scope, w), lower(e.right, scope, w)
+    if e.left.type.kind == "word":
+        a, b = e.left.type.words, e.right.type.words
+        if isinstance(e.right, ir.Word):
+            right = to_words(right, b, a, w, declared_by(e.left, w))
+        elif isinstance(e.left, ir.Word):
+            left = to_words(left, a, b, w, declared_by(e.right, w))
+        else:
+            words = tuple(dict.fromkeys(a + b))
+            left, right = to_words(left, a, words, w), to_words(right, b, words, w)
+    return binary("==", left, right, "bool")
 
 
 def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer) -> list[Value]:
@@ -319,44 +293,16 @@ def _is_one_of(value: Value, words: tuple[str, ...], what: ir.Expr, w: Writer) -
     return either([binary("==", value, w.module.word(x, what.type.words, declared), "bool") for x in words])
 
 
-def _common_words(e: ir.Same, left: Value, right: Value, w: Writer) -> tuple[Value, Value]:
-    a, b = e.left.type.words, e.right.type.words
-    if isinstance(e.right, ir.Word):
-        return left, to_words(right, b, a, w, declared_by(e.left, w))
-    if isinstance(e.left, ir.Word):
-        return to_words(left, a, b, w, declared_by(e.right, w)), right
-    union_ = tuple(dict.fromkeys(a + b))
-    return to_words(left, a, union_, w), to_words(right, b, union_, w)
-
-
-def whereabouts(e: ir.Chose | ir.Unoccupied | ir.StandsOn, scope: IterationScope, w: Writer) -> Value:
-    """Returns what an agent chose, whether a cell is free, whether an agent stands on a kind."""
-    match e:
-        case ir.Chose():
-            return binary("==", chosen.action_of(e.agent, scope), Value(w.module.action(e.action), "i32"), "bool")
-        case ir.Unoccupied():
-            cell = owner(e.cell, scope, w)
-            assert isinstance(cell, CellVar)
-            return invert(state_reads.occupied(cell, w))
-        case ir.StandsOn():
-            who = owner(e.agent, scope, w)
-            assert isinstance(who, AgentVar)
-            return state_reads.site_under(who, e.kinds, w)[1]
-        case _:
-            assert_never(e)
-
-
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
     """Returns nested selections, the last arm for all that is left."""
     name = condition_name(e.subject, w.module.game)
     subject = w.keep(name or "subject", lower(e.subject, scope, w))
-    dtypes: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
     values = []
     for arm in e.arms:
         value = lower(arm.value, scope, w)
         if e.type.kind == "word":
             value = to_words(value, arm.value.type.words, e.type.words, w)
-        values.append(as_dtype(value, dtypes[e.type.kind]))
+        values.append(as_dtype(value, VALUE_DTYPES[e.type.kind]))
     tests = [_arm_test(e, arm, subject, w) for arm in e.arms[:-1]]
     return first_of(list(zip(tests, values[:-1], strict=True)), values[-1], w)
 
@@ -377,6 +323,6 @@ def _arm_test(e: ir.Case, arm: ir.Arm, subject: Value, w: Writer) -> Value:
         return _is_one_of(subject, arm.words, e.subject, w)
     if arm.low is not None and arm.low == arm.high:
         return binary("==", subject, literal(arm.low, "i32"), "bool")
-    low = None if arm.low is None else binary(">=", subject, literal(arm.low, "i32"), "bool")
-    high = None if arm.high is None else binary("<=", subject, literal(arm.high, "i32"), "bool")
-    return both(low, high) or TRUE
+    low = TRUE if arm.low is None else binary(">=", subject, literal(arm.low, "i32"), "bool")
+    high = TRUE if arm.high is None else binary("<=", subject, literal(arm.high, "i32"), "bool")
+    return both(low, high)

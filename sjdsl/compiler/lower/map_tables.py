@@ -22,10 +22,6 @@ class Layout:
     game: ir.Game
 
     @property
-    def map(self) -> tuple[str, ...]:
-        return self.game.rows
-
-    @property
     def height(self) -> int:
         return len(self.game.rows)
 
@@ -68,7 +64,7 @@ class Layout:
 
     def count(self, glyphs: str) -> int:
         """Returns how many cells of the map have one of the glyphs."""
-        return sum(row.count(glyph) for glyph in glyphs for row in self.map)
+        return sum(row.count(glyph) for glyph in glyphs for row in self.game.rows)
 
     def cells_table(self, kinds: tuple[str, ...]) -> Expression:
         return call("cells_of", *MAP, Literal(self.glyphs(kinds)))
@@ -92,7 +88,7 @@ class Layout:
 
     def starts(self, kind: str, field: ir.VarField) -> set[object]:
         """Returns the starting values that a kind's field has on this map."""
-        used = {g for row in self.map for g in row}
+        used = {g for row in self.game.rows for g in row}
         return {dict(g.starts).get(field.name, field.start) for g in self.game.glyphs if g.kind == kind and g.glyph in used}
 
     def base_table(self, looks: dict[str, int]) -> Expression:
@@ -121,8 +117,7 @@ class Layout:
     def shows_cells_twice(self) -> bool:
         """Whether a window can go round the map and show the observer's own cell once more."""
         view = self.game.window
-        reach = max(view.ahead, view.behind, view.left, view.right)
-        return self.wraps and reach >= min(self.height, self.width)
+        return self.wraps and max(view.ahead, view.behind, view.left, view.right) >= min(self.height, self.width)
 
     @property
     def own_cells_table(self) -> Expression:

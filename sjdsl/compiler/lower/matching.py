@@ -1,9 +1,7 @@
 """Lowers `match`: greedy pairs of two domains in random order."""
 
-from dataclasses import replace
-
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, binary, both, iota, spread
+from sjdsl.compiler.lower.axes import Axis, Value, binary, both, iota, spread
 from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
@@ -17,7 +15,7 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
     if scope.axes or scope.digits:  # a `pick 1` around it gives no axis, yet its pairs are others
         instead = "write the `match` outside, and what is around it as conditions in its `where`"
         raise NotSupported("`match` inside `each`, `pick`, `first` or another `match`", s.origin, instead)
-    left = enter(s.left, replace(scope, mask=None), w)
+    left = enter(s.left, scope.always(), w)
     if not left.axes:
         instead = "one agent has no rivals for it: write `each` for the left side, and `pick 1` inside for the right"
         raise NotSupported("`match` of one certain agent", s.origin, instead)
@@ -59,11 +57,11 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     return Value(call("pair", ranks.node, alike=Literal(alike)), "i32", (rows,))
 
 
-def _among_reached(s: ir.Match, index: Value, mask: Value | None, axes: tuple[Axis, Axis], size: Literal, alike: bool, w: Writer) -> Value:
+def _among_reached(s: ir.Match, index: Value, mask: Value, axes: tuple[Axis, Axis], size: Literal, alike: bool, w: Writer) -> Value:
     """Returns partners among the few members that each left one reaches: a word for each of them, not for all pairs there are."""
     rows = axes[0]
     reached = w.keep("reached", Value(spread(index, axes), "i32", axes)).node
-    happens = spread(mask or TRUE, axes)
+    happens = spread(mask, axes)
     mine = Index(iota(rows).node, (ALL, NEW_AXIS))
     if alike:
         happens = Binary("&", happens, Binary("!=", reached, mine))

@@ -5,8 +5,9 @@ from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import heading_observable, shown_field, shows_attribute, view_size
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, both, invert, iota, literal, select, spread, taken
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, binary, both, invert, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import (
     COVERED,
     OTHER_FACING,
@@ -17,12 +18,68 @@ from sjdsl.compiler.lower.cell_appearance import (
     relative_heading,
     shown_words,
 )
+from sjdsl.compiler.lower.expressions import agent as agent_of
 from sjdsl.compiler.lower.expressions import first_of
 from sjdsl.compiler.lower.painting import HEADING, POSITION, Part, first_look, look_number, paint_planes, parts_of, shift_of
-from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
-from sjdsl.compiler.lower.seen_cells import look_fields, marks_seen, seen_cell, somebody_seen, without_hidden_marks
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
+
+
+def marks_seen(marks: list[Part], planes: dict[str, Value], seen: list[array.Name], w: Writer) -> Value:
+    """Returns the marks of a cell as bits, one a phase."""
+    first = planes[marks[0].name]
+    if len(marks) == 1:
+        return first
+    if all(m.plane == marks[0].plane and m.shift == marks[0].shift + i for i, m in enumerate(marks)):
+        shifted = binary(">>", replace(first, node=seen[marks[0].plane]), Value(w.module.number("mark_shift", marks[0].shift), "u8"), "u8")
+        return binary("&", shifted, Value(w.module.number("mark_mask", 2 ** len(marks) - 1), "u8"), "u8")
+    result = first
+    for place, m in enumerate(marks[1:], 1):
+        result = binary("|", result, binary("<<", planes[m.name], literal(place, "u8"), "u8"), "u8")
+    return result
+
+
+def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
+    """Returns where an agent stands, the observer too."""
+    return w.keep("somebody", binary("!=", planes["agent"], literal(0, "u8"), "bool"))
+
+
+def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:
+    """Returns the marks that are seen: none on the cells on which they are hidden."""
+    found = {look.kind.name: look for look in looks(w.module.game) if look.present}
+    raw = w.keep("raw", planes["content"]) if any(h.on == "cells" for h in w.module.game.hidden) else planes["content"]
+    for hidden in w.module.game.hidden:
+        if hidden.what == "marks" and hidden.on == "agents":
+            marks = select(somebody_seen(planes, w), literal(0, "u8"), marks)
+        for look in (found[kind] for kind in hidden.kinds if kind in found):
+            w.origin = hidden.origin
+            there, values = look_fields(look, raw, w)
+            if hidden.when is not None:
+                there = binary("&", there, w.value(hidden.when, seen_cell(look, hidden.name, values, axes)), "bool")
+            marks = w.keep("marks", select(there, literal(0, "u8"), marks))
+    return marks
+
+
+def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Value]]:
+    """Returns which numbers of looks are of a kind, and the values of its painted fields, which mean nothing where another kind is."""
+    name, first = look.kind.name, first_look(look, w)
+    if not look.painted:
+        return w.keep(f"is_{name}", binary("==", raw, first, "bool")), {}
+    fields, sizes = zip(*((field.name, size) for field, size in look.painted), strict=True)
+    call = array.call("look_fields", raw.node, first.node, array.constant(sizes))
+    there, *values = w.keep_parts((f"is_{name}", *(f"{name}_{field}" for field in fields)), call)
+    return replace(raw, node=there, dtype="bool"), {field: replace(raw, node=value) for field, value in zip(fields, values, strict=True)}
+
+
+def seen_cell(look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]) -> IterationScope:
+    """Returns the scope of a condition about the observer and the cell that it sees: what was painted of it need not be looked up."""
+    return _seen_by(axes, **{name: CellVar(literal(0, "i32"), (look.kind.name,), None, tuple(values.items()), axes)})
+
+
+def _seen_by(axes: tuple[Axis, ...], **others: Variable) -> IterationScope:
+    """Returns the scope of a condition about the observer, the first axis, and others."""
+    return IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), **others})
 
 
 def observe(w: Writer) -> array.Expression:
@@ -32,14 +89,31 @@ def observe(w: Writer) -> array.Expression:
     by_id = by_id or any(hidden.what == "others" and hidden.when is not None for hidden in game.hidden)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
-    axes = (
-        w.axis("observer", w.module.agents),
-        w.axis("seen", w.module.number("num_view_cells", prod(view_size(game)), "cells of a window")),
-    )
-    w.origin = game.window.origin
-    seen = _own_windows(_cut(painted, w), axes, w)
+    observer, size = w.axis("observer", w.module.agents), w.module.number("num_view_cells", prod(view_size(game)), "cells of a window")
+    axes, window = (observer, w.axis("seen", size)), game.window
+    w.origin = window.origin
+    sides = (("ahead", window.ahead), ("behind", window.behind), ("left", window.left), ("right", window.right))
+    cut = tuple((name, w.module.number(name, reach, "cells of a window")) for name, reach in sides)
+    seen = []
+    for number, plane in enumerate(painted):
+        frame: array.Expression = array.Call(array.Attribute(plane, "reshape"), (array.Name("FRAME"),))
+        if w.module.layout.wraps:
+            frame = array.call("joined_edges", frame, array.Name("PAD"))
+        seen.append(w.bind(f"seen_{number}", array.Call(array.Name("windows"), (frame, POSITION, HEADING), cut)))
+    seen = _own_windows(seen, axes, w)
     planes = {part.name: _part_of(part, parts, seen[part.plane], axes, w) for part in parts}
-    planes["agent"] = _without_hidden_agents(planes["agent"], axes, w)
+    agent = planes["agent"]
+    for hidden in w.module.game.hidden:
+        if hidden.what == "others":
+            w.origin = hidden.origin
+            agent = w.keep("agent", agent)
+            if hidden.when is None:
+                agent = w.keep("agent", select(Value(_myself(w), "bool", axes), agent, literal(0, "u8")))
+                continue
+            place = _seen_by(axes, other=_standing(agent, "who", AGENTS, w))
+            unseen = both(Value(array.Unary("~", _myself(w)), "bool", axes), _asked(hidden.when, place, w))
+            agent = w.keep("agent", select(unseen, literal(0, "u8"), agent))
+    planes["agent"] = agent
     columns = [w.keep("content", _content(planes["content"], axes, w)), *_agents(planes["agent"], axes, by_id, w)]
     if any(hidden.what == "content" for hidden in game.hidden):
         columns[0] = select(somebody_seen(planes, w), literal(content_labels(game).index(COVERED), "u8"), columns[0])
@@ -48,22 +122,8 @@ def observe(w: Writer) -> array.Expression:
         columns.insert(2, w.keep("marks", without_hidden_marks(marks_seen(marks, planes, seen, w), planes, axes, w)))
     columns += [*_movers(planes, axes, w), *_everyone(axes, w), *_own(axes, w)]
     away = state_reads.present(AgentVar(iota(axes[0]), axes[0]), w)
-    present = array.Literal(None) if away is None else away.node
+    present = array.Literal(None) if away == TRUE else away.node
     return array.call("planes_of", array.Name("WINDOW"), present, *(_full(c, axes) for c in columns))
-
-
-def _cut(painted: list[array.Name], w: Writer) -> list[array.Name]:
-    """Writes the windows of each painted plane."""
-    window = w.module.game.window
-    sides = (("ahead", window.ahead), ("behind", window.behind), ("left", window.left), ("right", window.right))
-    cut = tuple((name, w.module.number(name, size, "cells of a window")) for name, size in sides)
-    seen = []
-    for number, plane in enumerate(painted):
-        frame: array.Expression = array.Call(array.Attribute(plane, "reshape"), (array.Name("FRAME"),))
-        if w.module.layout.wraps:
-            frame = array.call("joined_edges", frame, array.Name("PAD"))
-        seen.append(w.bind(f"seen_{number}", array.Call(array.Name("windows"), (frame, POSITION, HEADING), cut)))
-    return seen
 
 
 def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> list[array.Name]:
@@ -71,14 +131,13 @@ def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> l
     views = w.module.game.window.views
     if not views:
         return seen
-    place = IterationScope(axes=axes[:1], variables={"agent": AgentVar(iota(axes[0]), axes[0])})
-    inside: Value | None = None
+    place = _seen_by(axes[:1])
+    inside = TRUE  # the last one has no condition
     for number, view in reversed(list(enumerate(views))):
         w.origin = view.origin
         table = w.module.layout.view_cells_table(view)
         cells = Value(w.module.constant(f"view_{number}", table, "cells of one of the windows"), "bool", axes[1:])
-        inside = cells if view.condition is None or inside is None else select(_asked(view.condition, place, w), cells, inside)
-    assert inside is not None
+        inside = cells if view.condition is None else select(_asked(view.condition, place, w), cells, inside)
     inside = w.keep("in_window", inside)
     return [w.bind(name.identifier, select(inside, Value(name, "u8", axes), literal(0, "u8")).node) for name in seen]
 
@@ -94,26 +153,10 @@ def _myself(w: Writer) -> array.Expression:
     return array.Index(myself, (array.NEW_AXIS,))
 
 
-def _without_hidden_agents(agent: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
-    """Returns the agents that each observer sees, itself among them."""
-    for hidden in w.module.game.hidden:
-        if hidden.what == "others":
-            w.origin = hidden.origin
-            agent = w.keep("agent", agent)
-            if hidden.when is None:
-                agent = w.keep("agent", select(Value(_myself(w), "bool", axes), agent, literal(0, "u8")))
-                continue
-            _, place = _who(agent, axes, w)
-            unseen = both(Value(array.Unary("~", _myself(w)), "bool", axes), _asked(hidden.when, place, w))
-            agent = w.keep("agent", select(unseen, literal(0, "u8"), agent))
-    return agent
-
-
-def _who(agent: Value, axes: tuple[Axis, ...], w: Writer) -> tuple[AgentVar, IterationScope]:
-    """Returns who stands on each cell (the first agent where nobody does), from a plane of numbers counted from 1, and its scope."""
-    who = array.Binary("-", array.Cast(agent.node, "i32"), array.Literal(1))
-    other = AgentVar(w.keep("who", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes)))
-    return other, IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), "other": other})
+def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
+    """Returns who stands on each cell (the first one where nobody does), from a plane of numbers one up."""
+    who = array.Binary("-", array.Cast(plane.node, "i32"), array.Literal(1))
+    return AgentVar(w.keep(name, Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", plane.axes)), sort=sort)
 
 
 def _part_of(part: Part, parts: tuple[Part, ...], seen: array.Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
@@ -209,11 +252,11 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
             difference = array.Binary("-", array.Binary("-", agent.node, array.Literal(1)), mine)
             other = w.keep("others", Value(relative_heading(difference), "u8", axes)).node
         return [_agent_plane(self_, somebody, other, axes, w)]
-    other_var, place = _who(agent, axes, w)
-    who_value = other_var.index
+    standing = _standing(agent, "who", AGENTS, w)
+    place = _seen_by(axes, other=standing)
     facing: Value = literal(OTHER_FACING, "u8")
     if heading is not None:
-        turned = array.Binary("-", array.Index(HEADING, (who_value.node,)), array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
+        turned = array.Binary("-", array.Index(HEADING, (standing.index.node,)), array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
         facing = Value(array.Cast(relative_heading(turned), "u8"), "u8", axes)
         if heading.hidden_when is not None:
             facing = select(w.value(heading.hidden_when, place), literal(OTHER_HIDDEN, "u8"), facing)
@@ -221,9 +264,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     theirs = w.keep("theirs", Value(array.Binary("&", somebody, array.Unary("~", self_)), "bool", axes))
     for observable in game.observables:
         if observable.what == "other":
-            columns.append(
-                _where_there(observable, _one_up(observable, _field_observable(observable, other_var, place, w)), theirs, place, w)
-            )
+            columns.append(_visible(observable, _one_up(observable, _field_observable(observable, standing, place, w)), place, w, theirs))
     return columns
 
 
@@ -232,28 +273,17 @@ def _one_up(observable: ir.Observable, value: Value) -> Value:
     return binary("+", value, literal(1, "u8"), "u8") if observable.labels or observable.type.kind == "word" else value
 
 
-def _where_there(observable: ir.Observable, value: Value, there: Value, place: IterationScope, w: Writer) -> Value:
-    """Returns what is seen of somebody in view: 0 where nobody is, and where the rules do not show it."""
-    return _unless_hidden(observable, select(there, _shown_where(observable, value, place, w), literal(0, "u8")), place, w)
-
-
-def _unless_hidden(observable: ir.Observable, value: Value, place: IterationScope, w: Writer) -> Value:
-    """Returns 0 where a `hide` alone takes something out of sight; `_shown_where` knows of one beside a `show … when`."""
-    if observable.hidden_when is None or observable.shown_when is not None:
-        return value
-    return select(w.value(observable.hidden_when, place), literal(0, "u8"), value)
-
-
-def _shown_where(observable: ir.Observable, value: Value, place: IterationScope, w: Writer) -> Value:
-    """Returns what is seen of a field that is shown under a condition: elsewhere it is `hidden`, a number 0."""
-    if observable.shown_when is None:
-        return value
-    words = shown_words(observable)
-    hidden = literal(len(words) - 1 + (observable.what in ("other", "mover")) if words else 0, "u8")
-    shown: Value | None = w.value(observable.shown_when, place)
-    if observable.hidden_when is not None:
-        shown = both(shown, invert(w.value(observable.hidden_when, place)))
-    return select(shown, value, hidden)
+def _visible(observable: ir.Observable, value: Value, place: IterationScope, w: Writer, there: Value = TRUE) -> Value:
+    """Returns what is seen of somebody: 0 where nobody is `there`, and where the rules do not show it 0, or the word `hidden`."""
+    hides = observable.hidden_when
+    if observable.shown_when is not None:
+        words = shown_words(observable)
+        hidden = literal(len(words) - 1 + (observable.what in ("other", "mover")) if words else 0, "u8")
+        shown = w.value(observable.shown_when, place)
+        shown = shown if hides is None else both(shown, invert(w.value(hides, place)))
+        return select(there, select(shown, value, hidden), literal(0, "u8"))
+    value = select(there, value, literal(0, "u8"))
+    return value if hides is None else select(w.value(hides, place), literal(0, "u8"), value)
 
 
 def _agent_plane(self_: array.Expression, somebody: array.Expression, other: array.Expression, axes: tuple[Axis, ...], w: Writer) -> Value:
@@ -265,10 +295,15 @@ def _agent_plane(self_: array.Expression, somebody: array.Expression, other: arr
 def _field_observable(observable: ir.Observable, who: AgentVar | None, place: IterationScope, w: Writer) -> Value:
     """Returns the value of a shown field as a byte."""
     if observable.labels:
-        words = tuple(dict.fromkeys(x.name for x in observable.labels))
-        return _observable(observable.model_copy(update={"hidden_when": None}), words, {}, place, w)
+        names = dict.fromkeys(label.name for label in observable.labels)
+        return _labelled(observable, {name: number for number, name in enumerate(names)}, place, w)
     if shows_attribute(observable):
-        return _attribute(observable, place, w)
+        owner = observable.owner
+        assert owner is not None, observable
+        value = w.value(ir.Attribute(type=observable.type, owner=owner, name=observable.field), place)  # type: ignore[arg-type]
+        if observable.field in ("row", "col"):
+            value = select(state_reads.present(agent_of(owner, place, w), w), value, literal(0, "i32"))
+        return as_dtype(value, "u8")
     if observable.value is not None:
         return as_dtype(w.value(observable.value, place), "u8")
     declared = shown_field(w.module.game, observable)
@@ -287,55 +322,37 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     return replace(stored, node=array.Cast(stored.node, "u8"), dtype="u8")
 
 
-def _attribute(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
-    """Returns what an agent has of itself as a byte; of one that is away the row and column are 0."""
-    owner = observable.owner
-    assert owner is not None, observable
-    value = w.value(ir.Attribute(type=observable.type, owner=owner, name=observable.field), place)  # type: ignore[arg-type]
-    if observable.field in ("row", "col"):
-        agent = place.variables[owner.name]
-        assert isinstance(agent, AgentVar)
-        value = select(state_reads.present(agent, w), value, literal(0, "i32"))
-    return as_dtype(value, "u8")
-
-
 def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     """Returns the planes of movers: for each sort where they are, then one for each thing shown of them."""
     columns = []
     for observable in (s for s in w.module.game.observables if s.what == "mover"):
         w.origin = observable.origin
-        columns.append(w.keep(f"seen_{observable.kind}", _mover_plane(observable, planes[observable.kind], axes, w)))
+        painted = planes[observable.kind]
+        there = binary("!=", painted, literal(0, "u8"), "bool")
+        mover = _standing(painted, f"which_{observable.kind}", observable.sort, w)
+        place = _seen_by(axes, **{observable.kind: mover})
+        if not observable.field:
+            value = as_dtype(there, "u8")
+        elif observable.field == "heading" and not observable.labels:
+            turned = array.Binary("-", state_reads.heading(mover, w).node, array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
+            value = Value(array.Cast(array.Binary("+", array.Binary("&", turned, array.Literal(3)), array.Literal(1)), "u8"), "u8", axes)
+        else:
+            value = _one_up(observable, _field_observable(observable, mover, place, w))
+        columns.append(w.keep(f"seen_{observable.kind}", _visible(observable, value, place, w, there)))
     return columns
-
-
-def _mover_plane(observable: ir.Observable, painted: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
-    """Returns what is seen of the movers of a sort, from their numbers as painted: one up, 0 where none is."""
-    there = binary("!=", painted, literal(0, "u8"), "bool")
-    who = array.Binary("-", array.Cast(painted.node, "i32"), array.Literal(1))
-    number = w.keep(f"which_{observable.kind}", Value(array.call("jnp.maximum", who, array.Literal(0)), "i32", axes))
-    mover, observer = AgentVar(number, sort=observable.sort), AgentVar(iota(axes[0]), axes[0])
-    place = IterationScope(axes=axes, variables={"agent": observer, observable.kind: mover})
-    if not observable.field:
-        value = as_dtype(there, "u8")
-    elif observable.field == "heading" and not observable.labels:
-        turned = array.Binary("-", state_reads.heading(mover, w).node, array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
-        value = Value(array.Cast(array.Binary("+", array.Binary("&", turned, array.Literal(3)), array.Literal(1)), "u8"), "u8", axes)
-    else:
-        value = _one_up(observable, _field_observable(observable, mover, place, w))
-    return _where_there(observable, value, there, place, w)
 
 
 def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     """Returns what is shown of every agent: for each such thing a plane an agent, in the order of their numbers, side by side."""
     columns = []
     pair = (axes[0], w.axis("everyone", w.module.agents))
-    observer, who = (AgentVar(iota(axis), axis) for axis in pair)
-    place = IterationScope(axes=pair, variables={"agent": observer, "everyone": who})
+    who = AgentVar(iota(pair[1]), pair[1])
+    place = _seen_by(pair, everyone=who)
     for observable in w.module.game.observables:
         if observable.what == "everyone":
             w.origin = observable.origin
-            value = _shown_where(observable, _field_observable(observable, who, place, w), place, w)
-            value = w.keep(f"everyone_{observable.field}", _unless_hidden(observable, value, place, w))
+            value = _visible(observable, _field_observable(observable, who, place, w), place, w)
+            value = w.keep(f"everyone_{observable.field}", value)
             planes = _full(value, (*pair, axes[1]))
             columns.append(Value(array.Call(array.Attribute(planes, "reshape"), (axes[0].extent, array.Literal(-1))), "u8", axes))
     return columns
@@ -344,13 +361,10 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
 def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     """Returns the planes of the observer's own fields and the world's."""
     columns = []
-    observer = AgentVar(iota(axes[0]), axes[0])
-    place = IterationScope(axes=axes[:1], variables={"agent": observer})
-    for what in ("own", "world"):
-        for observable in w.module.game.observables:
-            if observable.what == what:
-                w.origin = observable.origin
-                value = _field_observable(observable, observer if what == "own" else None, place, w)
-                value = _unless_hidden(observable, _shown_where(observable, value, place, w), place, w)
-                columns.append(w.keep(f"shown_{observable.field}", value))
+    observer, place = AgentVar(iota(axes[0]), axes[0]), _seen_by(axes[:1])
+    shown = sorted((s for s in w.module.game.observables if s.what in ("own", "world")), key=lambda s: s.what)
+    for observable in shown:
+        w.origin = observable.origin
+        value = _field_observable(observable, observer if observable.what == "own" else None, place, w)
+        columns.append(w.keep(f"shown_{observable.field}", _visible(observable, value, place, w)))
     return columns

@@ -3,6 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.queries import body_sorts, movers_named
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, binary, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
@@ -66,57 +67,41 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     empty = call("jnp.zeros", w.module.number("frame_cells", layout.rows * layout.cols), path("jnp.uint8"))
     planes = [w.bind(f"plane_{plane}", name if plane == content.plane else empty) for plane in range(1 + max(p.plane for p in parts))]
     for look in looks(game):
-        kinds = (look.kind.name,)
-        if not look.painted or not layout.num_cells(kinds):
+        if not look.painted or not layout.num_cells((look.kind.name,)):
             continue
-        cells = state_reads.cells_of(kinds, w)
+        cells = state_reads.cells_of((look.kind.name,), w)
         w.origin = look.kind.origin
-        value = binary("<<", _raw(look, w), shift_of(content, w), "u8")
+        values = []
+        for field, _ in look.painted:
+            stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
+            values.append(binary("+", stored, literal(1, "i32"), "i32") if field.type.kind == "agent" else stored)  # one up, 0 is nobody
+        value = binary("<<", look_number(first_look(look, w), tuple(size for _, size in look.painted), values), shift_of(content, w), "u8")
         w.set(planes[content.plane], call("fill", planes[content.plane], cells, value.node))
     for part in parts:
         if part.marks is not None:
             w.origin = part.marks.origin
             bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
             w.set(planes[part.plane], call("paint", planes[part.plane], path(f"state.{part.name}"), bit))
-    w.origin = game.agents.origin
-    agent = next(p for p in parts if p.name == "agent")
-    if by_id:
-        shown = binary("+", Value(Arange(w.module.agents, "u8"), "u8"), literal(1, "u8"), "u8")
-    elif any(s.what == "heading" for s in game.observables):
-        shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), literal(1, "u8"), "u8")
-    else:
-        shown = Value(call("jnp.ones", w.module.agents, path("jnp.uint8")), "u8")
-    shifted = binary("<<", shown, shift_of(agent, w), "u8")
-    w.set(planes[agent.plane], call("paint", planes[agent.plane], POSITION, shifted.node))
-    for sort in (sort for sort in game.movers if shown_movers(sort, game)):
-        _paint_movers(sort, parts, planes, w)
+    for sort in body_sorts(game):
+        place = next((p for p in parts if p.name == sort.name), None)
+        if place is None:  # nothing is seen of these movers
+            continue
+        is_agent, extent = sort.what == "agent", w.module.extent(sort)
+        w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
+        if by_id if is_agent else place.bits > 1:  # who it is, one up
+            shown = binary("+", Value(Arange(extent, "u8"), "u8"), literal(1, "u8"), "u8")
+        elif is_agent and any(s.what == "heading" for s in game.observables):
+            shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), literal(1, "u8"), "u8")
+        else:
+            shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
+        shifted = binary("<<", shown, shift_of(place, w), "u8")
+        w.set(planes[place.plane], call("paint", planes[place.plane], state_reads.positions(w, sort), shifted.node))
     return planes
-
-
-def _paint_movers(sort: ir.Movers, parts: tuple[Part, ...], planes: list[Name], w: Writer) -> None:
-    """Writes the movers of a sort into the planes: one up, or 1 each if nothing but their presence is seen."""
-    w.origin = sort.origin
-    part = next(p for p in parts if p.name == sort.name)
-    if shown_movers(sort, w.module.game) > 1:
-        number = binary("+", Value(Arange(w.module.extent(sort.sort), "u8"), "u8"), literal(1, "u8"), "u8")
-    else:
-        number = Value(call("jnp.ones", w.module.extent(sort.sort), path("jnp.uint8")), "u8")
-    shifted = binary("<<", number, shift_of(part, w), "u8")
-    w.set(planes[part.plane], call("paint", planes[part.plane], state_reads.positions(w, sort.sort), shifted.node))
 
 
 def first_look(look: Look, w: Writer) -> Value:
     """Returns the first number of a kind's looks as painted."""
     return Value(w.module.number(f"{look.kind.name}_look", look.raw, "as it is painted"), "u8")
-
-
-def _raw(look: Look, w: Writer) -> Value:
-    """Returns the number of each cell's look."""
-    values = []
-    for field, _ in look.painted:
-        stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
-        values.append(binary("+", stored, literal(1, "i32"), "i32") if field.type.kind == "agent" else stored)  # one up, 0 is nobody
-    return look_number(first_look(look, w), tuple(size for _, size in look.painted), values)
 
 
 def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Value:

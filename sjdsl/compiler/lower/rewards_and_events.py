@@ -6,11 +6,11 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.queries import event_named
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, both, iota, joined, literal, reduce, select
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, aligned, as_dtype, binary, both, iota, joined, literal, reduce, select
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.domains import in_set
 from sjdsl.compiler.lower.entries import row_key
-from sjdsl.compiler.lower.expressions import owner, real
+from sjdsl.compiler.lower.expressions import agent, real
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import ALL, Binary, Expression, Literal, Slice, Update, call, scalar
@@ -28,9 +28,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
         return
     reached = scope.mask
     if s.but is not None:
-        giver = scope.variables[s.but.name]
-        assert isinstance(giver, AgentVar)
-        reached = both(scope.mask, binary("!=", giver.index, iota(w.axis("receiver", w.module.agents)), "bool"))
+        reached = both(scope.mask, binary("!=", agent(s.but, scope, w).index, iota(w.axis("receiver", w.module.agents)), "bool"))
     deliver("reward", (), _summed(reached, amount, scope.axes, w, name), w)
 
 
@@ -47,7 +45,8 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     if key.literal:
         _count(s, attribute, key.node, amount, scope, w)
         return
-    agents = _one_each(s.receiver, scope)
+    who = scope.variables[s.receiver.name] if isinstance(s.receiver, ir.Member) else None
+    agents = who.axis if isinstance(who, AgentVar) and who.axis is not None and scope.axes == (who.axis,) else None
     if agents is not None and s.receiver is not None:  # all columns at once: one sum instead of an update for each
         column = w.axis("word", w.module.num_entries(event.by))
         here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
@@ -64,12 +63,6 @@ def _count(s: ir.Tally, attribute: str, column: Expression | None, amount: Value
         deliver(attribute, () if column is None else (ALL, column), per_agent(s.receiver, amount, scope, w, s.event), w)
     else:
         deliver(attribute, () if column is None else (column,), _summed(scope.mask, amount, scope.axes, w, s.event), w)
-
-
-def _one_each(receiver: ir.Expr | None, scope: IterationScope) -> Axis | None:
-    """Returns the axis of the agents if every instance has one of its own that receives."""
-    who = scope.variables[receiver.name] if isinstance(receiver, ir.Member) else None
-    return who.axis if isinstance(who, AgentVar) and who.axis is not None and scope.axes == (who.axis,) else None
 
 
 def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w: Writer) -> None:
@@ -89,8 +82,7 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
         if many:
             return _counted(select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w, name)
         return _summed(both(scope.mask, in_set(members, axis)), amount, scope.axes, w, name)
-    who = owner(e, scope, w)
-    assert isinstance(who, AgentVar)
+    who = agent(e, scope, w)
     if who.axis is not None:
         return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w, name)
     if many:
@@ -117,9 +109,9 @@ def _counted(sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: W
     return _times(count, _times(literal(alike, "i32"), amount))
 
 
-def _summed(reached: Value | None, amount: Value, over: tuple[Axis, ...], w: Writer, name: str) -> Value:
+def _summed(reached: Value, amount: Value, over: tuple[Axis, ...], w: Writer, name: str) -> Value:
     """Returns the sum over the instances that are reached; where all give the same, they are counted, which is cheaper than adding."""
-    if reached is None:
+    if reached == TRUE:
         return reduce("sum", amount, over)
     if over and not any(axis in amount.axes for axis in over):
         return _times(w.keep(name, reduce("sum", reached, over)), amount)

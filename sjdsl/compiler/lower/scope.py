@@ -5,7 +5,7 @@ from dataclasses import field, replace
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.lower.axes import Axis, Value, both
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, both
 from sjdsl.compiler.program.expressions import Literal
 
 
@@ -72,18 +72,18 @@ class IterationScope(Record):
     """
 
     axes: tuple[Axis, ...] = ()
-    mask: Value | None = None
+    mask: Value = TRUE
     digits: tuple[tuple[Value, Literal], ...] = ()
     variables: dict[str, Variable] = field(default_factory=dict)
     locals: dict[str, Value] = field(default_factory=dict)
 
-    def when(self, condition: Value | None) -> "IterationScope":
+    def when(self, condition: Value) -> "IterationScope":
         """Returns this scope where the condition holds as well."""
         return replace(self, mask=both(self.mask, condition))
 
     def always(self) -> "IterationScope":
         """Returns this scope without its mask: for values that are masked later."""
-        return replace(self, mask=None)
+        return replace(self, mask=TRUE)
 
     def binding(self, **variables: Variable) -> "IterationScope":
         """Returns this scope with more variables."""

@@ -32,27 +32,27 @@ MANY_SETS = 64  # from so many sets on it pays to draw words only if some set ha
 
 def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
     """Returns the mask of a scope with all the axes spelt out."""
-    return Value(spread(inner.mask or TRUE, axes), "bool", axes)
+    return Value(spread(inner.mask, axes), "bool", axes)
 
 
 def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value]:
     """Returns the scope inside a `pick`, and where there was no member at all."""
     if is_empty(s.domain, w):
         return scope.when(FALSE), TRUE
-    inner = _candidates_of(s.domain, replace(scope, mask=None), w)
+    inner = _candidates_of(s.domain, scope.always(), w)
     number = as_dtype(w.value(s.number, scope.always()), "i32")
     if inner.axes == scope.axes:  # the member is determined: it is there or not
-        there = inner.mask or TRUE
+        there = inner.mask
         return inner.when(scope.mask).when(both(there, binary(">", number, literal(0, "i32"), "bool"))), invert(there)
     axis = inner.axes[-1]
     member = inner.variables[s.domain.var.name]
     is_near = isinstance(s.domain.restriction, ir.Near) and isinstance(member, CellVar)
-    total = axis.extent if is_near else state_reads.total_extent(member, w)
+    total = axis.extent if is_near else w.module.extent(member.sort)
     turns = w.axis("turn", min(s.most, total.size))
     if number == literal(1, "i32"):
         return _pick_one(s, scope, inner, turns, total, w)
     word = random_bits(s.stream, scope, w, turns)
-    outer_axes = union(word.axes[:-1], tuple(a for a in (inner.mask or TRUE).axes if a != axis))
+    outer_axes = union(word.axes[:-1], tuple(a for a in inner.mask.axes if a != axis))
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
     found = w.keep("found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes))
@@ -72,24 +72,27 @@ def _pick_one(
     word = random_bits(s.stream, scope, w, turns)
     single = Value(array.Index(word.node, (*[array.ALL] * (len(word.axes) - 1), array.Literal(0))), "u32", word.axes[:-1])
     members = whole_set(s.domain, scope, w)
-    around = (members or inner.mask or TRUE).axes
+    around = (members or inner.mask).axes
     axes = union(single.axes, tuple(a for a in around if a != axis))
     drawn = spread(single, axes)
     source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
     large = members is not None and members.levels > 0
     many = members is not None and not large and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
     if many and need_no_state((*scope.digits, (iota(turns), turns.extent))):  # most steps need none of the random bits
-        source = source if scope.mask is None else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
+        source = source if scope.mask == TRUE else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
         alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
         there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
         best_one = w.keep(name, Value(array.call("member_of", picked.node), "i32", axes))
-        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there) or there))
+        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there)))
     else:
         best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
         w.unpack((best, found), array.call(("pick_of_large_set" if large else "pick_of_set") if members else "pick", source, drawn))
         there, best_one = Value(found, "bool", axes), Value(best, "i32", axes)
-        chosen = _chosen_variable(member, axis, best_one)
+        if isinstance(member, AgentVar):
+            chosen = AgentVar(best_one, sort=member.sort)
+        else:  # its number, or the number at its place in a shape
+            chosen = CellVar(best_one if member.axis is not None else _take(member.site, axis, best_one), member.kinds)
     if isinstance(chosen, CellVar) and isinstance(chosen.site.node, array.Call):
         chosen = replace(chosen, site=w.keep(name, chosen.site))
     place = replace(scope.binding(**{name: chosen}, **under(s.domain, chosen, w)), digits=(*scope.digits, (best_one, total)))
@@ -102,16 +105,8 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
         return enter(d, scope, w)
     inner = enter(d.model_copy(update={"restriction": None}), scope, w)
     one = inner.variables[d.var.name].number
-    return inner.when(
-        either([binary("==", one, number_in(d, scope.variables[member.name], w), "bool") for member in d.restriction.members])
-    )
-
-
-def _chosen_variable(member: Variable, axis: Axis, best: Value) -> Variable:
-    """Returns the variable of the one picked: its number, or the number at its place in a shape."""
-    if isinstance(member, AgentVar):
-        return AgentVar(best, sort=member.sort)
-    return CellVar(best if member.axis is not None else _take(member.site, axis, best), member.kinds)
+    numbers = (number_in(d, scope.variables[member.name], w) for member in d.restriction.members)
+    return inner.when(either([binary("==", one, number, "bool") for number in numbers]))
 
 
 def _take(values: Value, axis: Axis, best: Value) -> Value:
@@ -121,15 +116,11 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     if values.axes == (*best.axes, axis) and len(best.axes) == 1 and best.axes[0].size >= state_reads.MANY:
         return Value(array.call("entries_at", values.node, best.node), values.dtype, best.axes)
     everything = union(values.axes, best.axes)  # what is picked may differ along more axes than what it is picked from
-    at = (
-        aligned(best, everything) if best.axes else array.call("jnp.full", array.Sequence((array.Literal(1),) * len(everything)), best.node)
-    )
+    ones = array.Sequence((array.Literal(1),) * len(everything))
+    at = aligned(best, everything) if best.axes else array.call("jnp.full", ones, best.node)
     along = array.call("jnp.take_along_axis", aligned(values, everything), at, axis=array.Literal(everything.index(axis)))
-    keys = (
-        (array.REST, array.Literal(0))
-        if everything[-1] == axis
-        else tuple(array.Literal(0) if a == axis else array.ALL for a in everything)
-    )
+    keys = tuple(array.Literal(0) if a == axis else array.ALL for a in everything)
+    keys = (array.REST, array.Literal(0)) if everything[-1] == axis else keys
     return Value(array.Index(along, keys), values.dtype, tuple(a for a in everything if a != axis))
 
 
@@ -163,31 +154,27 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
     assert isinstance(d.restriction, ir.Near)
     shape = w.module.shape(d.restriction.shape)
     candidate, ok, axis = _candidates(d, scope, w)
-    place = replace(scope, axes=(*scope.axes, axis), mask=None).binding(**{d.var.name: candidate})
+    place = replace(scope, axes=(*scope.axes, axis), mask=TRUE).binding(**{d.var.name: candidate})
     if d.on is not None:
         assert isinstance(candidate, AgentVar)
         place = place.binding(**under(d, candidate, w))
-        ok = both(ok, state_reads.site_under(candidate, d.on.kinds, w)[1]) or ok
+        ok = both(ok, state_reads.site_under(candidate, d.on.kinds, w)[1])
     if d.where is not None:
-        ok = both(ok, w.value(d.where, place)) or ok
+        ok = both(ok, w.value(d.where, place))
     rest = union(*(tuple(a for a in v.axes if a != axis) for v in (ok, candidate.number)))
     axes = (*rest, axis)
     ok = w.keep("eligible", Value(spread(ok, axes), "bool", axes))
     lanes = _lanes(d, w)
-    found, chosen = _nearest_in_lanes(shape, ok, spread(candidate.number, axes), d.var.name, w)
-    found, chosen = (replace(value, axes=(*rest, lanes)) for value in (found, chosen))
+    found, numbers = ok.node, spread(candidate.number, axes)
+    if max(map(len, shape.lanes)) == 1:  # every cell is a lane
+        number = w.keep(d.var.name, Value(numbers, "i32")).node
+    else:
+        sizes = array.constant(tuple(map(len, shape.lanes)))
+        number, found = w.keep_parts((d.var.name, "found"), array.call("nearest_in_lanes", ok.node, numbers, sizes))
+    chosen = Value(number, "i32", (*rest, lanes))
     variable = AgentVar(chosen, sort=candidate.sort) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
     inner = _in_lanes(scope, lanes).always().binding(**{d.var.name: variable}, **under(d, variable, w))
-    return inner, lanes, found
-
-
-def _nearest_in_lanes(shape: ir.Shape, ok: Value, numbers: array.Expression, name: str, w: Writer) -> tuple[Value, Value]:
-    """Returns in which lanes there is a member, and the number of the nearest; `ok`, `numbers`: of the cells of the shape, last."""
-    if max(map(len, shape.lanes)) == 1:  # every cell is a lane
-        return ok, w.keep(name, Value(numbers, "i32"))
-    lanes = array.constant(tuple(map(len, shape.lanes)))
-    chosen, found = w.keep_parts((name, "found"), array.call("nearest_in_lanes", ok.node, numbers, lanes))
-    return Value(found, "bool"), Value(chosen, "i32")
+    return inner, lanes, Value(found, "bool", (*rest, lanes))
 
 
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:
@@ -202,5 +189,5 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
     first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
     anybody = w.keep("anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes))
-    reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else None
-    return AgentVar(who, sort=d.var.sort), both(anybody, reached) or TRUE, swept.axis
+    reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else TRUE
+    return AgentVar(who, sort=d.var.sort), both(anybody, reached), swept.axis

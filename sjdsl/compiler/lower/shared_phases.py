@@ -21,29 +21,30 @@ class Turn(Record):
     marks: str = ""
 
 
-class Unlike(Exception):
+class CannotShare(Exception):
     """Functions differ by more than numbers and tables."""
 
 
 @dataclass
-class Together:
+class SharedBody:
     """Functions of several uses while they are made one.
 
-    parameters: the names of what the phase is used with; given: what each use has for them, as written.
+    parameters: the names of what the phase is used with; given: what each use has for them, as written. own: the parameters of the function
+    beside those that every phase has, by what they stand for; arguments: what each use gives for them.
     """
 
     parameters: tuple[str, ...]
     given: tuple[tuple[str, ...], ...]
     names: Names
     variables: dict[tuple[str, ...], str] = field(default_factory=dict)
-    holes: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
-    filled: list[tuple[array.Expression, ...]] = field(default_factory=list)
+    own: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
+    arguments: list[tuple[array.Expression, ...]] = field(default_factory=list)
 
     def node(self, nodes: tuple[object, ...]) -> object:
-        """Returns what the nodes of all uses have in common, with a parameter where they differ. Raises Unlike."""
+        """Returns what the nodes of all uses have in common, with a parameter where they differ. Raises CannotShare."""
         first = nodes[0]
         if any(type(node) is not type(first) for node in nodes):
-            raise Unlike
+            raise CannotShare
         match first:
             case array.Assign():
                 value = self.node(tuple(node.value for node in nodes))  # type: ignore[attr-defined]
@@ -53,14 +54,16 @@ class Together:
                 identifiers = tuple(node.identifier for node in nodes)  # type: ignore[attr-defined]
                 if identifiers in self.variables:
                     return array.Name(self.variables[identifiers])
-                return first if len(set(identifiers)) == 1 else self.hole(nodes, identifiers, tuple(map(str.isupper, identifiers)))
+                return first if len(set(identifiers)) == 1 else self.parameter(nodes, identifiers, tuple(map(str.isupper, identifiers)))
             case array.Literal():
-                said = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
-                names = tuple(name for _, name in said)
-                return first if len(set(said)) == 1 else self.hole(nodes, names, tuple(isinstance(value, int | float) for value, _ in said))
+                values = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
+                names = tuple(name for _, name in values)
+                if len(set(values)) == 1:
+                    return first
+                return self.parameter(nodes, names, tuple(isinstance(value, int | float) for value, _ in values))
             case tuple():
                 if len({len(node) for node in nodes}) > 1:  # type: ignore[arg-type]
-                    raise Unlike
+                    raise CannotShare
                 return tuple(self.node(parts) for parts in zip(*nodes, strict=True))
             case Record():
                 parts = {f.name: tuple(getattr(node, f.name) for node in nodes) for f in fields(first) if f.name != "origin"}
@@ -68,17 +71,17 @@ class Together:
             case _ if len(set(nodes)) == 1:
                 return first
             case _:
-                raise Unlike
+                raise CannotShare
 
-    def hole(self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]) -> array.Name:
+    def parameter(self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]) -> array.Name:
         """Returns the parameter that stands where uses have different numbers or tables."""
         if not all(closed):
-            raise Unlike
+            raise CannotShare
         key = tuple((node, name) for node, name in zip(nodes, names, strict=True))
-        if key not in self.holes:
-            self.holes[key] = array.Name(self.names.fresh("stream" if names[0].startswith("STREAM") else self.common(names) or "number"))
-            self.filled.append(nodes)  # type: ignore[arg-type]
-        return self.holes[key]
+        if key not in self.own:
+            self.own[key] = array.Name(self.names.fresh("stream" if names[0].startswith("STREAM") else self.common(names) or "number"))
+            self.arguments.append(nodes)  # type: ignore[arg-type]
+        return self.own[key]
 
     def variable(self, names: tuple[str, ...]) -> str:
         """Returns the name of a variable that the uses may call differently, after their words."""
@@ -89,9 +92,9 @@ class Together:
     def common(self, names: tuple[str, ...]) -> str:
         """Returns a name with what a use is given replaced by what the phase calls it: `ground_red`, `ground_blue` are `ground_what`."""
         for number, parameter in enumerate(self.parameters):
-            told = [name.lower().replace(given[number], parameter, 1) for name, given in zip(names, self.given, strict=True)]
-            if len(set(told)) == 1:
-                return told[0]
+            renamed = [name.lower().replace(given[number], parameter, 1) for name, given in zip(names, self.given, strict=True)]
+            if len(set(renamed)) == 1:
+                return renamed[0]
         return ""
 
 
@@ -120,24 +123,22 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
         parameters = ()
     first = uses[0][1]
     taken = {node.identifier for node in walk(first) if isinstance(node, array.Name)}
-    together = Together(parameters, given, Names(RESERVED | taken))
+    shared_body = SharedBody(parameters, given, Names(RESERVED | taken))
     marks = [f"mark_{phase.name}" for phase, _ in uses]
     try:
-        body = together.node(tuple(_marks_apart(function.body, mark) for (_, function), mark in zip(uses, marks, strict=True)))
-    except Unlike:
+        body = shared_body.node(tuple(_marks_apart(function.body, mark) for (_, function), mark in zip(uses, marks, strict=True)))
+    except CannotShare:
         return alone
     assert isinstance(body, tuple)
     last = body[-1]
     assert isinstance(last, array.Return)
     marked = len(last.values) > 2
     returns = "tuple[State, Outcome, Array]" if marked else first.returns
-    types = ["Array" if isinstance(nodes[0], array.Name) else type(nodes[0].value).__name__ for nodes in together.filled]  # type: ignore[union-attr]
-    own = tuple((hole.identifier, type_) for hole, type_ in zip(together.holes.values(), types, strict=True))
+    types = ["Array" if isinstance(nodes[0], array.Name) else type(nodes[0].value).__name__ for nodes in shared_body.arguments]  # type: ignore[union-attr]
+    own = tuple((parameter.identifier, type_) for parameter, type_ in zip(shared_body.own.values(), types, strict=True))
     shared = Function(name, first.parameters + own, returns, first.doc, body)
-    return {
-        phase.name: Turn(shared, tuple(nodes[number] for nodes in together.filled), mark if marked else "")
-        for number, ((phase, _), mark) in enumerate(zip(uses, marks, strict=True))
-    }
+    given_of = (tuple(nodes[number] for nodes in shared_body.arguments) for number in range(len(uses)))
+    return {phase.name: Turn(shared, own, mark if marked else "") for (phase, _), own, mark in zip(uses, given_of, marks, strict=True)}
 
 
 def _marks_apart(body: tuple[array.Statement, ...], mark: str) -> tuple[array.Statement, ...]:

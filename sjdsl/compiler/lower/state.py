@@ -1,15 +1,18 @@
-"""Lowers the state: dtype, shape and starting value of each field, and the classes State, Params and Outcome."""
+"""Lowers the state: dtype, shape and starting value of each field, the classes State, Params and Outcome, and what an environment knows of them."""
+
+from math import isfinite
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
-from sjdsl.compiler.ir.queries import all_fields, body_sorts, marking_phases
+from sjdsl.compiler.ir.queries import all_fields, body_sorts, counts_of, marking_phases, written_field
 from sjdsl.compiler.ir.sorts import Level
-from sjdsl.compiler.lower import cell_values, state_reads
+from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.statements import mark_size
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import Field
 from sjdsl.compiler.program import expressions as array
+from sjdsl.runtime.fields import StateField
 
 STORED = {"u8": "uint8", "u32": "uint32", "i32": "int32", "f32": "float32", "bool": "bool_"}
 INT32 = array.path("jnp.int32")
@@ -62,21 +65,15 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     if len(starts) <= 1:
         size = (*([] if extent is None else [extent]), *map(w.module.num_entries, field.type.by), *words)
         first = _start(next(iter(starts), field.start), field, w)
-        default: array.Expression = array.call(
-            "jnp.full", array.shape_of(size) if size else array.Sequence(()), first, array.path(f"jnp.{dtype}")
-        )
+        default: array.Expression = array.call("jnp.full", array.shape_of(size), first, array.path(f"jnp.{dtype}"))
     else:
         given = {s for g in game.glyphs if g.kind == kind for n, s in g.starts if n == field.name}
         encode = {s: _start(s, field, w).value for s in given | starts | {field.start}}
         table = layout.starts_table(kind, field, encode, dtype)  # type: ignore[arg-type]
         default = w.module.constant(f"{attribute_name(field)}_start", table, f"{field.name} of {kind} as on the map")
         if field.type.by:
-            default = array.call(
-                "jnp.repeat",
-                array.Index(default, (array.ALL, array.NEW_AXIS)),
-                w.module.num_entries(field.type.by[0]),
-                axis=array.Literal(1),
-            )
+            columns = array.Index(default, (array.ALL, array.NEW_AXIS))
+            default = array.call("jnp.repeat", columns, w.module.num_entries(field.type.by[0]), axis=array.Literal(1))
     meaning = f"{field.name}: {_meaning(field)}" + (f"; by {_level(field.type.by[0])}" if field.type.by else "")
     return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
 
@@ -112,7 +109,7 @@ def _start(value: object, field: ir.VarField, w: Writer) -> array.Literal:
         case "agent":
             node = nobody(w).node
         case "cell":
-            node = cell_values.nowhere(w).node
+            node = state_reads.no_cell(w).node
         case "agents":
             node = array.Literal(0)
         case _:
@@ -151,6 +148,46 @@ def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
         size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_entries(event.by)] if event.by else []))
         shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
         comment = "counts of this step" + (f", by {_level(event.by)}" if event.by else "")
-        zeros = array.call("jnp.zeros", array.shape_of(size) if size else array.Sequence(()), INT32)
+        zeros = array.call("jnp.zeros", array.shape_of(size), INT32)
         found.append(Field(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", comment, zeros))
     return found
+
+
+ROLE = "role"  # a field of the agents by this name says who plays what
+
+
+def events(game: ir.Game) -> tuple[tuple[str, str, int | None], ...]:
+    """Returns each count of a step: its name, the attribute of the outcome, and which entry of its last axis."""
+    return tuple(
+        (name, f"event_{param_attribute(event.name)}", None if word is None else i)
+        for event in game.events
+        for i, (word, name) in enumerate(counts_of(event))
+    )
+
+
+def described_fields(game: ir.Game) -> tuple[StateField, ...]:
+    """Returns every declared variable: those of cells, of agents, of movers, each sort after where its members are, and of the world."""
+    found: list[StateField] = []
+    for field in all_fields(game):
+        attribute, type_ = attribute_name(field), field.type
+        if (field.held_by.what, field.name) == ("mover", "heading"):
+            found.append(StateField(attribute_of("position", field.held_by), "place"))
+        match type_.kind:
+            case "word":
+                found.append(StateField(attribute, "word", size=len(type_.words)))
+            case "agent" | "agents" | "cell" | "condition":
+                found.append(StateField(attribute, type_.kind))
+            case _:
+                limited = isfinite(type_.low) and isfinite(type_.high) and type_.low < type_.high
+                low, high = (type_.low, type_.high) if limited else (None, None)
+                found.append(StateField(attribute, "number", low=low, high=high))
+    return tuple(found)
+
+
+def role_attribute(game: ir.Game) -> str | None:
+    """Returns the attribute of State that holds the agents' roles; None if they have none, or a phase of the schedule writes it."""
+    field = next((f for f in game.agents.fields if f.name == ROLE and f.type.kind == "word" and not f.type.by), None)
+    written = [written_field(node.target) for turn in game.schedule for node in ir.walk(turn) if isinstance(node, ir.Set)]
+    if field is None or any((read.held_by.what, read.name) == ("agent", ROLE) for read in written):
+        return None
+    return attribute_name(field)

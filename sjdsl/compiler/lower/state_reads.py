@@ -1,4 +1,4 @@
-"""Lowers reads of the state: fields, positions and attributes of the variables in scope."""
+"""Lowers reads of the state: fields, positions and attributes of the variables in scope, and cells as values: 256 times the row and the column."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,9 +8,10 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import body_sorts, can_be
 from sjdsl.compiler.ir.sorts import AGENTS
-from sjdsl.compiler.lower.axes import Axis, Value, as_dtype, binary, literal
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, Variable
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, binary, literal, select
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program import expressions as array
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
@@ -19,7 +20,6 @@ from sjdsl.compiler.program.expressions import (
     DType,
     Expression,
     Index,
-    Literal,
     Name,
     Reduce,
     Sequence,
@@ -53,11 +53,8 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
 
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     """Returns a field of the one that a variable is; many computed cells are looked up in what has been computed before."""
-    if (
-        owner.axis is None
-        and isinstance(owner, CellVar)
-        and prod(a.size for a in owner.site.axes) >= max(MANY, w.module.layout.num_cells(owner.kinds))
-    ):
+    computed = prod(a.size for a in owner.site.axes) if isinstance(owner, CellVar) and owner.axis is None else 0
+    if isinstance(owner, CellVar) and computed >= max(MANY, w.module.layout.num_cells(owner.kinds)):
         return replace(stored, node=call("looked_up", stored.node, owner.site.node), axes=owner.site.axes)
     return _of(owner, stored)
 
@@ -71,10 +68,8 @@ def _of(owner: Variable, stored: Value) -> Value:
 
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     """A group's field: the kinds' vectors one after another, put into reading order."""
-    parts = [w.module.field(e, kind) for kind in owner.kinds]
-    name = w.module.constant(
-        "order_" + "_".join(owner.kinds), w.module.layout.order_table(owner.kinds), "cells of a group in reading order"
-    )
+    parts, order = [w.module.field(e, kind) for kind in owner.kinds], w.module.layout.order_table(owner.kinds)
+    name = w.module.constant("order_" + "_".join(owner.kinds), order, "cells of a group in reading order")
     vectors = Sequence(tuple(w.stored(attribute_name(p)) for p in parts), is_list=True)
     together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
     whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
@@ -82,9 +77,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
 
 
 def _widened(value: Value, declared: ir.VarField) -> Value:
-    if declared.type.kind == "int":
-        return as_dtype(value, "i32")
-    return value
+    return as_dtype(value, "i32") if declared.type.kind == "int" else value
 
 
 def storage(declared: ir.VarField, w: Writer) -> DType:
@@ -93,22 +86,15 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
     One number of the world is never a byte: it would save three bytes an environment. And XLA for processors with AVX-512
     may end the process when a byte of each environment is compared together with bytes of its agents (openxla/xla#44943).
     """
-    type_ = declared.type
-    match type_.kind:
-        case "word" | "int" if declared.held_by.what == "world" and not type_.by:
-            return "i32"
-        case "word":
-            return "u8"
-        case "int":
-            return "u8" if fits_byte(declared, w) else "i32"
+    match declared.type.kind:
         case "real":
             return "f32"
-        case "agent" | "cell":
-            return "i32"
         case "agents":
             return w.module.set_dtype
+        case "word" | "int" as kind if declared.held_by.what != "world" or declared.type.by:
+            return "u8" if kind == "word" or fits_byte(declared, w) else "i32"
         case _:
-            raise AssertionError(type_)
+            return "i32"
 
 
 def fits_byte(declared: ir.VarField, w: Writer) -> bool:
@@ -119,13 +105,13 @@ def fits_byte(declared: ir.VarField, w: Writer) -> bool:
 
 def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     """Returns the largest value a timer begins with or any statement sets it to. `nodes`: all of the game."""
-    bound = 0.0
+    bounds = [0.0]
     for node in nodes:
         if isinstance(node, ir.GlyphMeaning) and declared.held_by == ir.Sort("cell", (node.kind,)):
-            bound = max([bound, *(value for name, value in node.starts if name == declared.name and isinstance(value, int))])
+            bounds += [value for name, value in node.starts if name == declared.name and isinstance(value, int)]
         if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and can_be(node.target, declared):
-            bound = max(bound, node.value.type.high)
-    return bound
+            bounds.append(node.value.type.high)
+    return max(bounds)
 
 
 def position(owner: AgentVar, w: Writer) -> Value:
@@ -146,10 +132,10 @@ def moved(owner: AgentVar, w: Writer) -> Value:
     return _of(owner, Value(w.stored(attribute_of("moved", owner.sort)), "bool"))
 
 
-def present(owner: AgentVar, w: Writer) -> Value | None:
-    """Returns who is on the map; None if nobody can be away."""
+def present(owner: AgentVar, w: Writer) -> Value:
+    """Returns who is on the map."""
     if not w.module.can_be_away(owner.sort) or w.starting:
-        return None
+        return TRUE
     return w.keep("present", binary("!=", position(owner, w), nowhere(w), "bool"))
 
 
@@ -166,15 +152,14 @@ def positions(w: Writer, sort: ir.Sort = AGENTS) -> Expression:
 def everybody(w: Writer, sort: ir.Sort) -> AgentVar:
     """Returns all agents, or all movers of a sort, where their numbers are not asked for."""
     extent = w.module.extent(sort)
-    axis = Axis("", extent.size, 0, extent.name)
-    return AgentVar(Value(Name(sort.plural), "i32"), axis, sort)
+    return AgentVar(Value(Name(sort.plural), "i32"), Axis("", extent.size, 0, extent.name), sort)
 
 
-def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression | None:
-    """Returns the cells of all agents and movers; `but`: without those of one sort. None: there is nobody."""
+def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
+    """Returns the cells of all agents and movers; `but`: without those of one sort, where there are others."""
     sorts = [sort for sort in body_sorts(w.module.game) if sort != but]
-    if len(sorts) <= 1:
-        return positions(w, sorts[0]) if sorts else None
+    if len(sorts) == 1:
+        return positions(w, sorts[0])
     together = call("jnp.concatenate", Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True))
     return w.keep("bodies" if but is None else "others", Value(together, "i32")).node
 
@@ -240,15 +225,9 @@ def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Valu
     return site, is_site(site, kinds, w)
 
 
-def total_extent(owner: Variable, w: Writer) -> Literal:
-    """Returns how many members there are."""
-    return w.module.extent(owner.sort)
-
-
 def occupied(owner: CellVar, w: Writer) -> Value:
     """Returns which cells have an agent or a mover on them."""
     bodies = all_positions(w)
-    assert bodies is not None
     if owner.axis is not None:
         site = w.keep("_".join(owner.kinds) + "_under", site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w))
         vector = w.keep("covered", Value(call("occupied", site.node, w.module.num_cells(owner.kinds)), "bool"))
@@ -256,6 +235,41 @@ def occupied(owner: CellVar, w: Writer) -> Value:
     at = cell(owner, w)
     if not at.axes:
         return Value(Reduce("any", Binary("==", at.node, bodies)), "bool")
-    agents = Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
-    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), agents)
+    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL)))
     return Value(Reduce("any", same, (-1,)), "bool", at.axes)
+
+
+ROW = 8  # bits of a column: a map has at most 256
+NO_CELL = -1
+
+
+def no_cell(w: Writer) -> Value:
+    """Returns the number that stands for no cell."""
+    return Value(w.module.number("no_cell", NO_CELL, "in place of a cell: 256 * row + column"), "i32")
+
+
+def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns a cell as a field keeps it."""
+    if not isinstance(e, ir.Member):
+        return w.value(e, scope.always())
+    variable = scope.variables[e.name]
+    assert isinstance(variable, CellVar)
+    at = cell(variable, w)
+    cols, pad = w.module.number("frame_cols", w.module.layout.cols), array.Literal(w.module.layout.pad, "PAD")
+    row, col = (array.Binary("-", array.Binary(op, at.node, cols), pad) for op in ("//", "%"))
+    return w.keep("place", replace(at, node=array.Binary("+", array.Binary("<<", row, array.Literal(ROW)), col)))
+
+
+def frame_cell(value: Value, w: Writer) -> Value:
+    """Returns the cell of the frame that a kept one is; 0 for nowhere."""
+    cols, pad = w.module.number("frame_cols", w.module.layout.cols), array.Literal(w.module.layout.pad, "PAD")
+    row = array.Binary("+", array.Binary(">>", value.node, array.Literal(ROW)), pad)
+    col = array.Binary("+", array.Binary("&", value.node, array.Literal((1 << ROW) - 1)), pad)
+    at = replace(value, node=array.Binary("+", array.Binary("*", row, cols), col))
+    return w.keep("at", select(binary(">=", value, literal(0, "i32"), "bool"), at, nowhere(w)))
+
+
+def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:
+    """Returns the variable that a cell value is among the cells of some kinds; none of them for nowhere."""
+    at = frame_cell(w.value(e, scope.always()), w)
+    return CellVar(w.keep("_".join(kinds) + "_held", site_at(at, kinds, w)), kinds)

@@ -4,14 +4,14 @@ from dataclasses import replace
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import shape_named
 from sjdsl.compiler.lower.assignments import add, set_
 from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, joined, reduce, select
 from sjdsl.compiler.lower.condition_names import condition_name, domain_name
-from sjdsl.compiler.lower.courses import move_on_course
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
-from sjdsl.compiler.lower.movement import move, nobody_moves
+from sjdsl.compiler.lower.movement import move, move_on_course, nobody_moves
 from sjdsl.compiler.lower.relocation import Sends
 from sjdsl.compiler.lower.rewards_and_events import give, tally
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
@@ -82,8 +82,7 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
         case ir.Mark():
             mark(s, scope, w)
         case ir.End():
-            active = scope.mask or TRUE
-            w.accumulate("ended", joined("|", w.total("ended"), reduce("any", active, active.axes).node))
+            w.accumulate("ended", joined("|", w.total("ended"), reduce("any", scope.mask, scope.mask.axes).node))
         case ir.Let() | ir.Draw():
             raise AssertionError(s)
         case _:
@@ -94,7 +93,7 @@ def _inside(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: 
     """Writes a block. `name`: of the mask that says where it happens, if several statements read it."""
     if not body or scope.mask == FALSE:
         return
-    if scope.mask is not None and len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
+    if len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
         scope = replace(scope, mask=w.keep(name or "active", scope.mask))
     block(body, scope, w, sends)
 
@@ -103,13 +102,13 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
     """Branches in order: each where its condition holds and none before it did."""
     rest = scope
     for number, branch in enumerate(s.branches):
-        if number > 2 and rest.mask is not None:  # of many branches the conditions would pile up
+        if number > 2:  # of many branches the conditions would pile up
             rest = replace(rest, mask=w.keep("rest", rest.mask))
         name = condition_name(branch.test, w.module.game)
         test = w.value(branch.test, scope.always())
         if len(s.branches) > 1 or s.otherwise:
             test = w.keep(name or "holds", test)
-        _inside(branch.body, rest.when(test), w, sends, f"where_{name}" if name and rest.mask is not None else name)
+        _inside(branch.body, rest.when(test), w, sends, f"where_{name}" if name and rest.mask != TRUE else name)
         rest = rest.when(invert(test))
     _inside(s.otherwise, rest, w, sends)
 
@@ -119,12 +118,9 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
     if scope.variables[s.anchor.name].axis is None or not isinstance(scope.variables[s.anchor.name], AgentVar):
         instead = "mark around an agent that an `each` names"
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
-    place = ir.Near(shape=s.shape, anchor=s.anchor)
-    swept = sweep(place, scope, w)
-    over = tuple(a for a in scope.axes if a not in swept.cells.axes)
-    happens = None if scope.mask is None else reduce("any", scope.mask, over)
-    ok = both(happens, swept.ok)
-    cells = select(ok, swept.cells, nowhere(w))
+    swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
+    happens = reduce("any", scope.mask, tuple(a for a in scope.axes if a not in swept.cells.axes))
+    cells = select(both(happens, swept.ok), swept.cells, nowhere(w))
     marked = w.keep("marked", Value(Call(Attribute(cells.node, "reshape"), (Literal(-1),)), "i32")).node
     assert isinstance(marked, Name)
     w.marked[marked] = mark_size(s, w.module.game)
@@ -132,9 +128,5 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
 
 def mark_size(rules: ir.Node, game: ir.Game) -> int:
     """Returns how many cells a phase or a statement can mark."""
-    size = 0
-    shapes = {s.name: s for s in game.shapes}
-    for node in ir.walk(rules):
-        if isinstance(node, ir.Mark):
-            size += game.agents.number * sum(map(len, shapes[node.shape].lanes))
-    return size
+    marks = (node for node in ir.walk(rules) if isinstance(node, ir.Mark))
+    return game.agents.number * sum(sum(map(len, shape_named(game, mark.shape).lanes)) for mark in marks)

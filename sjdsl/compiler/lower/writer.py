@@ -9,7 +9,16 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
-from sjdsl.compiler.ir.queries import all_fields, body_sort, can_be_away, declared_field, movers_named, shape_named, shows_attribute
+from sjdsl.compiler.ir.queries import (
+    all_fields,
+    body_sort,
+    body_sorts,
+    can_be_away,
+    declared_field,
+    movers_named,
+    shape_named,
+    shows_attribute,
+)
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.map_tables import Layout
@@ -50,7 +59,6 @@ class Module:
     writer: "Writer | None" = None  # the last one, whose statement is at fault where nothing else is known
     _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
-    _can_be_away: dict[ir.Sort, bool] = field(default_factory=dict)
 
     def constant(self, name: str, table: Expression, comment: str, dtype: DType | None = None) -> Name:
         """Returns the name of a module-level array; what is made in the same way is kept once. `dtype`: of written numbers."""
@@ -86,14 +94,10 @@ class Module:
 
     def word(self, word: str, words: tuple[str, ...], declared: ir.VarField | None = None) -> Value:
         """Returns the number of a word among others. `declared`: the field it is a value of, after which it is named."""
+        owner, number = self._word_sets.get(words, (None, ""))[0], words.index(word)
         if declared is not None and declared.type.words == words:
-            owner: str | None = declared.held_by.name
-        else:
-            owner, _ = self._word_sets.get(words, (None, ""))
-        number = words.index(word)
-        if owner is None:
-            return literal(number, "u8")
-        return Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
+            owner = declared.held_by.name
+        return literal(number, "u8") if owner is None else Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
 
     def entry(self, entry: ir.Entry) -> Value:
         """Returns the place of an entry in its row."""
@@ -157,9 +161,11 @@ class Module:
 
     def can_be_away(self, sort: ir.Sort = AGENTS) -> bool:
         """Returns whether agents, or movers of a sort, can be off the map during a step."""
-        if sort not in self._can_be_away:
-            self._can_be_away[sort] = can_be_away(self.game, sort)
-        return self._can_be_away[sort]
+        return sort in self._leaving
+
+    @cached_property
+    def _leaving(self) -> frozenset[ir.Sort]:
+        return frozenset(sort for sort in body_sorts(self.game) if can_be_away(self.game, sort))
 
     def stores_away(self, sort: ir.Sort = AGENTS) -> bool:
         """Returns whether an agent, or a mover of a sort, can be sent away for some ticks."""

@@ -158,24 +158,8 @@ class Lambda(Node):
     body: Expression
 
 
-Expression: TypeAlias = (
-    Name
-    | Literal
-    | Attribute
-    | Call
-    | Index
-    | Unary
-    | Binary
-    | Where
-    | Cast
-    | Reduce
-    | Broadcast
-    | Arange
-    | Update
-    | Sequence
-    | Mapping
-    | Lambda
-)
+OfArrays: TypeAlias = Unary | Binary | Where | Cast | Reduce | Broadcast | Arange | Update
+Expression: TypeAlias = Name | Literal | Attribute | Call | Index | OfArrays | Sequence | Mapping | Lambda
 
 
 class Assign(Node):
