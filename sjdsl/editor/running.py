@@ -17,9 +17,9 @@ from sjdsl.properties import Effort, GameFamily, Verdict, Verification
 from sjdsl.properties.engines import EpisodeRunner
 from sjdsl.properties.trajectory import play as play_scenario
 from sjdsl.properties.verify_properties import decide_statically
+from sjdsl.render.letters import draw
 from sjdsl.trace.episode import Moment, Told, play, random_actions
 from sjdsl.trace.lines import Teller, is_shown, make_teller, turn_lines
-from sjdsl.trace.picture import draw
 from sjdsl.trace.rules import Rules
 
 STEPS = 60  # of random play in which a phase is looked for

@@ -7,8 +7,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, can_be, kinds_by_glyph, written_field
-from sjdsl.render.colours import ALIKE, INK, INKS, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
-from sjdsl.render.sprites import SHAPES
+from sjdsl.render.colours import ALIKE, INK, INKS, SHAPES, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
 
 EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
 

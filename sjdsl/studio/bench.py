@@ -13,8 +13,8 @@ from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import action_mask
 from sjdsl.parameters import param_values
-from sjdsl.render.episode_data import Artist
-from sjdsl.render.episode_page import make_page
+from sjdsl.render.colours import hexadecimal
+from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
 from sjdsl.screen.keys import action_keys
 from sjdsl.studio import requests as ask
@@ -157,7 +157,7 @@ class Bench:
             "chosen": list(opened.composition.chosen),
             "numbers": knobs(game, shown.values),
             "left": list(opened.left),
-            "marks": [{"label": label, "colour": "#{:02x}{:02x}{:02x}".format(*colour)} for label, colour in self._look.marks],
+            "marks": [{"label": label, "colour": hexadecimal(colour)} for label, colour in self._look.marks],
             "glyphs": glyphs(opened),
             "map_file": map_file(opened),
             "counterexample": self._shows_counterexample,
