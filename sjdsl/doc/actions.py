@@ -100,15 +100,12 @@ def forbidden(v: Vocabulary) -> list[Line]:
 def _named(forbid: ir.Forbid, v: Vocabulary) -> list[str]:
     """Returns the action of a `forbid` with the names that it gives its arguments; a fixed argument shows its value."""
     action, values = action_named(v.game, forbid.action), list[str]()
-    texts = [_flat_arguments(v.game.agents.actions[number]) for number in forbid.actions]
+    names = [v.game.agents.actions[number] for number in forbid.actions]  # each as `offer(1, 2)`
+    texts = [name[name.index("(") + 1 : -1].split(", ") for name in names]
     for place, name in enumerate(forbid.names):
         seen = {text[place] for text in texts}
         values.append(name or (seen.pop() if len(seen) == 1 else "any"))
     return [code(f"{action.name}({', '.join(values)})")]
-
-
-def _flat_arguments(name: str) -> list[str]:
-    return name[name.index("(") + 1 : -1].split(", ")
 
 
 def chosen_names(actions: Iterable[int], v: Vocabulary) -> list[str]:

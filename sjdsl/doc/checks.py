@@ -29,18 +29,22 @@ def episode(v: Vocabulary) -> list[str]:
 
 def metrics(v: Vocabulary) -> list[str]:
     """Returns what is counted and measured."""
-    lines = [*map(event_line, v.game.events), *(measure_line(m, v) for m in v.game.measures)]
+    lines = metric_lines(v)
     return [*bullets(lines), ""] if lines else ["None but the rewards.", ""]
 
 
-def event_line(event: ir.Event) -> Line:
-    entries = f", separately {f'for {codes(event.by.names)}' if event.by.sort == 'word' else entries_text(event.by)}" if event.by else ""
-    return Line(f"{code(event.name)}: an event counted {'for each agent' if event.per_agent else 'for the whole game'}{entries}")
-
-
-def measure_line(measure: ir.Measure, v: Vocabulary) -> Line:
-    when = "the mean over the steps of an episode of" if measure.mean else "at the last step of an episode"
-    return Line(f"{code(measure.name)}: {when} {value(measure.value, v)}, read at the end of each step")
+def metric_lines(v: Vocabulary) -> list[Line]:
+    """Returns a sentence for each event and each measure, which begins with its name."""
+    found = []
+    for event in v.game.events:
+        whom = "for each agent" if event.per_agent else "for the whole game"
+        if event.by is not None:
+            whom += f", separately {f'for {codes(event.by.names)}' if event.by.sort == 'word' else entries_text(event.by)}"
+        found.append(Line(f"{code(event.name)}: an event counted {whom}"))
+    for measure in v.game.measures:
+        when = "the mean over the steps of an episode of" if measure.mean else "at the last step of an episode"
+        found.append(Line(f"{code(measure.name)}: {when} {value(measure.value, v)}, read at the end of each step"))
+    return found
 
 
 def checks(v: Vocabulary) -> list[str]:
@@ -66,7 +70,8 @@ def check_line(check: ir.Check, v: Vocabulary) -> Line:
         case "monotone":
             direction, name, argument = check.words
             grows = "never larger" if direction == "falling" else "never smaller"
-            of, what = (_spelt(e, n, v) for e, n in zip(check.values, (name, argument), strict=True))
+            meanings = [(value(e, v), n) for e, n in zip(check.values, (name, argument), strict=True)]  # said where they stand nowhere else
+            of, what = (said if n in v.defined else f"{code(n)} ({said})" for said, n in meanings)
             return Line(f"where {what} is larger, {of} is {grows}")
         case "symmetric":
             (what,) = check.words
@@ -82,11 +87,6 @@ def check_line(check: ir.Check, v: Vocabulary) -> Line:
             )
         case _:
             assert_never(check.sort)
-
-
-def _spelt(e: ir.Expr, name: str, v: Vocabulary) -> str:
-    """Returns the name of a define, with its meaning where that stands nowhere else."""
-    return value(e, v) if name in v.defined else f"{code(name)} ({value(e, v)})"
 
 
 def policy(p: ir.Policy, v: Vocabulary) -> str:

@@ -30,8 +30,9 @@ def condition(e: ir.Expr, v: Vocabulary, holds: bool = True) -> str:
             return f"{'no' if holds else 'some'} {somebody} stands on {value(e.cell, v)}"
         case ir.Not():
             return condition(e.value, v, not holds)
-        case ir.Logic():
-            return _logic(e, v, holds)
+        case ir.Logic():  # parts that are joined themselves stand in brackets
+            whole = f" {e.fn} ".join(f"({condition(a, v)})" if is_compound(a, v) else condition(a, v) for a in e.args)
+            return whole if holds else f"it is not so that ({whole})"
         case ir.MatrixClass():
             return payoff_class(e) if holds else f"it is not so that {payoff_class(e)}"
         case ir.Local():
@@ -72,7 +73,9 @@ def say(e: ir.Expr, v: Vocabulary, holds: bool = True) -> Saying | None:
         case ir.Chose():
             return Saying(e.agent, f"{'chose' if holds else 'did not choose'} {v.action(e.action)}")
         case ir.ChoseWith():
-            return Saying(e.agent, f"{'chose' if holds else 'did not choose'} {_asked(e, v)}")
+            return Saying(
+                e.agent, f"{'chose' if holds else 'did not choose'} {code(e.action)}{f' with {arguments(e.given, v)}' if e.given else ''}"
+            )
         case ir.StandsOn():
             return Saying(e.agent, f"{'stands' if holds else 'does not stand'} on {v.a_cell(e.kinds)}")
         case ir.Attribute(name="moved"):
@@ -85,11 +88,6 @@ def say(e: ir.Expr, v: Vocabulary, holds: bool = True) -> Saying | None:
             return None
 
 
-def _asked(e: ir.ChoseWith, v: Vocabulary) -> str:
-    """Returns an action with the arguments it is asked for: `offer` with `apples` 1 and `pears` 2."""
-    return f"{code(e.action)} with {arguments(e.given, v)}" if e.given else code(e.action)
-
-
 def arguments(given: tuple[ir.Given, ...], v: Vocabulary) -> str:
     """Returns the arguments of an action: `apples` 1 and `pears` 2."""
     said = []
@@ -97,13 +95,6 @@ def arguments(given: tuple[ir.Given, ...], v: Vocabulary) -> str:
         is_agent = g.type.kind == "agent" and isinstance(g.value, ir.Number)
         said.append((f"{code(g.name)} " if g.name else "") + ("agent " if is_agent else "") + side(g.value, v))
     return joined(said)
-
-
-def _logic(e: ir.Logic, v: Vocabulary, holds: bool) -> str:
-    """Returns parts joined by `and` or `or`, those that are joined themselves in brackets."""
-    parts = [f"({condition(a, v)})" if is_compound(a, v) else condition(a, v) for a in e.args]
-    whole = f" {e.fn} ".join(parts)
-    return whole if holds else f"it is not so that ({whole})"
 
 
 def is_compound(e: ir.Expr, v: Vocabulary) -> bool:

@@ -33,15 +33,12 @@ def explained(v: Vocabulary) -> list[Line]:
 
 def _meaning(node: ir.Named, v: Vocabulary) -> Line:
     general, names = generalised(node)
-    about = joined(f"{_noun(free, v)} {variable(x)}" for free, x in names) if names else ""
+    nouns = ((v.noun(free) if isinstance(free, ir.Member) else "a value", x) for free, x in names)
+    about = joined(f"{noun} {variable(x)}" for noun, x in nouns) if names else ""
     name = code(node.name) + (f" of {about}" if about else "")
     if node.type.kind == "condition":
         return Line(f"{name} holds if {condition(general, v)}")
     return Line(f"{name} is {value(general, v)}")
-
-
-def _noun(free: Variable, v: Vocabulary) -> str:
-    return v.noun(free) if isinstance(free, ir.Member) else "a value"
 
 
 def generalised(node: ir.Named) -> tuple[ir.Expr, list[tuple[Variable, str]]]:

@@ -79,13 +79,13 @@ def blocking(kind: ir.Kind, v: Vocabulary) -> list[Line]:
         when = ""
         if block.condition is not None:
             when = f" if {condition(block.condition, v)}"
-            when += " (the agent is the one that would enter)" if block.what == "agents" and _reads_agent(block.condition) else ""
+            when += (
+                " (the agent is the one that would enter)"
+                if block.what == "agents" and any(isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(block.condition))
+                else ""
+            )
         found.append(Line(what + when))
     return found
-
-
-def _reads_agent(test: ir.Expr) -> bool:
-    return any(isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(test))
 
 
 def world_map(game: ir.Game) -> list[str]:

@@ -36,8 +36,10 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return "nobody"
         case ir.Nowhere():
             return "nowhere"
+        case ir.ParamRef() if e.type.by or e.name not in v.numbers:
+            return code(e.name)
         case ir.ParamRef():
-            return _parameter(e, v)
+            return f"{code(e.name)} ({table_value(v.numbers[e.name].value, ())})"
         case ir.Member():
             return v.refer(e)
         case ir.Local():
@@ -58,8 +60,15 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
             return CALCULATIONS[e.fn].english(*(operand(a, v) for a in e.args))
         case ir.Case():
             return case(e, v)
-        case ir.Lowest() | ir.Mix() | ir.SumRow() | ir.ShiftRow():
-            return _of_row(e, v)
+        case ir.Lowest():
+            return _lowest(e, v)
+        case ir.Mix():
+            return f"the shares of {value(e.row, v)}"
+        case ir.SumRow():
+            return f"{REDUCTIONS[e.fn].english} of {value(e.row, v)}"
+        case ir.ShiftRow():
+            where = f"{abs(e.by)} {'place' if abs(e.by) == 1 else 'places'} {'further on' if e.by >= 0 else 'further back'}"
+            return f"{value(e.row, v)} with every entry {where}, and {operand(e.filler, v)} where none comes from"
         case ir.Named():
             return _named(e, v)
         case ir.Narrowed():
@@ -73,27 +82,12 @@ def value(e: ir.Expr, v: Vocabulary) -> str:
         case ir.Sum():
             return f"the sum of {operand(e.value, v)} over all {v.members(e.domain)}"
         case ir.Extreme():
-            return _extreme(e, v)
+            otherwise = "" if e.otherwise is None else f", or {operand(e.otherwise, v)} if there are none"
+            return f"the {REDUCTIONS[e.fn].over} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
         case ir.Truth() | ir.Compare() | ir.Same() | ir.InRange() | ir.InWords() | ir.InSet() | ir.IsEmpty():
             return f"whether {v.condition(e)}"
         case ir.Chose() | ir.ChoseWith() | ir.Unoccupied() | ir.StandsOn() | ir.Not() | ir.Logic() | ir.MatrixClass():
             return f"whether {v.condition(e)}"
-        case _:
-            assert_never(e)
-
-
-def _of_row(e: ir.Lowest | ir.Mix | ir.SumRow | ir.ShiftRow, v: Vocabulary) -> str:
-    """Returns what is made of a whole row: a word, a number, or another row."""
-    match e:
-        case ir.Lowest():
-            return _lowest(e, v)
-        case ir.Mix():
-            return f"the shares of {value(e.row, v)}"
-        case ir.SumRow():
-            return f"{REDUCTIONS[e.fn].english} of {value(e.row, v)}"
-        case ir.ShiftRow():
-            where = f"{abs(e.by)} {'place' if abs(e.by) == 1 else 'places'} {'further on' if e.by >= 0 else 'further back'}"
-            return f"{value(e.row, v)} with every entry {where}, and {operand(e.filler, v)} where none comes from"
         case _:
             assert_never(e)
 
@@ -105,11 +99,6 @@ def _lowest(e: ir.Lowest, v: Vocabulary) -> str:
     else:
         names, none = f"the words {codes(level.names)}", code(level.names[-e.last])
     return f"the {which} of {names} whose entry in {value(e.row, v)} is above 0 ({none} if none is)"
-
-
-def _extreme(e: ir.Extreme, v: Vocabulary) -> str:
-    otherwise = "" if e.otherwise is None else f", or {operand(e.otherwise, v)} if there are none"
-    return f"the {REDUCTIONS[e.fn].over} of {operand(e.value, v)} over all {v.members(e.domain)}{otherwise}"
 
 
 def operand(e: ir.Expr, v: Vocabulary) -> str:
@@ -134,12 +123,6 @@ def _is_simple_entry(e: ir.Expr) -> TypeGuard[ir.At]:
     return isinstance(e, ir.At) and e.key.type.kind != "mix" and isinstance(e.row, ATOMS)
 
 
-def _parameter(e: ir.ParamRef, v: Vocabulary) -> str:
-    if e.type.by or e.name not in v.numbers:
-        return code(e.name)
-    return f"{code(e.name)} ({table_value(v.numbers[e.name].value, ())})"
-
-
 def entry(e: ir.At, v: Vocabulary, default: str = "") -> str:
     """Returns one entry of a row or table, or its mean weighted by a row; `default` is its default value if that is known."""
     row = operand(e.row, v)
@@ -148,11 +131,7 @@ def entry(e: ir.At, v: Vocabulary, default: str = "") -> str:
         return f"the mean of {row} weighted by {weights}"
     if isinstance(e.key, ir.Word):
         return f"the {code(e.key.value)} entry of {row}{default}"
-    return f"the entry of {row} for {_key(e.key, v)}"
-
-
-def _key(key: ir.Expr, v: Vocabulary) -> str:
-    return f"({value(key, v)})" if isinstance(key, ir.At) else operand(key, v)
+    return f"the entry of {row} for {f'({value(e.key, v)})' if isinstance(e.key, ir.At) else operand(e.key, v)}"
 
 
 def _default_entry(e: ir.At, v: Vocabulary) -> str:

@@ -108,7 +108,9 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
     if s.what == "mover" and not s.field:
         unless = "" if s.hidden_when is None else f", unless {condition(s.hidden_when, v)}{_readers(s)}"
         return Line(f"whether a {s.kind} stands there{unless}")
-    entry = f"the {_row_entry(s.word)} of the" if s.word is not None else "the"
+    entry = "the"
+    if s.word is not None:
+        entry = f"the {f'{code(s.word.name)} entry' if s.word.level.sort == 'word' else f'entry for {s.word.name}'} of the"
     entry = "the number of the agent in the" if s.type.words[:1] == ("nobody",) and not s.labels else entry
     relative = " as seen by the observer" if s.what == "mover" and s.field == "heading" and not s.labels else ""
     whose = whose.replace(",", f"{relative},") if relative else whose
@@ -122,11 +124,6 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
         text += f", if {condition(s.shown_when, v)}; otherwise {code('hidden') if shown_words(s) else 0}"
     conditional = s.hidden_when is not None or s.shown_when is not None
     return Line(text + (_readers(s) if s.labels or conditional else ""))
-
-
-def _row_entry(entry: ir.Entry) -> str:
-    """Returns one entry of a row."""
-    return f"{code(entry.name)} entry" if entry.level.sort == "word" else f"entry for {entry.name}"
 
 
 def _readers(s: ir.Observable) -> str:

@@ -27,11 +27,7 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
     fields = [_written(n.target, v) for n in nodes if isinstance(n, ir.Set | ir.Add)]
     found = [f"sets {joined(dict.fromkeys(fields))}"] if fields else []
     places = ((ir.Move, "move"), (ir.Send, "are sent elsewhere"), (ir.Shift, "are sent to one cell"), (ir.Remove, "are taken away"))
-    sorts = (
-        (ir.Give, "gives rewards"),
-        (ir.Mark, "marks cells"),
-        (ir.End, "can end the episode"),
-    )
+    sorts = ((ir.Give, "gives rewards"), (ir.Mark, "marks cells"), (ir.End, "can end the episode"))
     for who in body_sorts(v.game):
         many = "agents" if who.what == "agent" else f"{who.name} movers"
         found += [f"{many} {does}" for sort, does in places if any(isinstance(n, sort) and _of(n) == who for n in nodes)]

@@ -50,9 +50,9 @@ def _after(place: Place, first: str, names: Names, around: Locals) -> list[Found
     if last == "TALLY":
         return [(n, s, 0) for n, s, _ in _of("metric", names, 0) if not isinstance(names.nodes[Symbol("metric", n)], ast.Measure)]
     if _begins_domain(place, first):
-        return list(_who(names))
+        return _who(names)
     if last == "OF":
-        return list(_kinds(names)) if place.text(2) == "cell" else list(_local(around, 0))
+        return _kinds(names) if place.text(2) == "cell" else _local(around, 0)
     if last == "IN":
         forms: list[Found] = [(form, "form", 2) for form in FORMS]
         return [*_of("shape", names, 0), *forms, *_local(around, 1), *_values(place, names, around, first)]
@@ -70,42 +70,32 @@ def _after(place: Place, first: str, names: Names, around: Locals) -> list[Found
 def _declared_after(place: Place, first: str, names: Names, around: Locals) -> list[Found] | None:
     """Returns the names of one sort that a declaration lists."""
     last = place.last()
+    in_slots = last == "POLICY" and head(place.tokens[:-1], frozenset({"SLOTS"})) is not None
     lists: dict[tuple[str, str], list[Found]] = {}
-    for sign in ("GROUP", "EQUAL", "COMMA"):
-        lists["GROUP", sign] = list(_kinds(names))
-    for sign in ("ACTS", "COMMA"):
-        lists["ACTS", sign] = [(name, "action", 0) for name in BUILT_IN]
-    for sign in ("BLOCKS", "COMMA"):
-        lists["BLOCKS", sign] = [*_of("shape", names, 0), *((m, "sort of movers", 1) for m in names.movers)]
-    for sign in ("WINDOW", "COMMA"):
-        lists["WINDOW", sign] = [(side, "value", 0) for side in SIDES]
-    for sign in ("WITH", "COMMA"):
-        lists["EXPECT", sign] = [*_of("policy", names, 0), *((name, "policy", 1) for name in POLICIES)]
+    lists["GROUP", "GROUP"] = lists["GROUP", "EQUAL"] = lists["GROUP", "COMMA"] = _kinds(names)
+    lists["ACTS", "ACTS"] = lists["ACTS", "COMMA"] = [(name, "action", 0) for name in BUILT_IN]
+    lists["BLOCKS", "BLOCKS"] = lists["BLOCKS", "COMMA"] = [*_of("shape", names, 0), *((m, "sort of movers", 1) for m in names.movers)]
+    lists["WINDOW", "WINDOW"] = lists["WINDOW", "COMMA"] = [(side, "value", 0) for side in SIDES]
+    lists["EXPECT", "WITH"] = lists["EXPECT", "COMMA"] = [*_of("policy", names, 0), *((name, "policy", 1) for name in POLICIES)]
     lists["MARK", "MARK"] = lists["AIM", "AIM"] = [*_of("shape", names, 0), *((form, "form", 2) for form in FORMS)]
     lists["MOVES", "MOVES"] = [("relative", "value", 0), ("compass", "value", 0)]
-    lists["LOOK", "LOOK"] = list(_who(names))
+    lists["LOOK", "LOOK"] = _who(names)
     lists["MONOTONE", "MONOTONE"] = lists["MONOTONE", "IN"] = [(n, s, 0) for n, s in names.sorts.items() if s == "define"]
-    lists["POLICY", "POLICY"] = [*_of("policy", names, 0), ("random", "policy", 1), ("stay", "policy", 1)] if _in_slots(place) else []
+    lists["POLICY", "POLICY"] = [*_of("policy", names, 0), ("random", "policy", 1), ("stay", "policy", 1)] if in_slots else []
     lists["DROP", "DROP"] = [*_shared(names, ()), *_of("phase", names), *_of("metric", names), *_of("shape", names), *_of("policy", names),
                              *_of("scenario", names), *_of("checks", names), *_of("variant", names)]  # fmt: skip
-    for word in ("SEND", "REMOVE"):
-        lists[word, word] = list(_local(around, 0))
-    for word in ("SHOW", "HIDE"):
-        lists[word, word] = [
-            ("agent", "value", 0),
-            *_kinds(names),
-            *_shared(names, ("field of the world",)),
-            ("marks", "value", 2),
-            ("content", "value", 2),
-        ]
+    lists["SEND", "SEND"] = lists["REMOVE", "REMOVE"] = _local(around, 0)
+    covered = [(word, "value", 2) for word in ("marks", "content")]
+    lists["SHOW", "SHOW"] = lists["HIDE", "HIDE"] = [
+        ("agent", "value", 0),
+        *_kinds(names),
+        *_shared(names, ("field of the world",)),
+        *covered,
+    ]
     if (first, last) == ("SET", "SET"):
         inside = head_of_block(place.tokens) in ("PHASE", "START")
         return [*_local(around, 0), *_shared(names, ("field of the world",))] if inside else list(_shared(names, ("parameter", "size")))
     return lists.get((first, last))
-
-
-def _in_slots(place: Place) -> bool:
-    return place.last() == "POLICY" and head(place.tokens[:-1], frozenset({"SLOTS"})) is not None
 
 
 def head_of_block(tokens: Sequence[Token]) -> str:

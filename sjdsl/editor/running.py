@@ -71,7 +71,7 @@ def run_phase(analysis: Analysis, phase: str, seed: int = 0, steps: int = STEPS)
         for moment in play(made.game, default_params(made.game), seed, 0 if phase == "start" else steps, random_actions(made.game)):
             turns = [turn for turn in moment.turns if is_shown(turn, (phase,))]
             played += bool(turns)
-            if any(_does_something(turn) for turn in turns):
+            if any(turn.effects for turn in turns):
                 acted += 1
                 scenes += [_scene(moment, turns, before, teller)] if len(scenes) < SCENES else []
             idle = {s.origin for turn in turns for s in turn.never if s.origin is not None}
@@ -84,16 +84,8 @@ def run_phase(analysis: Analysis, phase: str, seed: int = 0, steps: int = STEPS)
     named = f" of variant `{variants[0]}`" if variants else ""
     counted = "when the episode begins" if phase == "start" else f"in {acted} of {played} steps with random actions"
     said = f"phase `{phase}`{named}: something changes {counted} (seed {seed})"
-    yield Result(
-        said,
-        "\n".join([said, "", *scenes]),
-        False,
-        tuple(_never_happened(span, analysis, played) for span in sorted_spans(never, analysis)),
-    )
-
-
-def _does_something(turn: Told) -> bool:
-    return bool(turn.effects)
+    idle_here = sorted((span for span in never or () if span.file == analysis.document.name), key=lambda span: span.start)
+    yield Result(said, "\n".join([said, "", *scenes]), False, tuple(_never_happened(span, analysis, played) for span in idle_here))
 
 
 def _scene(moment: Moment, turns: list[Told], before: list[str], teller: Teller) -> str:
@@ -105,11 +97,6 @@ def _scene(moment: Moment, turns: list[Told], before: list[str], teller: Teller)
     for turn in turns:
         lines += turn_lines(turn, teller)
     return "\n".join([*lines, *(f"    {row}" for row in draw(teller.looks, teller.board, moment.world)), ""])
-
-
-def sorted_spans(spans: set[Span] | None, analysis: Analysis) -> list[Span]:
-    """Returns the spans of the text itself, in its order."""
-    return sorted((s for s in spans or () if s.file == analysis.document.name), key=lambda s: s.start)
 
 
 def _never_happened(span: Span, analysis: Analysis, steps: int) -> types.Diagnostic:
