@@ -21,7 +21,7 @@ def episode(v: Vocabulary) -> list[str]:
     length = v.game.episode
     steps = counted(length.value, "step") if isinstance(length, ir.Number) else f"{value(length, v)} steps"
     found = [f"An episode is cut off (truncated) after {steps}; the reward of the last step counts."]
-    ending = v.phases_with(ir.End)
+    ending = [label for label, nodes in v.phases.items() if any(isinstance(node, ir.End) for node in nodes)]
     if ending:
         found.append(f"It can end before (terminated) in phase {codes(ending, 'or')}; if both happen at once it is terminated.")
     return [" ".join(found), ""]

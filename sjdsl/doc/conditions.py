@@ -26,8 +26,7 @@ def condition(e: ir.Expr, v: Vocabulary, holds: bool = True) -> str:
         case ir.Truth():
             return "always" if e.value == holds else "never"
         case ir.Unoccupied():
-            somebody = "agent or mover" if v.game.movers else "agent"
-            return f"{'no' if holds else 'some'} {somebody} stands on {value(e.cell, v)}"
+            return f"{'no' if holds else 'some'} {v.somebody} stands on {value(e.cell, v)}"
         case ir.Not():
             return condition(e.value, v, not holds)
         case ir.Logic():  # parts that are joined themselves stand in brackets

@@ -1,7 +1,5 @@
 """The English of domains: the agents or cells that a quantifier ranges over."""
 
-from typing import assert_never
-
 from sjdsl.compiler import ir
 from sjdsl.doc.conditions import condition, is_compound, say
 from sjdsl.doc.expressions import value
@@ -16,11 +14,17 @@ def members(d: ir.Domain, v: Vocabulary, plural: bool = False, restriction: bool
       plural: `soil cells that lie ...`.
       restriction: whether to say where they are looked for; `nearest` says it elsewhere.
     """
-    if isinstance(d.restriction, ir.Among) and restriction:
-        return _among(d, d.restriction, v, plural)
+    where = d.restriction if restriction else None
+    if isinstance(where, ir.Among):
+        return _among(d, where, v, plural)
     own, under, rest = _clauses(d, v)
-    if d.restriction is not None and restriction:
-        own.append(_lies(d.restriction, v, plural, d.var.sort.what != "cell"))
+    match where:
+        case ir.Near():
+            verb = "lie" if d.var.sort.what == "cell" else "stand"
+            own.append(f"that {verb}{'' if plural else 's'} in {shape_of(where.shape, where.anchor, v)}")
+        case ir.InAgents() | ir.InCell():
+            among = "among " if where.value.type.kind == "agents" else ""
+            own.append(f"that {'are' if plural else 'is'} {among}{value(where.value, v)}")
     if d.on is not None:
         cell = v.named(d.on)
         own.append(" ".join([f"that {'each stand' if plural else 'stands'} on {article(cell)}", *under]))
@@ -72,9 +76,9 @@ def relative(test: ir.Expr, member: ir.Member, v: Vocabulary) -> str:
     """Returns a condition as a clause behind its noun, `whose fruit is ripe`; empty if it is not about this member."""
     match test:
         case ir.Unoccupied(cell=cell) if _is(cell, member):
-            return f"on which no {_somebody(v)} stands"
+            return f"on which no {v.somebody} stands"
         case ir.Not(value=ir.Unoccupied(cell=cell)) if _is(cell, member):
-            return f"on which some {_somebody(v)} stands"
+            return f"on which some {v.somebody} stands"
     saying = say(test, v)
     if saying is None:
         return ""
@@ -87,34 +91,12 @@ def relative(test: ir.Expr, member: ir.Member, v: Vocabulary) -> str:
     return ""
 
 
-def _somebody(v: Vocabulary) -> str:
-    return "agent or mover" if v.game.movers else "agent"
-
-
 def _bare(test: ir.Expr) -> ir.Expr:
     return _bare(test.value) if isinstance(test, ir.Not) else test
 
 
 def _is(e: ir.Expr | None, member: ir.Member) -> bool:
     return isinstance(e, ir.Member) and e.name == member.name
-
-
-def _lies(restriction: ir.Restriction, v: Vocabulary, plural: bool, is_agent: bool) -> str:
-    match restriction:
-        case ir.Near():
-            verb = "stand" if is_agent else "lie"
-            return f"that {verb}{'' if plural else 's'} in {shape_of(restriction.shape, restriction.anchor, v)}"
-        case ir.InAgents():
-            what = value(restriction.value, v)
-            if restriction.value.type.kind == "agents":
-                return f"that {'are' if plural else 'is'} among {what}"
-            return f"that {'are' if plural else 'is'} {what}"
-        case ir.InCell():
-            return f"that {'are' if plural else 'is'} {value(restriction.value, v)}"
-        case ir.Among():
-            return f"that {'are' if plural else 'is'} one of {joined((v.refer(m) for m in restriction.members), 'or')}"
-        case _:
-            assert_never(restriction)
 
 
 def shape_of(shape: str, anchor: ir.Member, v: Vocabulary) -> str:

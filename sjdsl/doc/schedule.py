@@ -17,7 +17,7 @@ def overview(v: Vocabulary) -> list[str]:
 
 def _tick(v: Vocabulary) -> str:
     found = ["timers fall"] if any(field.timer for field in all_fields(v.game)) else []
-    found += [f"{v.bodies} that are away come nearer"] if v.waits else []
+    found += [f"agents{' and movers' if v.game.movers else ''} that are away come nearer"] if v.waits else []
     return f"`tick`: {joined(found) if found else 'nothing'}"
 
 

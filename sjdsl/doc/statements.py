@@ -237,6 +237,7 @@ def _tick_lines(v: Vocabulary) -> list[Line]:
     world = [f"{code(f.name)} of the world" for f in v.game.fields if f.timer]
     found = [Line(f"these timers fall by 1 if they are above 0: {joined([*agents, *cells, *world])}")] if agents or cells or world else []
     if v.waits:
-        who = "agent or mover" if v.game.movers else "agent"
-        found.append(Line(f"each {who} that is away for a number of ticks is one tick nearer to its return; who has none left returns now"))
+        found.append(
+            Line(f"each {v.somebody} that is away for a number of ticks is one tick nearer to its return; who has none left returns now")
+        )
     return found or [Line("nothing: the game has no timers, and nobody is away for a time")]

@@ -44,24 +44,15 @@ class Vocabulary:
         """The parts of each phase of the schedule, by its label."""
         return {phase.label: tuple(ir.walk(phase)) for phase in self.game.schedule if isinstance(phase, ir.Phase)}
 
-    def phases_with(self, *sorts: type[ir.Node]) -> list[str]:
-        """Returns the labels of the phases that have a part of one of these sorts."""
-        return [label for label, nodes in self.phases.items() if any(isinstance(node, sorts) for node in nodes)]
-
     @cached_property
     def waits(self) -> bool:
         """Whether an agent or a mover can be away for a time."""
         return any(isinstance(node, ir.Send) and node.after is not None for node in self.nodes)
 
-    @cached_property
-    def bodies(self) -> str:
-        """Who occupies cells: `agents`, or `agents and movers`."""
-        return "agents and movers" if self.game.movers else "agents"
-
-    @cached_property
-    def agents_move(self) -> bool:
-        """Whether some phase lets agents move as they chose."""
-        return any(isinstance(node, ir.Move) and node.course is None for node in self.nodes)
+    @property
+    def somebody(self) -> str:
+        """Who occupies cells: `agent`, or `agent or mover`."""
+        return "agent or mover" if self.game.movers else "agent"
 
     @cached_property
     def groups(self) -> dict[tuple[str, ...], str]:

@@ -115,17 +115,9 @@ def head_of_block(tokens: Sequence[Token]) -> str:
 
 def _begins_domain(place: Place, first: str) -> bool:
     last, before = place.last(), place.last(2)
-    if last == "LPAR":
-        return before in ("COUNT", "ANY", "ALL")
-    if last == "TO":
-        return first == "SEND"
-    if last == "WITH":
-        return first == "MATCH"
-    if last == "ON":
-        return True
-    if last in ("INT", "NAME") and before == "PICK":
-        return True
-    return last in BEFORE_DOMAIN - {"WITH", "TO", "FROM"} or (last == "FROM" and before == "AWAY")
+    opens = {"LPAR": before in ("COUNT", "ANY", "ALL"), "INT": before == "PICK", "NAME": before == "PICK"}
+    opens |= {"TO": first == "SEND", "WITH": first == "MATCH", "FROM": before == "AWAY"}
+    return opens.get(last, last in BEFORE_DOMAIN)
 
 
 def _of(space: Space, names: Names, rank: int = 3) -> list[Found]:

@@ -15,7 +15,7 @@ from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.documents import Documents
 from sjdsl.editor.family import declarations, everywhere
-from sjdsl.editor.moved import Moved
+from sjdsl.editor.positions import Moved
 from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")

@@ -41,7 +41,7 @@ class Result:
 
 def variant_of(analysis: Analysis, phase: str) -> tuple[str, ...] | None:
     """Returns the first variant whose schedule has a phase, the game itself before all; None where none can be compiled and has it."""
-    for names in ((), *((name,) for name in analysis.variants)):
+    for names in analysis.choices:
         made = _built(analysis, names)
         if made is not None and (phase == "start" or any(isinstance(t, ir.Phase) and t.name == phase for t in made.game.schedule)):
             return names
@@ -107,9 +107,9 @@ def _never_happened(span: Span, analysis: Analysis, steps: int) -> types.Diagnos
 # ---- checks
 
 
-def check_numbers(analysis: Analysis, start: int | None = None, variants: tuple[str, ...] = ()) -> tuple[list[int], tuple[str, ...]]:
+def check_numbers(analysis: Analysis, start: int | None = None) -> tuple[list[int], tuple[str, ...]]:
     """Returns which checks of a game stand at a place, all without one; and the first variant that has them."""
-    for names in (variants,) if variants else ((), *((name,) for name in analysis.variants)):
+    for names in analysis.choices:
         made = _built(analysis, names)
         checks = () if made is None else made.game.checks
         own = [(i, c.origin) for i, c in enumerate(checks) if c.origin is not None and c.origin.file == analysis.document.name]
@@ -138,10 +138,9 @@ def run_checks(analysis: Analysis, start: int | None = None) -> Iterator[Result 
             yield None
     failed = [v for v in verdicts if v.passed is False]
     named = f" of variant `{variants[0]}`" if variants else ""
-    said = f"{len(verdicts)} {'check' if len(verdicts) == 1 else 'checks'}{named}: " + (
-        f"{len(failed)} failed" if failed else "none failed"
-    )
-    said = f"`{verdicts[0].text}`{named}: {_status(verdicts[0])}" if len(verdicts) == 1 else said
+    said = f"{len(verdicts)} checks{named}: {len(failed) or 'none'} failed"
+    if len(verdicts) == 1:
+        said = f"`{verdicts[0].text}`{named}: {_status(verdicts[0])}"
     text = "\n".join(line for v in verdicts for line in (f"{_status(v)}  {v.text}", *(f"    {t}" for t in v.trace)))
     spans = [family.own.checks[number].origin for number in numbers]
     marks = tuple(_judged(v, span, analysis) for v, span in zip(verdicts, spans, strict=True) if span is not None)

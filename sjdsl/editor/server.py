@@ -8,9 +8,10 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 
-from sjdsl.editor import colours, completion, lenses
+from sjdsl.editor import colours, completion
 from sjdsl.editor.documents import path_of
 from sjdsl.editor.navigation import Refused
+from sjdsl.editor.outline import RUN_CHECK, RUN_CHECKS, RUN_PHASE
 from sjdsl.editor.running import Result, run_checks, run_phase
 from sjdsl.editor.session import Session
 from sjdsl.version import __version__
@@ -185,15 +186,15 @@ def make_server() -> Server:
     for message, answer in answers.items():
         server.feature(message, options.get(message))(answer)
 
-    @server.command(lenses.RUN_PHASE)
+    @server.command(RUN_PHASE)
     async def phase(ls: Server, uri: str, name: str) -> dict[str, Any]:
         return await ls.run(uri, lambda analysis: run_phase(analysis, name))
 
-    @server.command(lenses.RUN_CHECK)
+    @server.command(RUN_CHECK)
     async def check(ls: Server, uri: str, start: int) -> dict[str, Any]:
         return await ls.run(uri, lambda analysis: run_checks(analysis, start))
 
-    @server.command(lenses.RUN_CHECKS)
+    @server.command(RUN_CHECKS)
     async def checks(ls: Server, uri: str) -> dict[str, Any]:
         return await ls.run(uri, run_checks)
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any, TypeVar, assert_never
 
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
@@ -32,6 +32,7 @@ from sjdsl.studio.trained import Trained, load_trained
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
+Made = TypeVar("Made")
 
 
 class Refused(Exception):
@@ -293,15 +294,11 @@ class Bench:
 
     @property
     def _opened(self) -> Opened:
-        if self.opened is None:
-            raise Refused("no text has compiled yet")
-        return self.opened
+        return _compiled(self.opened)
 
     @property
     def _shown(self) -> Opened:
-        if self.on_board is None:
-            raise Refused("no text has compiled yet")
-        return self.on_board
+        return _compiled(self.on_board)
 
     @property
     def _shows_counterexample(self) -> bool:
@@ -309,9 +306,7 @@ class Bench:
 
     @property
     def _episode(self) -> Episode:
-        if self.episode is None:
-            raise Refused("no text has compiled yet")
-        return self.episode
+        return _compiled(self.episode)
 
     @property
     def _look(self) -> Any:
@@ -326,3 +321,9 @@ class Bench:
     def _overflow(self, left: LeavesFloat32) -> str:
         rules = Rules(self._opened.build.sources)
         return f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}"
+
+
+def _compiled(made: Made | None) -> Made:
+    if made is None:
+        raise Refused("no text has compiled yet")
+    return made

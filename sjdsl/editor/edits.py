@@ -1,12 +1,15 @@
-"""Quick fixes: the changes that messages suggest, as edits of the text."""
+"""Edits of a text that an editor offers: the changes that messages suggest, and the lines that `sjdsl fmt` would change."""
 
+from difflib import SequenceMatcher
 from typing import Any
 
 from lsprotocol import types
 
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.editor.analysis import Analysis
 from sjdsl.editor.diagnostics import by_variant, diagnostics
 from sjdsl.editor.documents import Documents
+from sjdsl.format import format_source
 
 
 def quick_fixes(analysis: Analysis, range_: types.Range, documents: Documents) -> list[types.CodeAction]:
@@ -31,3 +34,22 @@ def quick_fixes(analysis: Analysis, range_: types.Range, documents: Documents) -
                 )
             )
     return found
+
+
+def formatting(analysis: Analysis) -> list[types.TextEdit]:
+    """Returns the edits that lay out a text, of no other lines, so that the cursor stays where it is; none for one with syntax errors."""
+    before = analysis.document.text
+    try:
+        after = format_source(analysis.source)
+    except CompileError:
+        return []
+    old, new = before.splitlines(keepends=True), after.splitlines(keepends=True)
+    starts = [0]
+    for line in old:
+        starts.append(starts[-1] + len(line))
+    lines = analysis.document.lines
+    return [
+        types.TextEdit(lines.range(starts[i], starts[j]), "".join(new[first:last]))
+        for tag, i, j, first, last in SequenceMatcher(None, old, new, autojunk=False).get_opcodes()
+        if tag != "equal"
+    ]
