@@ -158,7 +158,7 @@ def _values(place: Place, names: Names, around: Locals, first: str) -> Iterator[
 
 def _members(tokens: Sequence[Token], names: Names, around: Locals) -> Iterator[Found]:
     """Yields what may stand after a dot."""
-    owners, action = _path(tokens[:-1], names, around)
+    _, owners, action = _path(tokens[:-1], names, around)
     if action:
         yield from ((s.name, "argument", 0) for s in names.nodes if s.space == "argument" and s.owner == action)
         return
@@ -180,28 +180,13 @@ def compared_field(tokens: Sequence[Token], names: Names, around: Locals) -> lis
         end -= 1
     if end == len(tokens) or not end:
         return []
-    fields = _fields(tokens[:end], names, around)
+    fields, _, _ = _path(tokens[:end], names, around)
     found = []
     for field in fields:
         if isinstance(field, ast.Field):
             of = field.by if tokens[end].type == "LSQB" else field.type
             found += [[name.text for name in of.names]] if isinstance(of, ast.Words) else []
     return found
-
-
-def _fields(tokens: Sequence[Token], names: Names, around: Locals) -> list[ast.Field | ast.Timer]:
-    """Returns the fields that the path at the end of tokens can be."""
-    tokens = _without_index(tokens)
-    if not tokens or tokens[-1].type != "NAME":
-        return []
-    name = str(tokens[-1])
-    if len(tokens) > 1 and tokens[-2].type == "DOT":
-        owners, _ = _path(tokens[:-2], names, around)
-        return [names.fields[s.owner][s.name] for s in names.with_field(name, owners)]
-    declared = names.fields.get("", {}).get(name)
-    if declared is None:  # in a declaration: `glyph "t" with fruit = `, `field fruit : { none, ripe } = `
-        return [fields[name] for owner, fields in names.fields.items() if owner and name in fields]
-    return [declared]
 
 
 def _without_index(tokens: Sequence[Token]) -> Sequence[Token]:
@@ -217,20 +202,22 @@ def _without_index(tokens: Sequence[Token]) -> Sequence[Token]:
     return tokens
 
 
-def _path(tokens: Sequence[Token], names: Names, around: Locals) -> tuple[Owners, str]:
-    """Returns what the path at the end of tokens can be; and the action, if it is one that has arguments."""
+def _path(tokens: Sequence[Token], names: Names, around: Locals) -> tuple[list[ast.Field | ast.Timer], Owners, str]:
+    """Returns the fields that the path at the end of tokens can be, what it can be, and the action, if it is one that has arguments."""
     tokens = _without_index(tokens)
     if not tokens or tokens[-1].type != "NAME":
-        return None, ""
+        return [], None, ""
     name = str(tokens[-1])
     if len(tokens) > 1 and tokens[-2].type == "DOT":
-        owners, _ = _path(tokens[:-2], names, around)
+        _, owners, _ = _path(tokens[:-2], names, around)
         fields = [names.fields[s.owner][s.name] for s in names.with_field(name, owners)]
-        held = [h for h in map(names.type_of, fields) if h]
         if not fields and isinstance(names.nodes.get(Symbol("action", name)), ast.Action):
-            return frozenset(), name
-        return (frozenset().union(*held) if fields else None), ""
-    if name in around:
-        return around[name], ""
+            return [], frozenset(), name
+        held = [h for h in map(names.type_of, fields) if h]
+        return fields, (frozenset().union(*held) if fields else None), ""
     declared = names.fields.get("", {}).get(name)
-    return (names.type_of(declared) if declared is not None else names.owners(name)), ""
+    if declared is not None:
+        return [declared], around[name] if name in around else names.type_of(declared), ""
+    # in a declaration: `glyph "t" with fruit = `, `field fruit : { none, ripe } = `
+    fields = [fields[name] for owner, fields in names.fields.items() if owner and name in fields]
+    return fields, around[name] if name in around else names.owners(name), ""
