@@ -58,7 +58,7 @@ def _description(old: ir.Game, new: ir.Game) -> list[Change]:
 
 def _numbers(old: Written, new: Written) -> list[Change]:
     """Returns numbers with another default, entry by entry; other units, limits, and whether they are fixed when compiled."""
-    mine, theirs = ({n.name: n for n in (*w.game.sizes, *w.game.params)} for w in (old, new))
+    mine, theirs = _declared(old.game), _declared(new.game)
     found: list[Change] = []
     for name in mine | theirs:
         a, b = mine.get(name), theirs.get(name)
@@ -78,6 +78,10 @@ def _numbers(old: Written, new: Written) -> list[Change]:
         elif b:
             found.append(Change(name, new=b.value, shown=("", _shown(b, new)), unit=unit_of(b)))
     return found
+
+
+def _declared(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
+    return {s.name: s for s in game.sizes} | {p.name: p for p in game.params}
 
 
 def _shown(declared: ir.Size | ir.Param, w: Written) -> str:

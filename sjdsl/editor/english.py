@@ -24,8 +24,8 @@ def english(symbol: Symbol, game: ir.Game) -> list[str]:
         case "policy":
             return next((_bullets(policy_lines(p, v)) for p in game.policies if p.name == symbol.name), [])
         case "field":
-            bodies = (*game.kinds, *game.movers)
-            owners = {"agent": game.agents.fields} | {body.name: body.fields for body in bodies}
+            owners = {"agent": game.agents.fields} | {kind.name: kind.fields for kind in game.kinds}
+            owners |= {sort.name: sort.fields for sort in game.movers}
             return _bullets(field_line(field) for field in owners.get(symbol.owner, ()) if field.name == symbol.name)
         case "action":
             return [meaning for _, name, meaning in action_rows(v) if name.strip("`").partition("(")[0] == symbol.name and meaning]

@@ -158,7 +158,7 @@ class Substrate(Copied, dm_env.Environment):
             return windows
         content, agents = np.asarray(self._sees(self._state, self.env.params))[:, :2].swapaxes(0, 1)
         nowhere = np.full_like(snapshot.row, -1)
-        empty = draw_board(self._look, replace(snapshot, row=nowhere, col=nowhere), self._tiles)
+        empty = draw_board(self._look, replace(snapshot, row=nowhere, col=nowhere))
         windows = where_seen(agents != NONE, windows, draw_windows(empty, snapshot, game.window, self._look.tile))
         return where_seen(content != OUTSIDE, windows, np.zeros_like(windows)) if game.window.views else windows
 

@@ -10,8 +10,9 @@ from functools import lru_cache
 import numpy as np
 
 from sjdsl.render.colours import BARS, FILLING, SPRITES, Colour, mixed
-from sjdsl.render.look import FieldLook, KindLook, Look, Picture, Rule, Values
+from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values
 from sjdsl.render.moment import Snapshot
+from sjdsl.render.usual import Picture
 
 BAR_STEPS = 8
 TINTED = 0.45

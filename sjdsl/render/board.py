@@ -29,7 +29,7 @@ def draw_board(look: Look, snapshot: Snapshot) -> np.ndarray:
     """Returns the board of one moment, `[H * tile, W * tile, 3]` uint8."""
     seen, size = appearance_of(look, snapshot), look.tile
     tiles = np.stack([draw_tile(drawing, size) for drawing in seen.drawings])
-    board = tiles[seen.cells].swapaxes(1, 2)  # [H, tile, W, tile, 3]
+    board: np.ndarray = tiles[seen.cells].swapaxes(1, 2)  # [H, tile, W, tile, 3]
     for colour, cells in seen.marks:
         rows, cols = np.nonzero(cells)
         under = board[rows, :, cols].astype(np.float32)

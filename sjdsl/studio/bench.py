@@ -232,9 +232,7 @@ class Bench:
 
     def _put(self, request: ask.Put) -> None:
         game, episode, agent = self._shown.game, self._episode, self._agent(request.agent)
-        cell, world = Cell(request.row, request.col), episode.now.world
-        if not (0 <= cell.row < len(game.rows) and 0 <= cell.col < len(game.rows[0])):
-            raise Refused("that is no cell of the map")
+        cell, world = self._cell(request.row, request.col), episode.now.world
         if cell in world.position and world.position.index(cell) != agent:
             raise Refused("another agent stands there")
         if any(cell in herd.position for herd in world.movers.values()):
@@ -264,9 +262,7 @@ class Bench:
 
     def _panel(self, request: ask.Panel) -> Answer:
         opened, shown, moment = self._opened, self._shown, self._episode.now
-        cell = None if request.row is None or request.col is None else Cell(request.row, request.col)
-        if cell is not None and not (0 <= cell.row < len(shown.game.rows) and 0 <= cell.col < len(shown.game.rows[0])):
-            raise Refused("that is no cell of the map")
+        cell = None if request.row is None or request.col is None else self._cell(request.row, request.col)
         panels: dict[str, Callable[[], Answer]] = {
             "rules": lambda: rules_panel(opened),
             "python": lambda: python_panel(opened),
@@ -317,6 +313,12 @@ class Bench:
         if not 0 <= number < self._shown.game.agents.number:
             raise Refused(f"there is no agent {number}")
         return number
+
+    def _cell(self, row: int, col: int) -> Cell:
+        rows = self._shown.game.rows
+        if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
+            raise Refused("that is no cell of the map")
+        return Cell(row, col)
 
     def _overflow(self, left: LeavesFloat32) -> str:
         rules = Rules(self._opened.build.sources)
