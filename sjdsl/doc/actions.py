@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.doc.conditions import condition
+from sjdsl.doc.phrases import condition
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, code, codes, joined, number
 

@@ -4,9 +4,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.doc.actions import chosen_names
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.domains import members
-from sjdsl.doc.expressions import value
+from sjdsl.doc.phrases import condition, members, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, joined
 

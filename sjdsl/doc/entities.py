@@ -3,7 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import kind_named, starts_of
 from sjdsl.doc.actions import action_rows, forbidden
-from sjdsl.doc.conditions import condition
+from sjdsl.doc.phrases import condition
 from sjdsl.doc.shapes import shapes
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, fenced, joined, number, table

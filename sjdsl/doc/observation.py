@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
 from sjdsl.compiler.lower.cell_appearance import shown_words
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.expressions import value
+from sjdsl.doc.phrases import condition, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
 

@@ -1,7 +1,7 @@
 """The English of `look`: how the cells and agents of a game are drawn."""
 
 from sjdsl.compiler import ir
-from sjdsl.doc.conditions import condition
+from sjdsl.doc.phrases import condition
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, joined
 

@@ -3,8 +3,7 @@
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.doc.conditions import arguments, condition
-from sjdsl.doc.domains import members
+from sjdsl.doc.phrases import arguments, condition, members
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, article, bullets, capital, code, counted, joined, plain
 

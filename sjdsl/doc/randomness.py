@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import body_sort, phases_of
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.domains import members
+from sjdsl.doc.phrases import condition, members
 from sjdsl.doc.statements import chosen, drawn, one_cell, paired, probability
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, table, variable

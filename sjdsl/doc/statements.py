@@ -4,9 +4,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import written_field
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.domains import members, nearest, shape_of
-from sjdsl.doc.expressions import operand, side, value
+from sjdsl.doc.phrases import condition, members, nearest, operand, shape_of, side, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, article, code, codes, counted, joined, number, variable
 from sjdsl.runtime.actions import HEADINGS

@@ -1,20 +1,11 @@
 """The symbol table of a rule sheet: what the names of one game stand for while it is put into English."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import declared_field
 from sjdsl.doc.wording import article, code, joined, variable
-
-
-@dataclass(frozen=True)
-class Phrases:
-    """What expressions have inside them and are put into words elsewhere: conditions, as clauses, and members, in the plural."""
-
-    condition: Callable[[ir.Expr, "Vocabulary"], str]
-    members: Callable[[ir.Domain, "Vocabulary"], str]
 
 
 @dataclass(frozen=True)
@@ -26,7 +17,6 @@ class Vocabulary:
     """
 
     game: ir.Game
-    phrases: Phrases
     defined: frozenset[str] = field(default=frozenset())
     values: bool = True
 
@@ -67,14 +57,6 @@ class Vocabulary:
     def numbers(self) -> dict[str, ir.Param]:
         """The parameters whose default a statement may show."""
         return {param.name: param for param in self.game.params} if self.values else {}
-
-    def condition(self, e: ir.Expr) -> str:
-        """Returns a condition as a clause."""
-        return self.phrases.condition(e, self)
-
-    def members(self, domain: ir.Domain) -> str:
-        """Returns the members of a domain, in the plural."""
-        return self.phrases.members(domain, self)
 
     def kinds(self, kinds: tuple[str, ...]) -> str:
         """Returns `soil`; `river` for the kinds of a group; `soil or sand`."""
