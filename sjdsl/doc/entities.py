@@ -107,20 +107,13 @@ def field_line(field: ir.VarField) -> Line:
 
 
 def _values(type_: ir.Type) -> str:
-    match type_.kind:
-        case "word":
-            return codes(type_.words, "or")
-        case "int":
-            unit = {"count": "", "number": ""}.get(type_.unit, f" ({type_.unit})")
-            return f"a whole number from {number(type_.low)} to {number(type_.high)}{unit}"
-        case "agent":
-            return "an agent or nobody"
-        case "cell":
-            return f"a cell ({', '.join(type_.kinds)}) or nowhere"
-        case "agents":
-            return "a set of agents"
-        case _:
-            return "a real number (a reward)"
+    if type_.kind == "word":
+        return codes(type_.words, "or")
+    if type_.kind == "int":
+        unit = "" if type_.unit in ("count", "number") else f" ({type_.unit})"
+        return f"a whole number from {number(type_.low)} to {number(type_.high)}{unit}"
+    cell = f"a cell ({', '.join(type_.kinds)}) or nowhere"
+    return {"agent": "an agent or nobody", "cell": cell, "agents": "a set of agents"}.get(type_.kind, "a real number (a reward)")
 
 
 def start_text(start: int | float | str | None, field: ir.VarField) -> str:

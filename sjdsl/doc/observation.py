@@ -21,8 +21,10 @@ def observation(v: Vocabulary) -> list[str]:
 
 def seen(v: Vocabulary) -> list[Line]:
     """Returns what is seen in each cell of the window."""
+    covered = "; not of a cell on which an agent stands, the observer itself among them: it looks `covered`"
+    is_covered = any(hidden.what == "content" for hidden in v.game.hidden)
     return [
-        Line("the kind of every cell, or that it is outside the map" + _covered(v.game)),
+        Line("the kind of every cell, or that it is outside the map" + (covered if is_covered else "")),
         *(_observable(s, v) if s.field else _look(s, v) for s in v.game.observables if s.what == "cell"),
         _agents(v),
         *_marks(v),
@@ -66,16 +68,10 @@ def _agents(v: Vocabulary) -> Line:
     return Line(text + unseen)
 
 
-def _covered(game: ir.Game) -> str:
-    covered = any(hidden.what == "content" for hidden in game.hidden)
-    return "; not of a cell on which an agent stands, the observer itself among them: it looks `covered`" if covered else ""
-
-
 def _look(s: ir.Observable, v: Vocabulary) -> Line:
     """Returns how cells of a kind look that are shown as a whole."""
-    if len(s.labels) == 1:
-        return Line(f"{code(s.kind)} cells not as what they are, but as {code(s.labels[0].name)}")
-    return Line(f"{code(s.kind)} cells not as what they are, but as the first of these that applies: {_labels(s.labels, v)}{_readers(s)}")
+    shown = code(s.labels[0].name) if len(s.labels) == 1 else f"the first of these that applies: {_labels(s.labels, v)}{_readers(s)}"
+    return Line(f"{code(s.kind)} cells not as what they are, but as {shown}")
 
 
 def _marks(v: Vocabulary) -> list[Line]:

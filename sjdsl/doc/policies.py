@@ -76,9 +76,7 @@ def _rule(rule: ir.PolicyRule, v: Vocabulary) -> str:
 
 
 def _taken(rule: ir.Act | ir.Aim, v: Vocabulary) -> str:
-    if not rule.chosen:
-        return v.action(rule.action)
-    return f"{code(rule.chosen)} with {arguments(rule.given, v)}"
+    return f"{code(rule.chosen)} with {arguments(rule.given, v)}" if rule.chosen else v.action(rule.action)
 
 
 def _around(avoided: ir.Domain | None, v: Vocabulary, but: str = "") -> str:

@@ -6,7 +6,7 @@ from sjdsl.doc.entities import entities
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.observation import observation
 from sjdsl.doc.pictures import pictures
-from sjdsl.doc.policies import policies, scenarios
+from sjdsl.doc.policies import heading, policies, scenarios
 from sjdsl.doc.randomness import draws
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
@@ -73,5 +73,9 @@ def variants(w: Written) -> list[str]:
     """Returns the variants of the game; their differences are another report."""
     if not w.variants:
         return ["None.", ""]
-    shown = [f"- {code(name)}: {plain(title)}" if title else f"- {code(name)}" for name, title in w.variants]
-    return [*shown, "", f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes.", ""]
+    return [
+        *(f"- {heading(*variant)}" for variant in w.variants),
+        "",
+        f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes.",
+        "",
+    ]

@@ -68,7 +68,7 @@ def declared_in(tokens: Sequence[Token], name: str = "") -> Names:
         after = tokens[at + 1]
         depth += (token.type == "LBRACE") - (token.type == "RBRACE")
         owner = "" if owner and depth <= opened and token.type == "RBRACE" else owner
-        span = Span(name, after.start_pos or 0, after.end_pos or 0, after.line or 1, after.column or 1)
+        span = _span(after, name)
         if token.type == "AGENTS":
             owner, opened = "agent", depth
         if token.type in ("FIELD", "TIMER") and after.type == "NAME":
@@ -95,6 +95,10 @@ def declared_in(tokens: Sequence[Token], name: str = "") -> Names:
     return found
 
 
+def _span(token: Token, file: str) -> Span:
+    return Span(file, token.start_pos or 0, token.end_pos or 0, token.line or 1, token.column or 1)
+
+
 def _listed(tokens: Sequence[Token], at: int) -> tuple[str, ...]:
     """Returns the names of a list from a token on."""
     found = []
@@ -108,12 +112,9 @@ def _field(tokens: Sequence[Token], at: int, name: ast.Name) -> ast.Field | ast.
     """Returns the field declared at a token, with its words if it has some."""
     if tokens[at].type == "TIMER":
         return ast.Timer(name.span, name)
-    words: list[ast.Name] = []
-    if [t.type for t in tokens[at + 2 : at + 4]] == ["COLON", "LBRACE"]:
-        for token in takewhile(lambda token: token.type in ("NAME", "COMMA"), tokens[at + 4 :]):
-            if token.type == "NAME":
-                span = Span(name.span.file, token.start_pos or 0, token.end_pos or 0, token.line or 1, token.column or 1)
-                words.append(ast.Name(span, str(token)))
+    is_set = [t.type for t in tokens[at + 2 : at + 4]] == ["COLON", "LBRACE"]
+    listed = takewhile(lambda token: token.type in ("NAME", "COMMA"), tokens[at + 4 :] if is_set else ())
+    words = [ast.Name(_span(token, name.span.file), str(token)) for token in listed if token.type == "NAME"]
     sort = str(tokens[at + 3]) if len(tokens) > at + 3 and tokens[at + 3].type == "NAME" else "reward"
     of: ast.Type = ast.Words(name.span, tuple(words)) if words else ast.NamedType(name.span, False, ast.Name(name.span, sort))
     return ast.Field(name.span, name, None, of, None)

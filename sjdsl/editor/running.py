@@ -85,7 +85,9 @@ def run_phase(analysis: Analysis, phase: str, seed: int = 0, steps: int = STEPS)
     counted = "when the episode begins" if phase == "start" else f"in {acted} of {played} steps with random actions"
     said = f"phase `{phase}`{named}: something changes {counted} (seed {seed})"
     idle_here = sorted((span for span in never or () if span.file == analysis.document.name), key=lambda span: span.start)
-    yield Result(said, "\n".join([said, "", *scenes]), False, tuple(_never_happened(span, analysis, played) for span in idle_here))
+    told = f"did not happen in {played} {'step' if played == 1 else 'steps'} with random actions"
+    marks = [(analysis.document.lines.span(span), told, types.DiagnosticSeverity.Information) for span in idle_here]
+    yield Result(said, "\n".join([said, "", *scenes]), False, tuple(types.Diagnostic(*mark, source="sjdsl run") for mark in marks))
 
 
 def _scene(moment: Moment, turns: list[Told], before: list[str], teller: Teller) -> str:
@@ -97,11 +99,6 @@ def _scene(moment: Moment, turns: list[Told], before: list[str], teller: Teller)
     for turn in turns:
         lines += turn_lines(turn, teller)
     return "\n".join([*lines, *(f"    {row}" for row in draw(teller.looks, teller.board, moment.world)), ""])
-
-
-def _never_happened(span: Span, analysis: Analysis, steps: int) -> types.Diagnostic:
-    said = f"did not happen in {steps} {'step' if steps == 1 else 'steps'} with random actions"
-    return types.Diagnostic(analysis.document.lines.span(span), said, types.DiagnosticSeverity.Information, source="sjdsl run")
 
 
 # ---- checks
