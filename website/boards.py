@@ -17,7 +17,7 @@ from sjdsl.games_folder import find_game
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.policies.interpreted import choose
-from sjdsl.render.board import Tiles, draw_board
+from sjdsl.render.board import draw_board
 from sjdsl.render.episode_page import make_page
 from sjdsl.render.film import save_gif
 from sjdsl.render.look import make_look
@@ -89,9 +89,9 @@ def write(board: Board, folder: Path) -> None:
 
 
 def _frames(game: ir.Game, moments: Sequence[Moment]) -> Iterator[Image.Image]:
-    look, tiles = make_look(game), Tiles()
+    look = make_look(game)
     for moment in moments:
-        picture = Image.fromarray(draw_board(look, moment.snapshot, tiles))
+        picture = Image.fromarray(draw_board(look, moment.snapshot))
         smaller = min(1.0, WIDTH / picture.width)
         yield picture.resize((round(picture.width * smaller), round(picture.height * smaller)), Image.Resampling.LANCZOS, reducing_gap=2.0)
 

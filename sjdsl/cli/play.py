@@ -16,15 +16,14 @@ from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.replay import save_recording
-from sjdsl.screen.interpreted import Interpreted
-from sjdsl.screen.session import Choose, Prepared, Session, choice_of, policy_choice
+from sjdsl.screen.session import Choose, Compiled, Interpreted, Prepared, Session, choice_of, policy_choice
 from sjdsl.trace.choices import no_actions, random_actions, scripted_actions
 from sjdsl.trainers.policy_names import UNTRAINED
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
+    from sjdsl.render.moment import Moment
     from sjdsl.runtime.env import Environment
-    from sjdsl.screen.display import Display
 
 LITTLE = 60_000  # cells times steps that the interpreter plays sooner than a game is compiled
 NO_TERMINAL = (
@@ -74,7 +73,7 @@ def command(
     if record is not None:
         save_recording(session.recording(environment, game_hash(made.game), seed), Path(record))
         click.echo(f"{record}  {len(session.actions)} steps of {made.game.title or made.game.name}")
-    click.echo(describe_returns(session.display.returns))
+    click.echo(describe_returns(session.moment.snapshot.returns))
     return 0
 
 
@@ -96,15 +95,13 @@ def play_on(
     others: str,
     seed: int,
     speed: float,
-    show: Callable[["Display"], object] = lambda _: None,
+    show: Callable[["Moment"], object] = lambda _: None,
 ) -> None:
     """Plays a session to its end, or until the person stops: on the screen, or where there is none with each moment given to `show`."""
 
     trained = others not in (*UNTRAINED, *(policy.name for policy in game.policies))
 
     def compiled() -> Any:
-        from sjdsl.screen.compiled import Compiled
-
         env = make_environment(environment)
         choose = _trained_choice(others, env, seed) if trained else None
         return Prepared(Compiled(env, values, seed), choose)
@@ -116,7 +113,7 @@ def play_on(
         with stages(f"compiling {game.name}"):
             ready = compiled()
         session.hand_over(ready.player, 0, ready.choose)
-    show(session.display)
+    show(session.moment)
     while not session.is_over:
         show(session.step())
 

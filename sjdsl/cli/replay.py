@@ -14,14 +14,13 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.replay import Recording, RecordingError, load_recording
 from sjdsl.replay.recording import check_actions, check_returns, check_rules
-from sjdsl.screen.board import board_text
-from sjdsl.screen.looks import make_screen_looks
+from sjdsl.screen.board import board_text, make_screen_looks
 from sjdsl.screen.session import written_choice
 from sjdsl.screen.sidebar import event_line
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
-    from sjdsl.screen.display import Display
+    from sjdsl.render.moment import Moment
 
 
 @click.command("replay")
@@ -69,15 +68,16 @@ def show(recording: "Recording", file: str, speed: float) -> None:
     session = begin_session(made.game, values, recording.seed, written_choice(recording.actions), None, len(recording.actions))
     play_on(session, made.game, values, given, "random", recording.seed, speed, make_printer(made.game))
     if session.is_over:
-        check_returns(recording, session.display.returns)
+        check_returns(recording, session.moment.snapshot.returns.tolist())
 
 
-def make_printer(game: "ir.Game") -> Callable[["Display"], None]:
+def make_printer(game: "ir.Game") -> Callable[["Moment"], None]:
     """Returns what prints a moment: the map in letters, the step, the returns, what was tallied."""
     looks = make_screen_looks(game)
 
-    def show(display: "Display") -> None:
-        click.echo(board_text(game, looks, display).plain)
-        click.echo(f"step {display.world.step}\n{describe_returns(display.returns)}\n{event_line(display)}".rstrip() + "\n")
+    def show(moment: "Moment") -> None:
+        snapshot = moment.snapshot
+        click.echo(board_text(looks, snapshot).plain)
+        click.echo(f"step {snapshot.step}\n{describe_returns(snapshot.returns)}\n{event_line(moment)}".rstrip() + "\n")
 
     return show

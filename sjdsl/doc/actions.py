@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.doc.conditions import condition
+from sjdsl.doc.phrases import condition
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, code, codes, joined, number
 
@@ -27,18 +27,16 @@ EVERY = "every action"
 
 def action_rows(v: Vocabulary) -> list[tuple[str, str, str]]:
     """Returns the numbers, the name and the meaning of every action; an action with arguments has one row."""
-    with_arguments = {action.first: action for action in v.game.agents.with_arguments}
-    found, at = [], 0
-    while at < len(v.game.agents.actions):
-        action = with_arguments.get(at)
-        if action is None:
-            name = v.game.agents.actions[at]
-            found.append((str(at), code(name), _meaning(at, name, v)))
-            at += 1
-        else:
-            last = action.numbers[-1]
+    agents = v.game.agents
+    first = {action.first: action for action in agents.with_arguments}
+    inside = {number for action in agents.with_arguments for number in action.numbers}
+    found = []
+    for at, name in enumerate(agents.actions):
+        if at in first:
+            action, last = first[at], first[at].numbers[-1]
             found.append((str(at) if last == at else f"{at} to {last}", code(declared(action)), _meaning_with(action, v)))
-            at = last + 1
+        elif at not in inside:
+            found.append((str(at), code(name), _meaning(at, name, v)))
     return found
 
 
@@ -71,7 +69,11 @@ def _meaning(action: int, name: str, v: Vocabulary) -> str:
         said.append("nothing")
     elif name in RELATIVE:
         moves = RELATIVE if v.game.agents.relative else COMPASS
-        said.append(moves[name] if v.agents_move else "nothing by itself: no phase lets agents move")
+        said.append(
+            moves[name]
+            if any(isinstance(node, ir.Move) and node.course is None for node in v.nodes)
+            else "nothing by itself: no phase lets agents move"
+        )
     asking = [label for label, nodes in v.phases.items() if any(isinstance(n, ir.Chose) and n.action == action for n in nodes)]
     if asking:
         said.append(f"what phase {codes(asking)} says")
@@ -100,15 +102,12 @@ def forbidden(v: Vocabulary) -> list[Line]:
 def _named(forbid: ir.Forbid, v: Vocabulary) -> list[str]:
     """Returns the action of a `forbid` with the names that it gives its arguments; a fixed argument shows its value."""
     action, values = action_named(v.game, forbid.action), list[str]()
-    texts = [_flat_arguments(v.game.agents.actions[number]) for number in forbid.actions]
+    names = [v.game.agents.actions[number] for number in forbid.actions]  # each as `offer(1, 2)`
+    texts = [name[name.index("(") + 1 : -1].split(", ") for name in names]
     for place, name in enumerate(forbid.names):
         seen = {text[place] for text in texts}
         values.append(name or (seen.pop() if len(seen) == 1 else "any"))
     return [code(f"{action.name}({', '.join(values)})")]
-
-
-def _flat_arguments(name: str) -> list[str]:
-    return name[name.index("(") + 1 : -1].split(", ")
 
 
 def chosen_names(actions: Iterable[int], v: Vocabulary) -> list[str]:

@@ -37,7 +37,7 @@ class Section:
 def by_name(sides: Iterable[Mapping[str, Any]], unit: str = "") -> list[Change]:
     """Returns what is added, removed and different of an old and a new mapping, in the order of the old names, then the new ones."""
     old, new = sides
-    names = [*old, *(name for name in new if name not in old)]
+    names = dict.fromkeys([*old, *new])
     return [Change(name, old.get(name), new.get(name), unit=unit) for name in names if old.get(name) != new.get(name)]
 
 
@@ -46,7 +46,13 @@ def texts(what: str, old: Sequence[Line] | Sequence[str], new: Sequence[Line] | 
     before, after = (_written(lines) for lines in (old, new))
     if before == after:
         return []
-    return [Change(what, list(before), list(after), lines=tuple(_with_parents(_merged(before, after))))]
+    merged: list[Marked] = []  # both texts as one
+    for sort, i, j, k, m in SequenceMatcher(None, before, after, autojunk=False).get_opcodes():
+        if sort == "equal":
+            merged += [(" ", line) for line in before[i:j]]
+        else:
+            merged += [("-", line) for line in before[i:j]] + [("+", line) for line in after[k:m]]
+    return [Change(what, list(before), list(after), lines=tuple(_with_parents(merged)))]
 
 
 def whole_texts(what: str, old: Sequence[str], new: Sequence[str]) -> Change:
@@ -57,17 +63,6 @@ def whole_texts(what: str, old: Sequence[str], new: Sequence[str]) -> Change:
 def _written(lines: Sequence[Line] | Sequence[str]) -> list[str]:
     """Returns texts as they are, and sentences as the lines of a list without its signs."""
     return [text for line in lines for text in ([line] if isinstance(line, str) else (b.replace("- ", "", 1) for b in bullets([line])))]
-
-
-def _merged(old: Sequence[str], new: Sequence[str]) -> list[Marked]:
-    """Returns both texts as one, lines of the old marked `-`, of the new `+`, of both with a blank."""
-    found: list[Marked] = []
-    for sort, i, j, k, m in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
-        if sort == "equal":
-            found += [(" ", line) for line in old[i:j]]
-        else:
-            found += [("-", line) for line in old[i:j]] + [("+", line) for line in new[k:m]]
-    return found
 
 
 def _with_parents(merged: Sequence[Marked]) -> list[Marked]:

@@ -4,9 +4,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.doc.actions import chosen_names
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.domains import members
-from sjdsl.doc.expressions import value
+from sjdsl.doc.phrases import condition, members, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, joined
 
@@ -21,7 +19,7 @@ def episode(v: Vocabulary) -> list[str]:
     length = v.game.episode
     steps = counted(length.value, "step") if isinstance(length, ir.Number) else f"{value(length, v)} steps"
     found = [f"An episode is cut off (truncated) after {steps}; the reward of the last step counts."]
-    ending = v.phases_with(ir.End)
+    ending = [label for label, nodes in v.phases.items() if any(isinstance(node, ir.End) for node in nodes)]
     if ending:
         found.append(f"It can end before (terminated) in phase {codes(ending, 'or')}; if both happen at once it is terminated.")
     return [" ".join(found), ""]
@@ -29,18 +27,22 @@ def episode(v: Vocabulary) -> list[str]:
 
 def metrics(v: Vocabulary) -> list[str]:
     """Returns what is counted and measured."""
-    lines = [*map(event_line, v.game.events), *(measure_line(m, v) for m in v.game.measures)]
+    lines = metric_lines(v)
     return [*bullets(lines), ""] if lines else ["None but the rewards.", ""]
 
 
-def event_line(event: ir.Event) -> Line:
-    entries = f", separately {f'for {codes(event.by.names)}' if event.by.sort == 'word' else entries_text(event.by)}" if event.by else ""
-    return Line(f"{code(event.name)}: an event counted {'for each agent' if event.per_agent else 'for the whole game'}{entries}")
-
-
-def measure_line(measure: ir.Measure, v: Vocabulary) -> Line:
-    when = "the mean over the steps of an episode of" if measure.mean else "at the last step of an episode"
-    return Line(f"{code(measure.name)}: {when} {value(measure.value, v)}, read at the end of each step")
+def metric_lines(v: Vocabulary) -> list[Line]:
+    """Returns a sentence for each event and each measure, which begins with its name."""
+    found = []
+    for event in v.game.events:
+        whom = "for each agent" if event.per_agent else "for the whole game"
+        if event.by is not None:
+            whom += f", separately {f'for {codes(event.by.names)}' if event.by.sort == 'word' else entries_text(event.by)}"
+        found.append(Line(f"{code(event.name)}: an event counted {whom}"))
+    for measure in v.game.measures:
+        when = "the mean over the steps of an episode of" if measure.mean else "at the last step of an episode"
+        found.append(Line(f"{code(measure.name)}: {when} {value(measure.value, v)}, read at the end of each step"))
+    return found
 
 
 def checks(v: Vocabulary) -> list[str]:
@@ -66,7 +68,8 @@ def check_line(check: ir.Check, v: Vocabulary) -> Line:
         case "monotone":
             direction, name, argument = check.words
             grows = "never larger" if direction == "falling" else "never smaller"
-            of, what = (_spelt(e, n, v) for e, n in zip(check.values, (name, argument), strict=True))
+            meanings = [(value(e, v), n) for e, n in zip(check.values, (name, argument), strict=True)]  # said where they stand nowhere else
+            of, what = (said if n in v.defined else f"{code(n)} ({said})" for said, n in meanings)
             return Line(f"where {what} is larger, {of} is {grows}")
         case "symmetric":
             (what,) = check.words
@@ -82,11 +85,6 @@ def check_line(check: ir.Check, v: Vocabulary) -> Line:
             )
         case _:
             assert_never(check.sort)
-
-
-def _spelt(e: ir.Expr, name: str, v: Vocabulary) -> str:
-    """Returns the name of a define, with its meaning where that stands nowhere else."""
-    return value(e, v) if name in v.defined else f"{code(name)} ({value(e, v)})"
 
 
 def policy(p: ir.Policy, v: Vocabulary) -> str:

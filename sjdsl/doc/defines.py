@@ -2,10 +2,8 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import Variable, free_variables, renamed
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.domains import members
-from sjdsl.doc.expressions import value
-from sjdsl.doc.vocabulary import Phrases, Vocabulary
+from sjdsl.doc.phrases import condition, value
+from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, code, joined, variable
 
 PLACEHOLDERS = "xyzuvw"
@@ -13,13 +11,12 @@ PLACEHOLDERS = "xyzuvw"
 
 def vocabulary(game: ir.Game, values: bool = True) -> Vocabulary:
     """Returns the names of a game; a define counts as explained if all its uses say the same of what they are about."""
-    phrases = Phrases(condition, lambda domain, v: members(domain, v, plural=True))
-    bare = Vocabulary(game, phrases)
+    bare = Vocabulary(game)
     forms: dict[str, set[str]] = {}
     for node in ir.walk(game):
         if isinstance(node, ir.Named):
             forms.setdefault(node.name, set()).add(_meaning(node, bare).text)
-    return Vocabulary(game, phrases, frozenset(name for name, found in forms.items() if len(found) == 1), values)
+    return Vocabulary(game, frozenset(name for name, found in forms.items() if len(found) == 1), values)
 
 
 def explained(v: Vocabulary) -> list[Line]:
@@ -33,15 +30,12 @@ def explained(v: Vocabulary) -> list[Line]:
 
 def _meaning(node: ir.Named, v: Vocabulary) -> Line:
     general, names = generalised(node)
-    about = joined(f"{_noun(free, v)} {variable(x)}" for free, x in names) if names else ""
+    nouns = ((v.noun(free) if isinstance(free, ir.Member) else "a value", x) for free, x in names)
+    about = joined(f"{noun} {variable(x)}" for noun, x in nouns) if names else ""
     name = code(node.name) + (f" of {about}" if about else "")
     if node.type.kind == "condition":
         return Line(f"{name} holds if {condition(general, v)}")
     return Line(f"{name} is {value(general, v)}")
-
-
-def _noun(free: Variable, v: Vocabulary) -> str:
-    return v.noun(free) if isinstance(free, ir.Member) else "a value"
 
 
 def generalised(node: ir.Named) -> tuple[ir.Expr, list[tuple[Variable, str]]]:

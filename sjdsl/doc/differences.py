@@ -1,21 +1,21 @@
 """Differences between two games or variants: in numbers where there are numbers, otherwise in sentences."""
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.doc.actions import declared, forbidden
 from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
-from sjdsl.doc.checks import check_line, episode, event_line, measure_line
+from sjdsl.doc.checks import check_line, episode, metric_lines
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import blocking, field_line, lane_ends, starts
 from sjdsl.doc.numbers import limits_of, unit_of
 from sjdsl.doc.observation import seen, unseen_fields, views
-from sjdsl.doc.order import schedule_changes
 from sjdsl.doc.pictures import picture_lines
 from sjdsl.doc.policies import policy_lines, scenario_line
 from sjdsl.doc.shapes import shape_lines
-from sjdsl.doc.statements import block, tick_lines
+from sjdsl.doc.statements import block, turn_lines
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, table_value
 from sjdsl.doc.written import Written
@@ -37,11 +37,11 @@ def differences(old: Written, new: Written) -> tuple[Section, ...]:
         ("State of the world", _lines("fields", a.game.fields, b.game.fields)),
         ("Names", texts("names", explained(a), explained(b))),
         ("Initialisation", texts("start", block(a.game.start.body, a), block(b.game.start.body, b))),
-        ("Schedule", schedule_changes(a.game, b.game)),
+        ("Schedule", _schedule(a.game, b.game)),
         ("Phases", _phases(a, b)),
         ("Observation", _observation(a, b)),
         ("Episode", texts("episode", episode(a), episode(b))),
-        ("Metrics", texts("metrics", _metrics(a), _metrics(b))),
+        ("Metrics", texts("metrics", metric_lines(a), metric_lines(b))),
         ("Checks", texts("checks", [check_line(c, a) for c in a.game.checks], [check_line(c, b) for c in b.game.checks])),
         ("Policies", _policies(a, b)),
         ("Scenarios", texts("scenarios", *(list(map(scenario_line, v.game.scenarios)) for v in (a, b)))),
@@ -63,8 +63,16 @@ def _numbers(old: Written, new: Written) -> list[Change]:
     for name in mine | theirs:
         a, b = mine.get(name), theirs.get(name)
         if a and b:
-            found += by_name((_entries(name, a), _entries(name, b)), unit_of(b))
-            found += by_name({f"{name}, {key}": text for key, text in _facts(n, w).items()} for n, w in ((a, old), (b, new)))
+            found += by_name([dict(_entries(name, n.value, n.type.by)) for n in (a, b)], unit_of(b))
+            facts = [
+                {
+                    f"{name}, unit": unit_of(n),
+                    f"{name}, may be": limits_of(n, w),
+                    f"{name}, can be changed": "before compiling" if isinstance(n, ir.Size) else "at any time",
+                }
+                for n, w in ((a, old), (b, new))
+            ]
+            found += by_name(facts)
         elif a:
             found.append(Change(name, old=a.value, shown=(_shown(a, old), ""), unit=unit_of(a)))
         elif b:
@@ -80,20 +88,11 @@ def _shown(declared: ir.Size | ir.Param, w: Written) -> str:
     return f"{table_value(declared.value, declared.type.by)} (may be {limits_of(declared, w)})"
 
 
-def _facts(declared: ir.Size | ir.Param, w: Written) -> dict[str, str]:
-    when = "before compiling" if isinstance(declared, ir.Size) else "at any time"
-    return {"unit": unit_of(declared), "may be": limits_of(declared, w), "can be changed": when}
-
-
-def _entries(name: str, declared: ir.Size | ir.Param) -> dict[str, Any]:
+def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str, Any]]:
     """Returns a number by its name, the entries of a table each by its own: `spores[red][green]`."""
-    return dict(_flat(name, declared.value, declared.type.by))
-
-
-def _flat(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str, Any]]:
     if not by:
         return [(name, value)]
-    return [pair for key, v in zip(by[0].keys, value, strict=True) for pair in _flat(f"{name}[{key}]", v, by[1:])]
+    return [pair for key, v in zip(by[0].keys, value, strict=True) for pair in _entries(f"{name}[{key}]", v, by[1:])]
 
 
 def _map(old: ir.Game, new: ir.Game) -> list[Change]:
@@ -136,6 +135,35 @@ def _action_numbers(agents: ir.Agents) -> dict[str, int | str]:
     return numbers
 
 
+def _schedule(old: ir.Game, new: ir.Game) -> list[Change]:
+    """Returns the phases that only one game has, and as few others as have moved."""
+    before, after = ([turn.label if isinstance(turn, ir.Phase) else "tick" for turn in game.schedule] for game in (old, new))
+    found = [Change(f"phase {name}", old=before.index(name) + 1, shown=(_place(before, name), "")) for name in before if name not in after]
+    found += [Change(f"phase {name}", new=after.index(name) + 1, shown=("", _place(after, name))) for name in after if name not in before]
+    common = [name for name in after if name in before]
+    stay = longest_rising([before.index(name) for name in common])
+    for name in common:
+        if before.index(name) not in stay:
+            places = (_place(before, name), _place(after, name))
+            found.append(Change(f"phase {name}", before.index(name) + 1, after.index(name) + 1, shown=places))
+    return found
+
+
+def longest_rising(numbers: Sequence[int]) -> list[int]:
+    """Returns the longest part of different numbers that rises; of several the one that ends first."""
+    best: list[list[int]] = []  # best[i]: the longest part that ends with numbers[i]
+    for i, last in enumerate(numbers):
+        before = max((part for part, n in zip(best, numbers[:i], strict=True) if n < last), key=len, default=[])
+        best.append([*before, last])
+    return max(best, key=len, default=[])
+
+
+def _place(order: Sequence[str], name: str) -> str:
+    """Returns `place 3, after walk`."""
+    place = order.index(name)
+    return f"place {place + 1}, " + (f"after {order[place - 1]}" if place else "at the beginning")
+
+
 def _movers(a: Vocabulary, b: Vocabulary) -> list[Change]:
     facts = [
         {f"{sort.name}, {fact}": value for sort in v.game.movers for fact, value in (("number", sort.number), ("glyph", sort.glyph))}
@@ -152,7 +180,7 @@ def _lines(what: str, old: tuple[ir.VarField, ...], new: tuple[ir.VarField, ...]
 def _kinds(a: Vocabulary, b: Vocabulary) -> list[Change]:
     old, new = ({k.name: k for k in v.game.kinds} for v in (a, b))
     found: list[Change] = by_name({f"kind {name}": f"glyph {k.glyph}" for name, k in kinds.items()} for kinds in (old, new))
-    for name in [*old, *(n for n in new if n not in old)]:
+    for name in old | new:
         lines = [[*blocking(k[name], v), *map(field_line, k[name].fields)] if name in k else [] for k, v in ((old, a), (new, b))]
         found += texts(name, *lines)
     glyphs = [{f"glyph {g.glyph}": f"{g.kind} {starts(g, v.game)}".strip() for g in v.game.glyphs} for v in (a, b)]
@@ -162,27 +190,20 @@ def _kinds(a: Vocabulary, b: Vocabulary) -> list[Change]:
 
 def _shapes(a: Vocabulary, b: Vocabulary) -> list[Change]:
     old, new = ({s.name: shape_lines(s) for s in v.shapes.values()} for v in (a, b))
-    names = [*old, *(n for n in new if n not in old)]
-    return [whole_texts(name, old.get(name, []), new.get(name, [])) for name in names if old.get(name) != new.get(name)]
+    return [whole_texts(name, old.get(name, []), new.get(name, [])) for name in old | new if old.get(name) != new.get(name)]
 
 
 def _phases(a: Vocabulary, b: Vocabulary) -> list[Change]:
     """Returns the phases whose sentences differ; one that only one of the games has differs in all of them."""
-    old, new = ({t.label if isinstance(t, ir.Phase) else "tick": _turn(t, v) for t in v.game.schedule} for v in (a, b))
-    names = [*old, *(n for n in new if n not in old)]
-    return [change for name in names for change in texts(name, old.get(name, ()), new.get(name, ()))]
+    old, new = (dict(turn_lines(v)) for v in (a, b))
+    return [change for name in old | new for change in texts(name, old.get(name, ()), new.get(name, ()))]
 
 
 def _policies(a: Vocabulary, b: Vocabulary) -> list[Change]:
     """Returns the policies with other titles or rules, in order; one that only one of the games has differs in all of them."""
     old, new = ({p.name: (p.title, policy_lines(p, v)) for p in v.game.policies} for v in (a, b))
-    names = [*old, *(n for n in new if n not in old)]
     found = by_name({f"title of {name}": title for name, (title, _) in sides.items() if title} for sides in (old, new))
-    return found + [change for name in names for change in texts(name, old.get(name, ("", []))[1], new.get(name, ("", []))[1])]
-
-
-def _turn(turn: ir.Turn, v: Vocabulary) -> tuple[Line, ...]:
-    return block(turn.body, v) if isinstance(turn, ir.Phase) else tuple(tick_lines(v))
+    return found + [change for name in old | new for change in texts(name, old.get(name, ("", []))[1], new.get(name, ("", []))[1])]
 
 
 def _observation(a: Vocabulary, b: Vocabulary) -> list[Change]:
@@ -190,7 +211,3 @@ def _observation(a: Vocabulary, b: Vocabulary) -> list[Change]:
     unseen = [[Line(text) for text in unseen_fields(v.game)] for v in (a, b)]
     own = [[Line(text) for text in views(v)] for v in (a, b)]
     return [*by_name(sides, unit="cells"), *texts("own window", *own), *texts("seen", seen(a), seen(b)), *texts("not seen", *unseen)]
-
-
-def _metrics(v: Vocabulary) -> list[Line]:
-    return [*map(event_line, v.game.events), *(measure_line(m, v) for m in v.game.measures)]

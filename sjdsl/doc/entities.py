@@ -3,7 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import kind_named, starts_of
 from sjdsl.doc.actions import action_rows, forbidden
-from sjdsl.doc.conditions import condition
+from sjdsl.doc.phrases import condition
 from sjdsl.doc.shapes import shapes
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, fenced, joined, number, table
@@ -79,13 +79,13 @@ def blocking(kind: ir.Kind, v: Vocabulary) -> list[Line]:
         when = ""
         if block.condition is not None:
             when = f" if {condition(block.condition, v)}"
-            when += " (the agent is the one that would enter)" if block.what == "agents" and _reads_agent(block.condition) else ""
+            when += (
+                " (the agent is the one that would enter)"
+                if block.what == "agents" and any(isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(block.condition))
+                else ""
+            )
         found.append(Line(what + when))
     return found
-
-
-def _reads_agent(test: ir.Expr) -> bool:
-    return any(isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(test))
 
 
 def world_map(game: ir.Game) -> list[str]:
@@ -107,20 +107,13 @@ def field_line(field: ir.VarField) -> Line:
 
 
 def _values(type_: ir.Type) -> str:
-    match type_.kind:
-        case "word":
-            return codes(type_.words, "or")
-        case "int":
-            unit = {"count": "", "number": ""}.get(type_.unit, f" ({type_.unit})")
-            return f"a whole number from {number(type_.low)} to {number(type_.high)}{unit}"
-        case "agent":
-            return "an agent or nobody"
-        case "cell":
-            return f"a cell ({', '.join(type_.kinds)}) or nowhere"
-        case "agents":
-            return "a set of agents"
-        case _:
-            return "a real number (a reward)"
+    if type_.kind == "word":
+        return codes(type_.words, "or")
+    if type_.kind == "int":
+        unit = "" if type_.unit in ("count", "number") else f" ({type_.unit})"
+        return f"a whole number from {number(type_.low)} to {number(type_.high)}{unit}"
+    cell = f"a cell ({', '.join(type_.kinds)}) or nowhere"
+    return {"agent": "an agent or nobody", "cell": cell, "agents": "a set of agents"}.get(type_.kind, "a real number (a reward)")
 
 
 def start_text(start: int | float | str | None, field: ir.VarField) -> str:

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
 from sjdsl.compiler.lower.cell_appearance import shown_words
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.expressions import value
+from sjdsl.doc.phrases import condition, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
 
@@ -22,8 +21,10 @@ def observation(v: Vocabulary) -> list[str]:
 
 def seen(v: Vocabulary) -> list[Line]:
     """Returns what is seen in each cell of the window."""
+    covered = "; not of a cell on which an agent stands, the observer itself among them: it looks `covered`"
+    is_covered = any(hidden.what == "content" for hidden in v.game.hidden)
     return [
-        Line("the kind of every cell, or that it is outside the map" + _covered(v.game)),
+        Line("the kind of every cell, or that it is outside the map" + (covered if is_covered else "")),
         *(_observable(s, v) if s.field else _look(s, v) for s in v.game.observables if s.what == "cell"),
         _agents(v),
         *_marks(v),
@@ -67,16 +68,10 @@ def _agents(v: Vocabulary) -> Line:
     return Line(text + unseen)
 
 
-def _covered(game: ir.Game) -> str:
-    covered = any(hidden.what == "content" for hidden in game.hidden)
-    return "; not of a cell on which an agent stands, the observer itself among them: it looks `covered`" if covered else ""
-
-
 def _look(s: ir.Observable, v: Vocabulary) -> Line:
     """Returns how cells of a kind look that are shown as a whole."""
-    if len(s.labels) == 1:
-        return Line(f"{code(s.kind)} cells not as what they are, but as {code(s.labels[0].name)}")
-    return Line(f"{code(s.kind)} cells not as what they are, but as the first of these that applies: {_labels(s.labels, v)}{_readers(s)}")
+    shown = code(s.labels[0].name) if len(s.labels) == 1 else f"the first of these that applies: {_labels(s.labels, v)}{_readers(s)}"
+    return Line(f"{code(s.kind)} cells not as what they are, but as {shown}")
 
 
 def _marks(v: Vocabulary) -> list[Line]:
@@ -108,7 +103,9 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
     if s.what == "mover" and not s.field:
         unless = "" if s.hidden_when is None else f", unless {condition(s.hidden_when, v)}{_readers(s)}"
         return Line(f"whether a {s.kind} stands there{unless}")
-    entry = f"the {_row_entry(s.word)} of the" if s.word is not None else "the"
+    entry = "the"
+    if s.word is not None:
+        entry = f"the {f'{code(s.word.name)} entry' if s.word.level.sort == 'word' else f'entry for {s.word.name}'} of the"
     entry = "the number of the agent in the" if s.type.words[:1] == ("nobody",) and not s.labels else entry
     relative = " as seen by the observer" if s.what == "mover" and s.field == "heading" and not s.labels else ""
     whose = whose.replace(",", f"{relative},") if relative else whose
@@ -122,11 +119,6 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
         text += f", if {condition(s.shown_when, v)}; otherwise {code('hidden') if shown_words(s) else 0}"
     conditional = s.hidden_when is not None or s.shown_when is not None
     return Line(text + (_readers(s) if s.labels or conditional else ""))
-
-
-def _row_entry(entry: ir.Entry) -> str:
-    """Returns one entry of a row."""
-    return f"{code(entry.name)} entry" if entry.level.sort == "word" else f"entry for {entry.name}"
 
 
 def _readers(s: ir.Observable) -> str:

@@ -3,12 +3,10 @@
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.doc.conditions import arguments, condition
-from sjdsl.doc.domains import members
+from sjdsl.doc.phrases import arguments, condition, members
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, article, bullets, capital, code, counted, joined, plain
 
-WITHOUT_RULES = {"random": "choose all actions equally likely", "stay": "always stay"}
 READING = (
     "A policy says how an agent may play. It is no rule of the game, and the game is the same without it. Before each step an agent that "
     "follows a policy looks at the true state, also at what it could not observe. It does what the first line says that applies; if none "
@@ -41,12 +39,13 @@ def policies(v: Vocabulary) -> list[str]:
     if v.has(ir.Go, ir.Aim):
         found += [*bullets([*WALKING, *([AIMING] if v.has(ir.Aim) else [])]), ""]
     for policy in v.game.policies:
-        found += [f"### {heading(policy.name, policy.title)}", "", *_numbered(policy_lines(policy, v)), ""]
+        found += [
+            f"### {heading(policy.name, policy.title)}",
+            "",
+            *(f"{number}. {capital(line.text)}." for number, line in enumerate(policy_lines(policy, v), 1)),
+            "",
+        ]
     return found
-
-
-def _numbered(lines: list[Line]) -> list[str]:
-    return [f"{number}. {capital(line.text)}." for number, line in enumerate(lines, 1)]
 
 
 def heading(name: str, title: str) -> str:
@@ -77,9 +76,7 @@ def _rule(rule: ir.PolicyRule, v: Vocabulary) -> str:
 
 
 def _taken(rule: ir.Act | ir.Aim, v: Vocabulary) -> str:
-    if not rule.chosen:
-        return v.action(rule.action)
-    return f"{code(rule.chosen)} with {arguments(rule.given, v)}"
+    return f"{code(rule.chosen)} with {arguments(rule.given, v)}" if rule.chosen else v.action(rule.action)
 
 
 def _around(avoided: ir.Domain | None, v: Vocabulary, but: str = "") -> str:
@@ -100,9 +97,6 @@ def scenario_line(scenario: ir.Scenario) -> Line:
 def _slots(part: ir.Slots) -> str:
     if not part.policy:
         return counted(part.number, "focal agent")
-    what = WITHOUT_RULES.get(part.policy, f"follow {code(part.policy)}")
-    return f"{counted(part.number, 'agent')} that {what if part.number != 1 else _singular(part.policy)}"
-
-
-def _singular(policy: str) -> str:
-    return {"random": "chooses all actions equally likely", "stay": "always stays"}.get(policy, f"follows {code(policy)}")
+    s = "s" if part.number == 1 else ""
+    what = {"random": f"choose{s} all actions equally likely", "stay": f"always stay{s}"}.get(part.policy, f"follow{s} {code(part.policy)}")
+    return f"{counted(part.number, 'agent')} that {what}"

@@ -1,12 +1,10 @@
 """Lists every random draw of a game: where it is made, for whom, and its possible outcomes."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import body_sort, phases_of
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.domains import members
+from sjdsl.doc.phrases import condition, members
 from sjdsl.doc.statements import chosen, drawn, one_cell, paired, probability
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import code, table, variable
@@ -14,27 +12,15 @@ from sjdsl.doc.wording import code, table, variable
 HEAD = ("phase", "drawn for", "draw")
 
 
-@dataclass(frozen=True)
-class DrawRow:
-    """phase: its label; around: the statements around the draw, outermost first; text: what is drawn."""
-
-    phase: str
-    around: tuple[str, ...]
-    text: str
-
-
 def draws(v: Vocabulary) -> list[str]:
     """Returns the section on random draws."""
-    found = [row for phase in phases_of(v.game) for row in phase_draws(phase, v)]
-    rows = [(code(row.phase), "; ".join(row.around) or "the game, once", row.text) for row in found]
+    rows = [
+        (code(phase.label), "; ".join(around) or "the game, once", text)
+        for phase in phases_of(v.game)
+        for statement in phase.body
+        for around, text in _draws(statement, (), v)
+    ]
     return [*table(HEAD, rows), ""] if rows else ["Nothing in this game is random.", ""]
-
-
-def phase_draws(phase: ir.Phase, v: Vocabulary) -> Iterator[DrawRow]:
-    """Yields the draws of one phase in the order of its statements."""
-    for statement in phase.body:
-        for around, text in _draws(statement, (), v):
-            yield DrawRow(phase.label, around, text)
 
 
 Found = Iterator[tuple[tuple[str, ...], str]]

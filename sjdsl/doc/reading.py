@@ -34,44 +34,33 @@ BODIES = Line(
         Line("a cell beside a mover is free if it can enter it and nobody stood on it when the phase began"),
     ),
 )
-NOTES: tuple[tuple[tuple[type, ...], Line], ...] = (
-    ((ir.Step,), Line("the number of finished steps is 0 in the first step")),
+NOTES: dict[tuple[type[ir.Node], ...], str] = {
+    (ir.Step,): "the number of finished steps is 0 in the first step",
+    (ir.Near,): "cells of a shape that are off the map do not exist; "
+    "a shape without its middle does not contain the agent or cell that it goes around",
+    (ir.Add,): "additions to one field in one phase are summed first, then added once, and only then kept within its range",
+    (ir.Give,): "the rewards that an agent receives in a step are summed",
+    (ir.Chance, ir.Draw): "every step, and each member that a statement is about, has a random draw of its own, independent of all others",
+    (ir.Chance,): '"otherwise, with probability p" is the probability if nothing above it happened; one draw decides between all of them',
+    (ir.Pick,): "members chosen at random are different ones, every choice equally likely; "
+    "inside another statement each of its members has a choice of its own",
+    (ir.First,): "a lane is searched from its nearest cell; what does not match is passed over, and the cell that ends a lane is its last",
+    (ir.Match,): "random pairs: all possible pairs of two different ones are put in a random order, all orders equally likely; "
+    "a pair is made if both are still free",
     (
-        (ir.Near,),
-        Line("cells of a shape that are off the map do not exist; a shape without its middle does not contain the agent or cell that it goes around"),
-    ),
+        ir.Shift,
+    ): "agents that are sent some cells away, or to one cell, go at once: the cells on the way must be on the map, open to the agent "
+    "and empty; the last one may also be left in the same phase by an agent that is sent; "
+    "of several that are sent to one cell, one is drawn at random",
     (
-        (ir.Add,),
-        Line("additions to one field in one phase are summed first, then added once, and only then kept within its range"),
-    ),
-    ((ir.Give,), Line("the rewards that an agent receives in a step are summed")),
-    ((ir.Chance, ir.Draw), Line("every step, and each member that a statement is about, has a random draw of its own, independent of all others")),
-    (
-        (ir.Chance,),
-        Line('"otherwise, with probability p" is the probability if nothing above it happened; one draw decides between all of them'),
-    ),
-    (
-        (ir.Pick,),
-        Line("members chosen at random are different ones, every choice equally likely; inside another statement each of its members has a choice of its own"),
-    ),
-    (
-        (ir.First,),
-        Line("a lane is searched from its nearest cell; what does not match is passed over, and the cell that ends a lane is its last"),
-    ),
-    (
-        (ir.Match,),
-        Line("random pairs: all possible pairs of two different ones are put in a random order, all orders equally likely; a pair is made if both are still free"),
-    ),
-    (
-        (ir.Shift,),
-        Line("agents that are sent some cells away, or to one cell, go at once: the cells on the way must be on the map, open to the agent and empty; the last one may also be left in the same phase by an agent that is sent; of several that are sent to one cell, one is drawn at random"),
-    ),
-    ((ir.Mix,), Line("the mean of a table weighted by a row: each entry times the row's number for its word, divided by the row's sum, all summed; of a table with two words per entry, the first word is meant, and what remains is a row")),
-    ((ir.Case,), Line("of several values with conditions, exactly one condition holds")),
-    ((ir.Arithmetic,), Line("a quotient of whole numbers is a real number")),
-    ((ir.Mark,), Line("marks are seen in the next observation and change nothing else")),
-    ((ir.Tally,), Line("counts change nothing in the game")),
-)  # fmt: skip
+        ir.Mix,
+    ): "the mean of a table weighted by a row: each entry times the row's number for its word, divided by the row's sum, all summed; "
+    "of a table with two words per entry, the first word is meant, and what remains is a row",
+    (ir.Case,): "of several values with conditions, exactly one condition holds",
+    (ir.Arithmetic,): "a quotient of whole numbers is a real number",
+    (ir.Mark,): "marks are seen in the next observation and change nothing else",
+    (ir.Tally,): "counts change nothing in the game",
+}
 
 
 def how_to_read(v: Vocabulary) -> list[str]:
@@ -83,7 +72,7 @@ def _notes(v: Vocabulary) -> Iterator[Line]:
     yield from ALWAYS
     if v.game.movers:
         yield BODIES
-    yield from (line for sorts, line in NOTES if v.has(*sorts))
+    yield from (Line(text) for sorts, text in NOTES.items() if v.has(*sorts))
     sends = [node for node in v.nodes if isinstance(node, ir.Send)]
     if sends:
         yield _sending(sends)
@@ -95,30 +84,23 @@ def _notes(v: Vocabulary) -> Iterator[Line]:
 
 def _sending(sends: list[ir.Send]) -> Line:
     found = [
-        Line(
-            "a cell is free if nobody stood on it when the phase began; the cells of agents that are sent there in the same phase count as free"
-        ),
-        Line("an agent that several statements send to the same cells is sent once"),
-        Line("agents that are sent to the same cells in one phase get different ones, at random with equal chances"),
+        "a cell is free if nobody stood on it when the phase began; the cells of agents that are sent there in the same phase count as free",
+        "an agent that several statements send to the same cells is sent once",
+        "agents that are sent to the same cells in one phase get different ones, at random with equal chances",
     ]
     if any(s.stay for s in sends):
-        found.append(
-            Line("if some of the agents sent may have to stay, their cells do not count as free; cells go to the lowest numbers first")
-        )
+        found.append("if some of the agents sent may have to stay, their cells do not count as free; cells go to the lowest numbers first")
     if any(s.facing is None for s in sends):
-        found.append(Line("a random direction is one of four, equally likely"))
-    return Line("an agent that is sent somewhere", tuple(found))
+        found.append("a random direction is one of four, equally likely")
+    return Line("an agent that is sent somewhere", tuple(map(Line, found)))
 
 
 def _away(sends: list[ir.Send]) -> Line:
     found = [
-        Line("it stands on no cell, no statement is about it, it chooses nothing and sees nothing"),
-        Line("its fields stay as they are and its timers fall; rewards and counts reach it"),
+        "it stands on no cell, no statement is about it, it chooses nothing and sees nothing",
+        "its fields stay as they are and its timers fall; rewards and counts reach it",
     ]
     if any(s.after is not None for s in sends):
-        found.append(
-            Line(
-                "it leaves at once, and comes back at the last of the ticks it waits for, to a cell that is free then; with a wait of 0 ticks it is never away"
-            )
-        )
-    return Line("an agent that is away", tuple(found))
+        back = "it leaves at once, and comes back at the last of the ticks it waits for, to a cell that is free then"
+        found.append(f"{back}; with a wait of 0 ticks it is never away")
+    return Line("an agent that is away", tuple(map(Line, found)))

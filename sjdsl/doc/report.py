@@ -1,6 +1,6 @@
 """Prints differences between games for a person, or as JSON values."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from sjdsl.doc.changes import Change, Section
@@ -18,32 +18,24 @@ def report(old: Written, new: Written, sections: Sequence[Section]) -> str:
     head = [f"{name_of(old)}  ->  {name_of(new)}"]
     if not sections:
         return "\n".join([*head, "nothing differs", ""])
-    return "\n".join([*head, *(line for section in sections for line in _section(section)), ""])
-
-
-def _section(section: Section) -> Iterator[str]:
-    yield ""
-    yield section.title
-    for change in section.changes:
-        if change.lines:
-            yield f"  {change.what}"
-            yield from (f"    {sign} {line}" for sign, line in change.lines)
-        else:
-            yield f"  {_sentence(change)}"
+    found = head
+    for section in sections:
+        found += ["", section.title]
+        for change in section.changes:
+            found.append(f"  {change.what if change.lines else _sentence(change)}")
+            found += [f"    {sign} {line}" for sign, line in change.lines]
+    return "\n".join([*found, ""])
 
 
 def _sentence(change: Change) -> str:
-    old, new = (shown or _plain(value) for shown, value in zip(change.shown, (change.old, change.new), strict=True))
+    values = [number(value) if isinstance(value, int | float) else str(value) for value in (change.old, change.new)]
+    old, new = (shown or value for shown, value in zip(change.shown, values, strict=True))
     unit = f" ({change.unit})" if change.unit else ""
     if change.old is None:
         return f"{change.what}: added, {new}{unit}"
     if change.new is None:
         return f"{change.what}: removed, was {old}{unit}"
     return f"{change.what}: {old} -> {new}{unit}"
-
-
-def _plain(value: Any) -> str:
-    return number(value) if isinstance(value, int | float) else str(value)
 
 
 def as_json(old: Written, new: Written, sections: Sequence[Section]) -> dict[str, Any]:

@@ -16,9 +16,9 @@ def overview(v: Vocabulary) -> list[str]:
 
 
 def _tick(v: Vocabulary) -> str:
-    found = ["timers fall"] if any(field.timer for field in all_fields(v.game)) else []
-    found += [f"{v.bodies} that are away come nearer"] if v.waits else []
-    return f"`tick`: {joined(found) if found else 'nothing'}"
+    found = ["timers fall"] * any(field.timer for field in all_fields(v.game))
+    found += [f"agents{' and movers' if v.game.movers else ''} that are away come nearer"] * v.waits
+    return f"`tick`: {joined(found or ['nothing'])}"
 
 
 def _touches(phase: ir.Phase, v: Vocabulary) -> str:
@@ -27,11 +27,7 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
     fields = [_written(n.target, v) for n in nodes if isinstance(n, ir.Set | ir.Add)]
     found = [f"sets {joined(dict.fromkeys(fields))}"] if fields else []
     places = ((ir.Move, "move"), (ir.Send, "are sent elsewhere"), (ir.Shift, "are sent to one cell"), (ir.Remove, "are taken away"))
-    sorts = (
-        (ir.Give, "gives rewards"),
-        (ir.Mark, "marks cells"),
-        (ir.End, "can end the episode"),
-    )
+    sorts = ((ir.Give, "gives rewards"), (ir.Mark, "marks cells"), (ir.End, "can end the episode"))
     for who in body_sorts(v.game):
         many = "agents" if who.what == "agent" else f"{who.name} movers"
         found += [f"{many} {does}" for sort, does in places if any(isinstance(n, sort) and _of(n) == who for n in nodes)]
@@ -43,13 +39,10 @@ def _touches(phase: ir.Phase, v: Vocabulary) -> str:
 
 def _of(s: ir.Node) -> ir.Sort:
     """Returns the sort of those whom a statement moves or sends."""
-    match s:
-        case ir.Move():
-            return s.domain.var.sort
-        case ir.Send() | ir.Shift() | ir.Remove():
-            return body_sort(s.who)
-        case _:
-            raise AssertionError(s)
+    if isinstance(s, ir.Move):
+        return s.domain.var.sort
+    assert isinstance(s, ir.Send | ir.Shift | ir.Remove)
+    return body_sort(s.who)
 
 
 def _written(target: ir.Expr, v: Vocabulary) -> str:

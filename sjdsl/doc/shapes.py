@@ -72,14 +72,10 @@ def _columns(shape: ir.Shape) -> bool:
 def picture(shape: ir.Shape) -> list[str]:
     """Returns rows of `x` for cells and `.` for others; the agent is `^`, a middle without direction `o`, `@` if it belongs itself."""
     cells = {cell for lane in shape.lanes for cell in lane}
-    rows = [a for a, _ in (*cells, (0, 0))]
-    cols = [c for _, c in (*cells, (0, 0))]
-    middle = "@" if (0, 0) in cells else "^" if shape.directed else "o"
-
-    def sign(cell: Cell) -> str:
-        return middle if cell == (0, 0) else "x" if cell in cells else "."
-
-    return ["".join(sign((a, c)) for c in range(min(cols), max(cols) + 1)) for a in range(max(rows), min(rows) - 1, -1)]
+    rows, cols = zip(*cells, (0, 0))
+    signs = dict.fromkeys(cells, "x") | {(0, 0): "@" if (0, 0) in cells else "^" if shape.directed else "o"}
+    across = range(min(cols), max(cols) + 1)
+    return ["".join(signs.get((a, c), ".") for c in across) for a in range(max(rows), min(rows) - 1, -1)]
 
 
 def lanes(shape: ir.Shape) -> list[str]:

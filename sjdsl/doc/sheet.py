@@ -1,17 +1,16 @@
 """The rule sheet of a game in plain English, in the order of the ODD protocol (Grimm et al. 2020, JASSS 23(2) 7)."""
 
-from sjdsl.compiler import ir
 from sjdsl.doc.checks import checks, episode, metrics
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import entities
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.observation import observation
 from sjdsl.doc.pictures import pictures
-from sjdsl.doc.policies import policies, scenarios
+from sjdsl.doc.policies import heading, policies, scenarios
 from sjdsl.doc.randomness import draws
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
-from sjdsl.doc.statements import block, tick_lines
+from sjdsl.doc.statements import block, turn_lines
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import bullets, code, plain
 from sjdsl.doc.written import Written
@@ -39,16 +38,11 @@ def rule_sheet(w: Written) -> str:
         *([("Pictures", pictures(v))] if w.game.looks else []),
         ("Variants", variants(w)),
     )
-    found = [*heading(w)]
+    name = f"{code(w.game.name)}, from {code(w.file)}" + (f", variant {code('+'.join(w.chosen))}" if w.chosen else "")
+    found = [f"# {plain(w.game.title or w.game.name)}", "", f"The rules of the game {name}.", ""]
     for title, lines in sections:
         found += [f"## {title}", "", *lines]
     return "\n".join(found).rstrip("\n") + "\n"
-
-
-def heading(w: Written) -> list[str]:
-    name = f"{code(w.game.name)}, from {code(w.file)}"
-    variant = f", variant {code('+'.join(w.chosen))}" if w.chosen else ""
-    return [f"# {plain(w.game.title or w.game.name)}", "", f"The rules of the game {name}{variant}.", ""]
 
 
 def purpose(w: Written) -> list[str]:
@@ -70,9 +64,7 @@ def initialisation(v: Vocabulary) -> list[str]:
 def phases(v: Vocabulary) -> list[str]:
     """Returns each turn of the schedule with its statements."""
     found = []
-    for number, turn in enumerate(v.game.schedule, 1):
-        name = turn.label if isinstance(turn, ir.Phase) else "tick"
-        lines = block(turn.body, v) if isinstance(turn, ir.Phase) else tick_lines(v)
+    for number, (name, lines) in enumerate(turn_lines(v), 1):
         found += [f"### {number}. {code(name)}", "", *(bullets(lines) if lines else ["Nothing happens."]), ""]
     return found
 
@@ -81,5 +73,9 @@ def variants(w: Written) -> list[str]:
     """Returns the variants of the game; their differences are another report."""
     if not w.variants:
         return ["None.", ""]
-    shown = [f"- {code(name)}: {plain(title)}" if title else f"- {code(name)}" for name, title in w.variants]
-    return [*shown, "", f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes.", ""]
+    return [
+        *(f"- {heading(*variant)}" for variant in w.variants),
+        "",
+        f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes.",
+        "",
+    ]

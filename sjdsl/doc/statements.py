@@ -4,9 +4,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import written_field
-from sjdsl.doc.conditions import condition
-from sjdsl.doc.domains import members, nearest, shape_of
-from sjdsl.doc.expressions import operand, side, value
+from sjdsl.doc.phrases import condition, members, nearest, operand, shape_of, side, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, article, code, codes, counted, joined, number, variable
 from sjdsl.runtime.actions import HEADINGS
@@ -27,15 +25,21 @@ def lines(s: ir.Stmt, v: Vocabulary) -> list[Line]:
         case ir.Each():
             return [Line(f"each {members(s.domain, v)}", block(s.body, v))]
         case ir.Pick():
-            return _pick(s, v)
+            head = f"{chosen(s, v)}; for {'it' if _is_one(s) else 'each one chosen'}"
+            return [Line(head, _body(s.body, v)), *_otherwise("if there was none to choose from", s.otherwise, v)]
         case ir.First():
-            return _first(s, v)
+            noun, shape = nearest(s.domain, v)
+            head = f"in each lane of {shape}, for the nearest {noun}"
+            return [Line(head, _body(s.body, v)), *_otherwise("for each lane without one", s.otherwise, v)]
         case ir.Match():
-            return [_match(s, v)]
-        case ir.When():
-            return _branches([f"if {condition(b.test, v)}" for b in s.branches], s.branches, s.otherwise, v)
-        case ir.Chance():
-            return _branches([f"with {probability(b.test, v)}" for b in s.branches], s.branches, s.otherwise, v)
+            head = f"make random pairs, each of {paired(s, v)}, so that nothing and nobody is in two pairs; for each pair"
+            return [Line(head, _body(s.body, v))]
+        case ir.When() | ir.Chance():
+            found = []
+            for i, b in enumerate(s.branches):
+                head = f"if {condition(b.test, v)}" if isinstance(s, ir.When) else f"with {probability(b.test, v)}"
+                found.append(Line(f"{'otherwise, ' if i else ''}{head}", _body(b.body, v)))
+            return [*found, *_otherwise("otherwise", s.otherwise, v)]
         case ir.Set():
             return [Line(_set(s, v))]
         case ir.Add():
@@ -99,43 +103,24 @@ def paired(s: ir.Match, v: Vocabulary) -> str:
     return f"{left} and, in a lane of {shape}, the nearest {right}"
 
 
-def _branches(heads: list[str], branches: tuple[ir.Branch, ...], otherwise: tuple[ir.Stmt, ...], v: Vocabulary) -> list[Line]:
-    said = [Line(f"{'otherwise, ' if i else ''}{head}", _body(b.body, v)) for i, (head, b) in enumerate(zip(heads, branches, strict=True))]
-    return [*said, Line("otherwise", block(otherwise, v))] if otherwise else said
-
-
 def _body(body: tuple[ir.Stmt, ...], v: Vocabulary) -> tuple[Line, ...]:
     return block(body, v) or (Line("nothing happens"),)
 
 
-def _pick(s: ir.Pick, v: Vocabulary) -> list[Line]:
-    found = [Line(f"{chosen(s, v)}; for {'it' if _is_one(s) else 'each one chosen'}", _body(s.body, v))]
-    return [*found, Line("if there was none to choose from", block(s.otherwise, v))] if s.otherwise else found
+def _otherwise(head: str, body: tuple[ir.Stmt, ...], v: Vocabulary) -> list[Line]:
+    return [Line(head, block(body, v))] if body else []
 
 
 def _is_one(s: ir.Pick) -> bool:
     return isinstance(s.number, ir.Number) and s.number.value == 1
 
 
-def _first(s: ir.First, v: Vocabulary) -> list[Line]:
-    noun, shape = nearest(s.domain, v)
-    found = [Line(f"in each lane of {shape}, for the nearest {noun}", _body(s.body, v))]
-    return [*found, Line("for each lane without one", block(s.otherwise, v))] if s.otherwise else found
-
-
-def _match(s: ir.Match, v: Vocabulary) -> Line:
-    return Line(f"make random pairs, each of {paired(s, v)}, so that nothing and nobody is in two pairs; for each pair", _body(s.body, v))
-
-
 def _set(s: ir.Set, v: Vocabulary) -> str:
-    target = value(s.target, v)
+    is_emptied = s.target.type.kind == "agents" and isinstance(s.value, ir.Nobody) and s.lot is None
+    target, new = value(s.target, v), "empty" if is_emptied else value(s.value, v)
     if s.lot is not None:
-        return f"{target} becomes {value(s.value, v)} (of all that would change it one does, each equally likely)"
-    if s.target.type.by and not s.value.type.by:
-        return f"every entry of {target} becomes {value(s.value, v)}"
-    if s.target.type.kind == "agents":
-        return f"{target} becomes empty" if isinstance(s.value, ir.Nobody) else f"{target} becomes {value(s.value, v)}"
-    return f"{target} becomes {value(s.value, v)}"
+        return f"{target} becomes {new} (of all that would change it one does, each equally likely)"
+    return f"{'every entry of ' if s.target.type.by and not s.value.type.by else ''}{target} becomes {new}"
 
 
 def _add(s: ir.Add, v: Vocabulary) -> str:
@@ -143,11 +128,8 @@ def _add(s: ir.Add, v: Vocabulary) -> str:
     if s.target.type.kind == "agents":
         return f"{value(s.value, v)} joins {target}"
     field = v.field(written_field(s.target))
-    limits = ""
-    if field.capped:
-        limits = (
-            f" (which stays within {number(field.type.low)} to {number(field.type.high)})" if v.values else " (which stays in its range)"
-        )
+    within = f"within {number(field.type.low)} to {number(field.type.high)}" if v.values else "in its range"
+    limits = f" (which stays {within})" if field.capped else ""
     if s.value.type.by:
         return f"each entry of {operand(s.value, v)} is added to the same entry of {target}{limits}"
     if isinstance(s.value, ir.Number) and s.value.value < 0:
@@ -163,12 +145,8 @@ def _receivers(s: ir.Give, v: Vocabulary) -> str:
 
 
 def _tally(s: ir.Tally, v: Vocabulary) -> str:
-    if s.receiver is None:
-        whom = ""
-    elif s.receiver.type.kind == "agents":
-        whom = f" for each agent among {value(s.receiver, v)}"
-    else:
-        whom = f" for {value(s.receiver, v)}"
+    each = "each agent among " if s.receiver is not None and s.receiver.type.kind == "agents" else ""
+    whom = "" if s.receiver is None else f" for {each}{value(s.receiver, v)}"
     under = "" if s.word is None else f", under {value(s.word, v)}"
     if s.amount is None or isinstance(s.amount, ir.Number):
         times = "once" if s.amount is None else f"{number(s.amount.value)} times"
@@ -244,7 +222,12 @@ def _shift(s: ir.Shift, v: Vocabulary) -> str:
     return f"{value(s.who, v)} is sent {far} {way}, {_look(s.facing)}; if the way is not free, it stays where it is"
 
 
-def tick_lines(v: Vocabulary) -> list[Line]:
+def turn_lines(v: Vocabulary) -> list[tuple[str, tuple[Line, ...]]]:
+    """Returns each turn of the schedule with its sentences."""
+    return [(t.label, block(t.body, v)) if isinstance(t, ir.Phase) else ("tick", tuple(_tick_lines(v))) for t in v.game.schedule]
+
+
+def _tick_lines(v: Vocabulary) -> list[Line]:
     """Returns what happens at `tick` in this game."""
     agents = [f"{code(f.name)} of each agent" for f in v.game.agents.fields if f.timer]
     agents += [f"{code(f.name)} of each {sort.name}" for sort in v.game.movers for f in sort.fields if f.timer]
@@ -252,6 +235,7 @@ def tick_lines(v: Vocabulary) -> list[Line]:
     world = [f"{code(f.name)} of the world" for f in v.game.fields if f.timer]
     found = [Line(f"these timers fall by 1 if they are above 0: {joined([*agents, *cells, *world])}")] if agents or cells or world else []
     if v.waits:
-        who = "agent or mover" if v.game.movers else "agent"
-        found.append(Line(f"each {who} that is away for a number of ticks is one tick nearer to its return; who has none left returns now"))
+        found.append(
+            Line(f"each {v.somebody} that is away for a number of ticks is one tick nearer to its return; who has none left returns now")
+        )
     return found or [Line("nothing: the game has no timers, and nobody is away for a time")]

@@ -1,20 +1,11 @@
 """The symbol table of a rule sheet: what the names of one game stand for while it is put into English."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import declared_field
 from sjdsl.doc.wording import article, code, joined, variable
-
-
-@dataclass(frozen=True)
-class Phrases:
-    """What expressions have inside them and are put into words elsewhere: conditions, as clauses, and members, in the plural."""
-
-    condition: Callable[[ir.Expr, "Vocabulary"], str]
-    members: Callable[[ir.Domain, "Vocabulary"], str]
 
 
 @dataclass(frozen=True)
@@ -26,7 +17,6 @@ class Vocabulary:
     """
 
     game: ir.Game
-    phrases: Phrases
     defined: frozenset[str] = field(default=frozenset())
     values: bool = True
 
@@ -44,24 +34,15 @@ class Vocabulary:
         """The parts of each phase of the schedule, by its label."""
         return {phase.label: tuple(ir.walk(phase)) for phase in self.game.schedule if isinstance(phase, ir.Phase)}
 
-    def phases_with(self, *sorts: type[ir.Node]) -> list[str]:
-        """Returns the labels of the phases that have a part of one of these sorts."""
-        return [label for label, nodes in self.phases.items() if any(isinstance(node, sorts) for node in nodes)]
-
     @cached_property
     def waits(self) -> bool:
         """Whether an agent or a mover can be away for a time."""
         return any(isinstance(node, ir.Send) and node.after is not None for node in self.nodes)
 
-    @cached_property
-    def bodies(self) -> str:
-        """Who occupies cells: `agents`, or `agents and movers`."""
-        return "agents and movers" if self.game.movers else "agents"
-
-    @cached_property
-    def agents_move(self) -> bool:
-        """Whether some phase lets agents move as they chose."""
-        return any(isinstance(node, ir.Move) and node.course is None for node in self.nodes)
+    @property
+    def somebody(self) -> str:
+        """Who occupies cells: `agent`, or `agent or mover`."""
+        return "agent or mover" if self.game.movers else "agent"
 
     @cached_property
     def groups(self) -> dict[tuple[str, ...], str]:
@@ -76,14 +57,6 @@ class Vocabulary:
     def numbers(self) -> dict[str, ir.Param]:
         """The parameters whose default a statement may show."""
         return {param.name: param for param in self.game.params} if self.values else {}
-
-    def condition(self, e: ir.Expr) -> str:
-        """Returns a condition as a clause."""
-        return self.phrases.condition(e, self)
-
-    def members(self, domain: ir.Domain) -> str:
-        """Returns the members of a domain, in the plural."""
-        return self.phrases.members(domain, self)
 
     def kinds(self, kinds: tuple[str, ...]) -> str:
         """Returns `soil`; `river` for the kinds of a group; `soil or sand`."""

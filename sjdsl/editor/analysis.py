@@ -92,8 +92,9 @@ class Analysis:
         return None
 
     @property
-    def variants(self) -> tuple[str, ...]:
-        return () if self.composition is None else tuple(self.composition.variants)
+    def choices(self) -> tuple[tuple[str, ...], ...]:
+        """The variants in which the game is looked at: none, then each alone."""
+        return ((), *((name,) for name in (() if self.composition is None else self.composition.variants)))
 
     def problems(self, variants: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
         """Returns every error and warning of the game in a variant."""
@@ -108,9 +109,8 @@ class Analysis:
 
     def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
         """Yields the problems of the game as it is, then of each variant."""
-        yield (), self.problems()
-        for name in self.variants:
-            yield (name,), self.problems((name,))
+        for variants in self.choices:
+            yield variants, self.problems(variants)
 
     @cached_property
     def names(self) -> Names:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from lark import Token
 from lsprotocol import types
 
 from sjdsl.compiler import ast
@@ -17,6 +16,7 @@ TYPES = (
     "property", "variable", "parameter", "event", "type",
 )  # fmt: skip
 MODIFIERS = ("declaration", "readonly", "defaultLibrary")
+PLAIN = {"STRING": "string", "INT": "number", "DEC": "number"}
 OPERATORS = ("CMP", "SIGN", "TIMES", "ARROW", "DOTS", "EQUAL")
 SORTS = {
     "size": "parameter", "parameter": "parameter", "kind": "class", "sort of movers": "class", "group": "interface", "define": "function",
@@ -57,7 +57,8 @@ def coloured(analysis: Analysis) -> Iterator[Coloured]:
         if start in named:
             yield (start, end, *_named(named[start], names))
             continue
-        sort = _plain(token)
+        is_word = automaton().words.get(token.type, "").isalpha()
+        sort = PLAIN.get(token.type) or ("operator" if token.type in OPERATORS else "keyword" if is_word else "")
         if sort:
             yield (start, end, sort, ())
         elif start in language:
@@ -71,16 +72,6 @@ def _named(o: Occurrence, names: Names) -> tuple[str, tuple[str, ...]]:
     return sort, tuple(["declaration"] * o.declares + ["readonly"] * fixed)
 
 
-def _plain(token: Token) -> str:
-    if token.type == "STRING":
-        return "string"
-    if token.type in ("INT", "DEC"):
-        return "number"
-    if token.type in OPERATORS:
-        return "operator"
-    return "keyword" if automaton().words.get(token.type, "").isalpha() else ""
-
-
 def _words_as_names(analysis: Analysis) -> dict[int, str]:
     """Returns where names of the language stand: units and types, functions, `agent`, `step`."""
     found: dict[int, str] = {}
@@ -88,16 +79,10 @@ def _words_as_names(analysis: Analysis) -> dict[int, str]:
         return found
     for node in walk(analysis.file):
         match node:
-            case ast.Constant():
-                found[node.unit.span.start] = "type"
-            case ast.NamedType():
-                found[node.name.span.start] = "type"
-            case ast.CellType():
-                found[node.sort.span.start] = "type"
+            case ast.Constant(unit=name) | ast.NamedType(name=name) | ast.CellType(sort=name):
+                found[name.span.start] = "type"
             case ast.Call() | ast.Extreme():
                 found.setdefault(node.name.span.start, "function")
-            case ast.Path() | ast.Domain():
-                name = node.name if isinstance(node, ast.Path) else node.kind
-                if name.text in ("agent", "step", "other", "everyone"):
-                    found.setdefault(name.span.start, "variable")
+            case ast.Path(name=name) | ast.Domain(kind=name) if name.text in ("agent", "step", "other", "everyone"):
+                found.setdefault(name.span.start, "variable")
     return found

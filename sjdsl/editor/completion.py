@@ -1,6 +1,6 @@
 """Completion: the words of the language that may follow, and the names of the kind that fits the place."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,12 +68,11 @@ def known_names(uri: str, analyses: Analyses) -> Names:
     return now if readable is None else joined(readable.names, now)
 
 
-def _each_once(offers: Iterable[Offer]) -> Iterator[Offer]:
-    seen = set[str]()
+def _each_once(offers: Iterable[Offer]) -> Collection[Offer]:
+    first: dict[str, Offer] = {}
     for offer in sorted(offers, key=lambda o: o.rank):
-        if offer.word not in seen:
-            seen.add(offer.word)
-            yield offer
+        first.setdefault(offer.word, offer)
+    return first.values()
 
 
 def _item(offer: Offer, range_: types.Range, declared: str) -> types.CompletionItem:
@@ -87,14 +86,13 @@ def _item(offer: Offer, range_: types.Range, declared: str) -> types.CompletionI
 
 
 def _snippet(word: str, range_: types.Range) -> types.CompletionItem:
-    text = SNIPPETS[word]
     return types.CompletionItem(
         label=f"{word} …",
         kind=Kind.Snippet,
         filter_text=word,
         sort_text=f"6{word}",
         insert_text_format=types.InsertTextFormat.Snippet,
-        text_edit=types.TextEdit(range_, text),
+        text_edit=types.TextEdit(range_, SNIPPETS[word]),
     )
 
 

@@ -11,12 +11,10 @@ from sjdsl.compiler.diagnostics.explanations import FOLDER
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.editor.analysis import Analysis
 from sjdsl.editor.documents import Documents
-from sjdsl.editor.positions import Lines
 
 SOURCE = "sjdsl"
 SEVERITIES = {"error": types.DiagnosticSeverity.Error, "warning": types.DiagnosticSeverity.Warning}
 WITHOUT_EFFECT = (errors.Unused, errors.KindAbsent, errors.IdleAction, errors.NeverCounted)
-ONE = ("variant", "variants")
 
 Found = Iterable[tuple[tuple[str, ...], Sequence[Diagnostic]]]
 Link = Callable[[str], str]  # code -> where it is explained
@@ -52,17 +50,12 @@ def diagnostics(
     return sorted(shown, key=lambda d: (d.range.start.line, d.range.start.character, str(d.code)))
 
 
-def worded(d: Diagnostic, variants: Sequence[str] = (), hint: bool = True) -> str:
-    """Returns the message, what to write instead, and the variants that alone have the mistake."""
-    among = f"in {ONE[len(variants) > 1]} {', '.join(f'`{name}`' for name in variants)}: " if variants else ""
-    return f"{among}{d.message}" + (f"\nhelp: {d.hint}" if hint and d.hint else "")
-
-
 def _diagnostic(d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents, link: Link) -> types.Diagnostic:
-    lines = analysis.document.lines
+    many = "s" if len(variants) > 1 else ""
+    among = f"in variant{many} {', '.join(f'`{name}`' for name in variants)}: " if variants else ""
     return types.Diagnostic(
-        range=lines.span(d.span),
-        message=worded(d, variants),
+        range=analysis.document.lines.span(d.span),
+        message=f"{among}{d.message}" + (f"\nhelp: {d.hint}" if d.hint else ""),
         severity=SEVERITIES[d.severity],
         code=d.code,
         code_description=types.CodeDescription(href=link(d.code)),
@@ -98,12 +91,8 @@ def naming(file: str, analysis: Analysis) -> tuple[int, int]:
 
 def _related(places: Iterable[tuple[Span, str]], analysis: Analysis, documents: Documents) -> list[types.DiagnosticRelatedInformation]:
     """Returns other places with what there is to say about them, in this text and in other files."""
-    found = []
-    for span, text in places:
-        where = location(span, analysis, documents)
-        if where is not None:
-            found.append(types.DiagnosticRelatedInformation(location=where, message=text))
-    return found
+    found = [(location(span, analysis, documents), text) for span, text in places]
+    return [types.DiagnosticRelatedInformation(location=where, message=text) for where, text in found if where is not None]
 
 
 def location(span: Span, analysis: Analysis, documents: Documents) -> types.Location | None:
@@ -115,6 +104,5 @@ def location(span: Span, analysis: Analysis, documents: Documents) -> types.Loca
         return None
     uri = documents.uri(path)
     document = documents.get(uri)
-    lines = Lines("") if document is None else document.lines
-    range_ = types.Range(types.Position(span.line - 1, 0), types.Position(span.line - 1, 0)) if document is None else lines.span(span)
-    return types.Location(uri, range_)
+    line = types.Position(span.line - 1, 0)
+    return types.Location(uri, types.Range(line, line) if document is None else document.lines.span(span))

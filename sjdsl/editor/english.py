@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from sjdsl.compiler import ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.doc.actions import action_rows
-from sjdsl.doc.checks import event_line, measure_line
+from sjdsl.doc.checks import metric_lines
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import blocking, field_line
 from sjdsl.doc.numbers import unit_of
@@ -24,14 +24,15 @@ def english(symbol: Symbol, game: ir.Game) -> list[str]:
         case "policy":
             return next((_bullets(policy_lines(p, v)) for p in game.policies if p.name == symbol.name), [])
         case "field":
-            return _bullets(_field(symbol, game))
+            owners = {"agent": game.agents.fields} | {kind.name: kind.fields for kind in game.kinds}
+            owners |= {sort.name: sort.fields for sort in game.movers}
+            return _bullets(field_line(field) for field in owners.get(symbol.owner, ()) if field.name == symbol.name)
         case "action":
             return [meaning for _, name, meaning in action_rows(v) if name.strip("`").partition("(")[0] == symbol.name and meaning]
         case "metric":
-            lines = [event_line(e) for e in game.events if e.name == symbol.name]
-            return _bullets([*lines, *(measure_line(m, v) for m in game.measures if m.name == symbol.name)])
+            return _bullets(line for line in metric_lines(v) if line.text.startswith(f"{code(symbol.name)}:"))
         case "name":
-            return _bullets(list(_named(symbol.name, v)))
+            return _bullets(_named(symbol.name, v))
         case _:
             return []
 
@@ -48,12 +49,6 @@ def _phase(name: str, v: Vocabulary) -> list[str]:
     for turn in turns:
         found += [*([f"{code(turn.label)}:", ""] if len(turns) > 1 else []), *_bullets(block(turn.body, v)), ""]
     return found or ["No turn of the schedule runs it."]
-
-
-def _field(symbol: Symbol, game: ir.Game) -> list[Line]:
-    owners: dict[str, tuple[ir.VarField, ...]] = {"agent": game.agents.fields}
-    owners |= {kind.name: kind.fields for kind in game.kinds} | {sort.name: sort.fields for sort in game.movers}
-    return [field_line(field) for field in owners.get(symbol.owner, ()) if field.name == symbol.name]
 
 
 def _named(name: str, v: Vocabulary) -> Iterator[Line]:

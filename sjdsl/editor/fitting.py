@@ -50,9 +50,9 @@ def _after(place: Place, first: str, names: Names, around: Locals) -> list[Found
     if last == "TALLY":
         return [(n, s, 0) for n, s, _ in _of("metric", names, 0) if not isinstance(names.nodes[Symbol("metric", n)], ast.Measure)]
     if _begins_domain(place, first):
-        return list(_who(names))
+        return _who(names)
     if last == "OF":
-        return list(_kinds(names)) if place.text(2) == "cell" else list(_local(around, 0))
+        return _kinds(names) if place.text(2) == "cell" else _local(around, 0)
     if last == "IN":
         forms: list[Found] = [(form, "form", 2) for form in FORMS]
         return [*_of("shape", names, 0), *forms, *_local(around, 1), *_values(place, names, around, first)]
@@ -70,42 +70,32 @@ def _after(place: Place, first: str, names: Names, around: Locals) -> list[Found
 def _declared_after(place: Place, first: str, names: Names, around: Locals) -> list[Found] | None:
     """Returns the names of one sort that a declaration lists."""
     last = place.last()
+    in_slots = last == "POLICY" and head(place.tokens[:-1], frozenset({"SLOTS"})) is not None
     lists: dict[tuple[str, str], list[Found]] = {}
-    for sign in ("GROUP", "EQUAL", "COMMA"):
-        lists["GROUP", sign] = list(_kinds(names))
-    for sign in ("ACTS", "COMMA"):
-        lists["ACTS", sign] = [(name, "action", 0) for name in BUILT_IN]
-    for sign in ("BLOCKS", "COMMA"):
-        lists["BLOCKS", sign] = [*_of("shape", names, 0), *((m, "sort of movers", 1) for m in names.movers)]
-    for sign in ("WINDOW", "COMMA"):
-        lists["WINDOW", sign] = [(side, "value", 0) for side in SIDES]
-    for sign in ("WITH", "COMMA"):
-        lists["EXPECT", sign] = [*_of("policy", names, 0), *((name, "policy", 1) for name in POLICIES)]
+    lists["GROUP", "GROUP"] = lists["GROUP", "EQUAL"] = lists["GROUP", "COMMA"] = _kinds(names)
+    lists["ACTS", "ACTS"] = lists["ACTS", "COMMA"] = [(name, "action", 0) for name in BUILT_IN]
+    lists["BLOCKS", "BLOCKS"] = lists["BLOCKS", "COMMA"] = [*_of("shape", names, 0), *((m, "sort of movers", 1) for m in names.movers)]
+    lists["WINDOW", "WINDOW"] = lists["WINDOW", "COMMA"] = [(side, "value", 0) for side in SIDES]
+    lists["EXPECT", "WITH"] = lists["EXPECT", "COMMA"] = [*_of("policy", names, 0), *((name, "policy", 1) for name in POLICIES)]
     lists["MARK", "MARK"] = lists["AIM", "AIM"] = [*_of("shape", names, 0), *((form, "form", 2) for form in FORMS)]
     lists["MOVES", "MOVES"] = [("relative", "value", 0), ("compass", "value", 0)]
-    lists["LOOK", "LOOK"] = list(_who(names))
+    lists["LOOK", "LOOK"] = _who(names)
     lists["MONOTONE", "MONOTONE"] = lists["MONOTONE", "IN"] = [(n, s, 0) for n, s in names.sorts.items() if s == "define"]
-    lists["POLICY", "POLICY"] = [*_of("policy", names, 0), ("random", "policy", 1), ("stay", "policy", 1)] if _in_slots(place) else []
+    lists["POLICY", "POLICY"] = [*_of("policy", names, 0), ("random", "policy", 1), ("stay", "policy", 1)] if in_slots else []
     lists["DROP", "DROP"] = [*_shared(names, ()), *_of("phase", names), *_of("metric", names), *_of("shape", names), *_of("policy", names),
                              *_of("scenario", names), *_of("checks", names), *_of("variant", names)]  # fmt: skip
-    for word in ("SEND", "REMOVE"):
-        lists[word, word] = list(_local(around, 0))
-    for word in ("SHOW", "HIDE"):
-        lists[word, word] = [
-            ("agent", "value", 0),
-            *_kinds(names),
-            *_shared(names, ("field of the world",)),
-            ("marks", "value", 2),
-            ("content", "value", 2),
-        ]
+    lists["SEND", "SEND"] = lists["REMOVE", "REMOVE"] = _local(around, 0)
+    covered = [(word, "value", 2) for word in ("marks", "content")]
+    lists["SHOW", "SHOW"] = lists["HIDE", "HIDE"] = [
+        ("agent", "value", 0),
+        *_kinds(names),
+        *_shared(names, ("field of the world",)),
+        *covered,
+    ]
     if (first, last) == ("SET", "SET"):
         inside = head_of_block(place.tokens) in ("PHASE", "START")
         return [*_local(around, 0), *_shared(names, ("field of the world",))] if inside else list(_shared(names, ("parameter", "size")))
     return lists.get((first, last))
-
-
-def _in_slots(place: Place) -> bool:
-    return place.last() == "POLICY" and head(place.tokens[:-1], frozenset({"SLOTS"})) is not None
 
 
 def head_of_block(tokens: Sequence[Token]) -> str:
@@ -125,17 +115,9 @@ def head_of_block(tokens: Sequence[Token]) -> str:
 
 def _begins_domain(place: Place, first: str) -> bool:
     last, before = place.last(), place.last(2)
-    if last == "LPAR":
-        return before in ("COUNT", "ANY", "ALL")
-    if last == "TO":
-        return first == "SEND"
-    if last == "WITH":
-        return first == "MATCH"
-    if last == "ON":
-        return True
-    if last in ("INT", "NAME") and before == "PICK":
-        return True
-    return last in BEFORE_DOMAIN - {"WITH", "TO", "FROM"} or (last == "FROM" and before == "AWAY")
+    opens = {"LPAR": before in ("COUNT", "ANY", "ALL"), "INT": before == "PICK", "NAME": before == "PICK"}
+    opens |= {"TO": first == "SEND", "WITH": first == "MATCH", "FROM": before == "AWAY"}
+    return opens.get(last, last in BEFORE_DOMAIN)
 
 
 def _of(space: Space, names: Names, rank: int = 3) -> list[Found]:
@@ -176,7 +158,7 @@ def _values(place: Place, names: Names, around: Locals, first: str) -> Iterator[
 
 def _members(tokens: Sequence[Token], names: Names, around: Locals) -> Iterator[Found]:
     """Yields what may stand after a dot."""
-    owners, action = _path(tokens[:-1], names, around)
+    _, owners, action = _path(tokens[:-1], names, around)
     if action:
         yield from ((s.name, "argument", 0) for s in names.nodes if s.space == "argument" and s.owner == action)
         return
@@ -198,28 +180,13 @@ def compared_field(tokens: Sequence[Token], names: Names, around: Locals) -> lis
         end -= 1
     if end == len(tokens) or not end:
         return []
-    fields = _fields(tokens[:end], names, around)
+    fields, _, _ = _path(tokens[:end], names, around)
     found = []
     for field in fields:
         if isinstance(field, ast.Field):
             of = field.by if tokens[end].type == "LSQB" else field.type
             found += [[name.text for name in of.names]] if isinstance(of, ast.Words) else []
     return found
-
-
-def _fields(tokens: Sequence[Token], names: Names, around: Locals) -> list[ast.Field | ast.Timer]:
-    """Returns the fields that the path at the end of tokens can be."""
-    tokens = _without_index(tokens)
-    if not tokens or tokens[-1].type != "NAME":
-        return []
-    name = str(tokens[-1])
-    if len(tokens) > 1 and tokens[-2].type == "DOT":
-        owners, _ = _path(tokens[:-2], names, around)
-        return [names.fields[s.owner][s.name] for s in names.with_field(name, owners)]
-    declared = names.fields.get("", {}).get(name)
-    if declared is None:  # in a declaration: `glyph "t" with fruit = `, `field fruit : { none, ripe } = `
-        return [fields[name] for owner, fields in names.fields.items() if owner and name in fields]
-    return [declared]
 
 
 def _without_index(tokens: Sequence[Token]) -> Sequence[Token]:
@@ -235,20 +202,22 @@ def _without_index(tokens: Sequence[Token]) -> Sequence[Token]:
     return tokens
 
 
-def _path(tokens: Sequence[Token], names: Names, around: Locals) -> tuple[Owners, str]:
-    """Returns what the path at the end of tokens can be; and the action, if it is one that has arguments."""
+def _path(tokens: Sequence[Token], names: Names, around: Locals) -> tuple[list[ast.Field | ast.Timer], Owners, str]:
+    """Returns the fields that the path at the end of tokens can be, what it can be, and the action, if it is one that has arguments."""
     tokens = _without_index(tokens)
     if not tokens or tokens[-1].type != "NAME":
-        return None, ""
+        return [], None, ""
     name = str(tokens[-1])
     if len(tokens) > 1 and tokens[-2].type == "DOT":
-        owners, _ = _path(tokens[:-2], names, around)
+        _, owners, _ = _path(tokens[:-2], names, around)
         fields = [names.fields[s.owner][s.name] for s in names.with_field(name, owners)]
-        held = [h for h in map(names.type_of, fields) if h]
         if not fields and isinstance(names.nodes.get(Symbol("action", name)), ast.Action):
-            return frozenset(), name
-        return (frozenset().union(*held) if fields else None), ""
-    if name in around:
-        return around[name], ""
+            return [], frozenset(), name
+        held = [h for h in map(names.type_of, fields) if h]
+        return fields, (frozenset().union(*held) if fields else None), ""
     declared = names.fields.get("", {}).get(name)
-    return (names.type_of(declared) if declared is not None else names.owners(name)), ""
+    if declared is not None:
+        return [declared], around[name] if name in around else names.type_of(declared), ""
+    # in a declaration: `glyph "t" with fruit = `, `field fruit : { none, ripe } = `
+    fields = [fields[name] for owner, fields in names.fields.items() if owner and name in fields]
+    return fields, around[name] if name in around else names.owners(name), ""

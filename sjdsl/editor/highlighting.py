@@ -1,5 +1,6 @@
 """How the words and signs of a text are coloured: patterns of a TextMate grammar, from which every highlighter of the language is made."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from sjdsl.compiler.elaborate.constants import UNITS
@@ -9,22 +10,8 @@ from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
 from sjdsl.runtime.actions import HEADINGS
 
 NAMED = (
-    "size",
-    "param",
-    "kind",
-    "group",
-    "define",
-    "movers",
-    "shape",
-    "phase",
-    "policy",
-    "scenario",
-    "variant",
-    "event",
-    "mean",
-    "final",
-    "game",
-)
+    "size", "param", "kind", "group", "define", "movers", "shape", "phase", "policy", "scenario", "variant", "event", "mean", "final", "game",
+)  # fmt: skip
 FIELDS = ("field", "timer")
 CONTROL = ("when", "chance", "otherwise", "each", "pick", "first", "match", "case")
 VALUES = ("nobody", "nowhere", "yes", "no", "same", *HEADINGS)
@@ -34,30 +21,22 @@ NAME = "[a-z][a-z0-9_]*"
 
 def word_groups() -> dict[str, list[str]]:
     """Returns the words of the language by how they are coloured; each is in one group."""
-    table = automaton()
-    words = {word: kind for kind, word in table.words.items() if word.isalpha()}
-    groups: dict[str, list[str]] = {
-        "keyword.control.sj": [],
-        "storage.type.sj": [],
-        "keyword.other.statement.sj": [],
-        "keyword.operator.word.sj": [],
-    }
-    for word, kind in sorted(words.items()):
-        if word in VALUES:
-            continue
-        scope = "keyword.operator.word.sj"
-        if word in CONTROL:
-            scope = "keyword.control.sj"
-        elif kind in SECTIONS | ENTRIES or word in ("game", "sj", "extends", *FIELDS):
-            scope = "storage.type.sj"
-        elif kind in STATEMENTS:
-            scope = "keyword.other.statement.sj"
-        groups[scope].append(word)
-    return groups
+    kinds = {word: kind for kind, word in sorted(automaton().words.items()) if word.isalpha() and word not in VALUES}
+    control = set(CONTROL) & kinds.keys()
+    declaring = {word for word, kind in kinds.items() if kind in SECTIONS | ENTRIES or word in ("game", "sj", "extends", *FIELDS)} - control
+    statements = {word for word, kind in kinds.items() if kind in STATEMENTS} - control - declaring
+    groups = {"keyword.control.sj": control, "storage.type.sj": declaring, "keyword.other.statement.sj": statements}
+    others = kinds.keys() - control - declaring - statements
+    return {scope: sorted(words) for scope, words in {**groups, "keyword.operator.word.sj": others}.items()}
 
 
-def any_of(words: Any) -> str:
+def any_of(words: Iterable[str]) -> str:
     return "|".join(sorted(words))
+
+
+def captured(match: str, *scopes: str) -> dict[str, Any]:
+    """Returns a pattern whose groups have these scopes, in order."""
+    return {"match": match, "captures": {str(number): {"name": scope} for number, scope in enumerate(scopes, 1)}}
 
 
 def patterns() -> list[dict[str, Any]]:
@@ -75,26 +54,14 @@ def patterns() -> list[dict[str, Any]]:
             "patterns": [{"name": "constant.character.escape.sj", "match": r"\\."}],
         },
         {"name": "constant.numeric.sj", "match": r"\b[0-9]+(\.[0-9]+)?\b"},
-        {
-            "match": rf"\b({any_of(NAMED)})\s+({NAME})",
-            "captures": {"1": {"name": "storage.type.sj"}, "2": {"name": "entity.name.type.sj"}},
-        },
-        {
-            "match": rf"\b({any_of(FIELDS)})\s+({NAME})",
-            "captures": {"1": {"name": "storage.type.sj"}, "2": {"name": "variable.other.property.sj"}},
-        },
-        {
-            "match": rf"\b(as|let|draw)\s+({NAME})",
-            "captures": {"1": {"name": "keyword.operator.word.sj"}, "2": {"name": "variable.other.local.sj"}},
-        },
-        {"match": rf"\.\s*({NAME})", "captures": {"1": {"name": "variable.other.property.sj"}}},
-        {"match": rf":\s*({any_of(UNITS)})\b", "captures": {"1": {"name": "support.type.sj"}}},
+        captured(rf"\b({any_of(NAMED)})\s+({NAME})", "storage.type.sj", "entity.name.type.sj"),
+        captured(rf"\b({any_of(FIELDS)})\s+({NAME})", "storage.type.sj", "variable.other.property.sj"),
+        captured(rf"\b(as|let|draw)\s+({NAME})", "keyword.operator.word.sj", "variable.other.local.sj"),
+        captured(rf"\.\s*({NAME})", "variable.other.property.sj"),
+        captured(rf":\s*({any_of(UNITS)})\b", "support.type.sj"),
         {"name": "constant.language.sj", "match": rf"\b({any_of(VALUES)})\b"},
         {"name": "variable.language.sj", "match": rf"\b({any_of(LANGUAGE)})\b"},
-        {
-            "match": rf"\b({any_of(FUNCTIONS)})\s*(?=\()",
-            "captures": {"1": {"name": "support.function.sj"}},
-        },
+        captured(rf"\b({any_of(FUNCTIONS)})\s*(?=\()", "support.function.sj"),
         *({"name": scope, "match": rf"\b({any_of(words)})\b"} for scope, words in word_groups().items()),
         {"name": "keyword.operator.sj", "match": r"->|\.\.|<=|>=|==|!=|[-+*/%<>=]"},
     ]

@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from lark import Token, UnexpectedCharacters
 from lsprotocol import types
@@ -67,23 +68,15 @@ def _declared(analysis: Analysis, occurrence: Occurrence, analyses: Analyses) ->
 def declaration_text(analysis: Analysis, o: Occurrence) -> str:
     """Returns the lines of a declaration with the comment behind it, without their indentation; of a long one the beginning."""
     text = analysis.document.text
-    whole = (_around(analysis, o) or [(o.span.start, o.span.end)])[-1]
-    end = text.find("\n", whole[1])
-    rest = text[whole[1] : end if end >= 0 else len(text)]
+    nodes: list[Any] = [] if analysis.file is None else list(walk(analysis.file))
+    around = [node.span for node in nodes if getattr(getattr(node, "name", None), "span", None) == o.span]  # the smallest last
+    whole = around[-1] if around else o.span
+    rest = text[whole.end :].partition("\n")[0]
     comment = rest if rest.lstrip().startswith("#") else ""
-    start = text.rfind("\n", 0, whole[0]) + 1
-    indent = whole[0] - start
-    lines = (text[whole[0] : whole[1]] + comment).splitlines()
+    indent = whole.start - (text.rfind("\n", 0, whole.start) + 1)
+    lines = (text[whole.start : whole.end] + comment).splitlines()
     lines = [lines[0], *(line[min(indent, len(line) - len(line.lstrip())) :] for line in lines[1:])]
     return "\n".join(lines if len(lines) <= MOST_LINES else [*lines[: MOST_LINES - 1], "…"])
-
-
-def _around(analysis: Analysis, o: Occurrence) -> list[tuple[int, int]]:
-    """Returns where the declarations around a name stand, the smallest last."""
-    if analysis.file is None:
-        return []
-    nodes = [n for n in walk(analysis.file) if getattr(n, "name", None) is not None and getattr(n.name, "span", None) == o.span]  # type: ignore[attr-defined]
-    return [(n.span.start, n.span.end) for n in nodes]
 
 
 # ---- words of the language
@@ -102,22 +95,15 @@ def examples() -> Mapping[str, tuple[str, ...]]:
     grammar = files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
     table = automaton()
     found: dict[str, list[str]] = {}
-    for line in grammar.splitlines():
-        if line.startswith("// ") and not line.startswith("// -"):
-            example = line[3:].strip()
-            for token in parser().parse_interactive(example).lexer_thread.lex(None) if _is_example(example) else ():
-                word = table.words.get(token.type, "")
-                if word.isalpha() and example not in found.setdefault(word, []):
-                    found[word].append(example)
+    for example in (line[3:].strip() for line in grammar.splitlines() if line.startswith("// ") and not line.startswith("// -")):
+        try:
+            tokens = [] if example[:1].isupper() else list(parser().parse_interactive(example).lexer_thread.lex(None))
+        except UnexpectedCharacters:  # it is a remark
+            continue
+        for word in {table.words.get(token.type, "") for token in tokens}:
+            if word.isalpha():
+                found.setdefault(word, []).append(example)
     return {word: tuple(sorted(lines, key=lambda e: (not e.startswith(word), len(e)))[:2]) for word, lines in found.items()}
-
-
-def _is_example(line: str) -> bool:
-    try:
-        list(parser().parse_interactive(line).lexer_thread.lex(None))
-    except UnexpectedCharacters:
-        return False
-    return not line[:1].isupper()
 
 
 def _word(token: Token) -> list[str]:
@@ -126,11 +112,6 @@ def _word(token: Token) -> list[str]:
     word = automaton().words.get(token.type, "")
     if not word.isalpha():
         return []
-    said = "  \n".join(plain_link(sentence) for sentence in meanings().get(word, ()))
+    said = re.sub(r"\[([^\]]*)\]\(#[^)]*\)", r"\1", "  \n".join(meanings().get(word, ())))  # links of the manual lead nowhere here
     shown = "\n".join(examples().get(word, ()))
     return ["\n\n".join(part for part in (f"**`{word}`**", said, f"```sj\n{shown}\n```" if shown else "") if part)]
-
-
-def plain_link(sentence: str) -> str:
-    """Returns a sentence of the manual without its links, which lead nowhere here."""
-    return re.sub(r"\[([^\]]*)\]\(#[^)]*\)", r"\1", sentence)

@@ -1,6 +1,7 @@
 """Local names at a place of a text that may be unfinished, and declarations of such a text: read from its tokens alone."""
 
 from collections.abc import Sequence
+from itertools import takewhile
 
 from lark import Token
 
@@ -34,18 +35,14 @@ def local_names(tokens: Sequence[Token], names: Names) -> dict[str, Owners]:
             case "PHASE" | "DEFINE" | "FORBID":
                 pending = _parameters(tokens, at)
             case "NAME" if before == "AS":
-                pending[str(token)] = _kind_before(tokens, at - 1, names)
+                pending[str(token)] = names.owners(str(tokens[at - 2])) if at > 1 and tokens[at - 2].type == "NAME" else None
             case "NAME" if before in ("LET", "DRAW"):
                 blocks[-1][str(token)] = None
-            case "NAME" if _is_of_domain(tokens, at) and names.owners(str(token)) and _next(tokens, at) != "AS":
+            case "NAME" if _is_of_domain(tokens, at) and names.owners(str(token)) and [t.type for t in tokens[at + 1 : at + 2]] != ["AS"]:
                 pending[str(token)] = names.owners(str(token))
             case "EACH" | "PICK" | "SET" | "GIVE" | "ADD" | "TALLY" | "SEND" | "WHEN" | "CHANCE" | "LET" | "DRAW" if before != "OTHERWISE":
                 pending = {} if before in ("RBRACE", "LBRACE") else pending
     return {**blocks[-1], **pending}
-
-
-def _next(tokens: Sequence[Token], at: int) -> str:
-    return tokens[at + 1].type if at + 1 < len(tokens) else ""
 
 
 def _is_of_domain(tokens: Sequence[Token], at: int) -> bool:
@@ -56,22 +53,12 @@ def _is_of_domain(tokens: Sequence[Token], at: int) -> bool:
     return before in BEFORE_DOMAIN or (at > 1 and tokens[at - 2].type == "PICK")
 
 
-def _kind_before(tokens: Sequence[Token], at: int, names: Names) -> Owners:
-    """Returns what the name behind `as` stands for: the kind before it."""
-    return names.owners(str(tokens[at - 1])) if at and tokens[at - 1].type == "NAME" else None
-
-
 def _parameters(tokens: Sequence[Token], at: int) -> dict[str, Owners]:
     """Returns the names in the brackets behind a declaration: `phase sow(act, colour)`, `define ready(who)`."""
     if [t.type for t in tokens[at + 1 : at + 3]] != ["NAME", "LPAR"]:
         return {}
-    found: dict[str, Owners] = {}
-    for token in tokens[at + 3 :]:
-        if token.type == "RPAR":
-            break
-        if token.type == "NAME":
-            found[str(token)] = None
-    return found
+    inside = takewhile(lambda token: token.type != "RPAR", tokens[at + 3 :])
+    return {str(token): None for token in inside if token.type == "NAME"}
 
 
 def declared_in(tokens: Sequence[Token], name: str = "") -> Names:
@@ -81,7 +68,7 @@ def declared_in(tokens: Sequence[Token], name: str = "") -> Names:
         after = tokens[at + 1]
         depth += (token.type == "LBRACE") - (token.type == "RBRACE")
         owner = "" if owner and depth <= opened and token.type == "RBRACE" else owner
-        span = Span(name, after.start_pos or 0, after.end_pos or 0, after.line or 1, after.column or 1)
+        span = _span(after, name)
         if token.type == "AGENTS":
             owner, opened = "agent", depth
         if token.type in ("FIELD", "TIMER") and after.type == "NAME":
@@ -108,6 +95,10 @@ def declared_in(tokens: Sequence[Token], name: str = "") -> Names:
     return found
 
 
+def _span(token: Token, file: str) -> Span:
+    return Span(file, token.start_pos or 0, token.end_pos or 0, token.line or 1, token.column or 1)
+
+
 def _listed(tokens: Sequence[Token], at: int) -> tuple[str, ...]:
     """Returns the names of a list from a token on."""
     found = []
@@ -121,14 +112,9 @@ def _field(tokens: Sequence[Token], at: int, name: ast.Name) -> ast.Field | ast.
     """Returns the field declared at a token, with its words if it has some."""
     if tokens[at].type == "TIMER":
         return ast.Timer(name.span, name)
-    words: list[ast.Name] = []
-    if [t.type for t in tokens[at + 2 : at + 4]] == ["COLON", "LBRACE"]:
-        for token in tokens[at + 4 :]:
-            if token.type not in ("NAME", "COMMA"):
-                break
-            if token.type == "NAME":
-                span = Span(name.span.file, token.start_pos or 0, token.end_pos or 0, token.line or 1, token.column or 1)
-                words.append(ast.Name(span, str(token)))
+    is_set = [t.type for t in tokens[at + 2 : at + 4]] == ["COLON", "LBRACE"]
+    listed = takewhile(lambda token: token.type in ("NAME", "COMMA"), tokens[at + 4 :] if is_set else ())
+    words = [ast.Name(_span(token, name.span.file), str(token)) for token in listed if token.type == "NAME"]
     sort = str(tokens[at + 3]) if len(tokens) > at + 3 and tokens[at + 3].type == "NAME" else "reward"
     of: ast.Type = ast.Words(name.span, tuple(words)) if words else ast.NamedType(name.span, False, ast.Name(name.span, sort))
     return ast.Field(name.span, name, None, of, None)

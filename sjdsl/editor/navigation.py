@@ -3,29 +3,24 @@
 import re
 from collections import Counter
 from collections.abc import Iterable
-from functools import cache
 from pathlib import Path
+from typing import Any
 
 from lsprotocol import types
 
-from sjdsl.compiler.ast.names import Occurrence, Symbol
+from sjdsl.compiler.ast.names import Occurrence
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, NOWHERE
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.documents import Documents
 from sjdsl.editor.family import declarations, everywhere
-from sjdsl.editor.moved import Moved
+from sjdsl.editor.positions import Moved
 from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 MEANT = ("agent", "cell", "no", "other", "step", "yes", "outside", NOWHERE, *HEADINGS)  # they mean something of their own
 FIXED = {"phase": ("start", "tick"), "action": BUILT_IN, "field": ("heading", *AGENT_ATTRIBUTES, *CELL_ATTRIBUTES)}
-CALLED = {
-    "game": "the game", "word": "a word", "field": "a field", "action": "an action", "argument": "an argument", "shape": "a shape",
-    "phase": "a phase", "metric": "a metric", "variant": "a variant", "policy": "a policy", "scenario": "a scenario", "checks": "a block of checks",
-    "local": "a local name",
-}  # fmt: skip
 
 
 class Refused(Exception):
@@ -78,11 +73,8 @@ def _named_file(uri: str, position: types.Position, analyses: Analyses) -> list[
         return []
     offset = analysis.document.lines.offset(position)
     for before, token in zip(analysis.tokens, analysis.tokens[1:], strict=False):
-        if (
-            token.type == "STRING"
-            and (token.start_pos or 0) <= offset <= (token.end_pos or 0)
-            and before.type in ("EXTENDS", "MAP", "WRAPS")
-        ):
+        is_here = (token.start_pos or 0) <= offset <= (token.end_pos or 0)
+        if is_here and token.type == "STRING" and before.type in ("EXTENDS", "MAP", "WRAPS"):
             path = analysis.document.path.parent / token[1:-1]
             start = types.Position(0, 0)
             return [types.Location(analyses.documents.uri(path.resolve()), types.Range(start, start))] if path.is_file() else []
@@ -97,13 +89,9 @@ def references(
     if found is None:
         return []
     analysis, occurrence = found
-    hits = everywhere(occurrence.symbols, analysis, analyses, folders)
-    return [
-        types.Location(made.document.uri, _range(o, made, analyses.documents))
-        for made, all_ in hits
-        for o in all_
-        if declared or not o.declares
-    ]
+    hits = [(made, o) for made, all_ in everywhere(occurrence.symbols, analysis, analyses, folders) for o in all_]
+    shown = [(made, o) for made, o in hits if declared or not o.declares]
+    return [types.Location(made.document.uri, _range(o, made, analyses.documents)) for made, o in shown]
 
 
 def highlights(uri: str, position: types.Position, analyses: Analyses) -> list[types.DocumentHighlight]:
@@ -112,13 +100,9 @@ def highlights(uri: str, position: types.Position, analyses: Analyses) -> list[t
     if found is None:
         return []
     analysis, occurrence = found
-    wanted = set(occurrence.symbols)
+    same = [o for o in analysis.occurrences if not set(occurrence.symbols).isdisjoint(o.symbols)]
     kinds = {True: types.DocumentHighlightKind.Write, False: types.DocumentHighlightKind.Read}
-    return [
-        types.DocumentHighlight(_range(o, analysis, analyses.documents), kinds[o.declares])
-        for o in analysis.occurrences
-        if wanted & set(o.symbols)
-    ]
+    return [types.DocumentHighlight(_range(o, analysis, analyses.documents), kinds[o.declares]) for o in same]
 
 
 # ---- rename
@@ -153,43 +137,35 @@ def rename(uri: str, position: types.Position, new: str, analyses: Analyses, fol
     """
     analysis, occurrence = _renamed(uri, position, analyses)
     old = _text(analysis, occurrence)
-    _check_name(new)
+    if not NAME.fullmatch(new):
+        raise Refused(f"`{new[:40]}` cannot be a name: names are small letters, digits and `_`, and begin with a letter")
+    table = automaton()
+    if any(word == new for kind, word in table.words.items() if kind not in table.soft):
+        raise Refused(f"`{new}` is a word of the language and cannot be a name")
+    if new in MEANT:
+        raise Refused(f"`{new}` means something of its own in the language and cannot be a name here")
     hits = everywhere(occurrence.symbols, analysis, analyses, folders)
     if new != old:
         _check_changed(hits, old, new, analyses)
     documents = analyses.documents
-    changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
+    changes: list[Any] = []
     for made, found in hits:
         now = documents.get(made.document.uri) or made.document
-        edits: list[types.TextEdit | types.AnnotatedTextEdit | types.SnippetTextEdit] = [
-            types.TextEdit(_range(o, made, documents), new) for o in found
-        ]
+        edits: list[Any] = [types.TextEdit(_range(o, made, documents), new) for o in found]
         changes.append(types.TextDocumentEdit(types.OptionalVersionedTextDocumentIdentifier(now.uri, now.version), edits))
     return types.WorkspaceEdit(document_changes=changes)
-
-
-@cache
-def hard_words() -> frozenset[str]:
-    """Returns the words of the language that cannot be names anywhere."""
-    table = automaton()
-    return frozenset(word for kind, word in table.words.items() if word.isalpha() and kind not in table.soft)
-
-
-def _check_name(new: str) -> None:
-    if not NAME.fullmatch(new):
-        raise Refused(f"`{new[:40]}` cannot be a name: names are small letters, digits and `_`, and begin with a letter")
-    if new in hard_words():
-        raise Refused(f"`{new}` is a word of the language and cannot be a name")
-    if new in MEANT:
-        raise Refused(f"`{new}` means something of its own in the language and cannot be a name here")
 
 
 def _check_changed(hits: list[tuple[Analysis, list[Occurrence]]], old: str, new: str, analyses: Analyses) -> None:
     """Compiles the changed texts, in all their variants: a mistake that was not there before is a reason to refuse."""
     changed = {made.document.name: _edited(made.document.text, found, new) for made, found in hits}
+
+    def over(path: Path) -> str | None:
+        return changed.get(path.as_posix(), analyses.documents.text_over(path))
+
     for made, _ in hits:
         before = Counter(d.code for _, problems in made.all_problems() for d in problems)
-        source = Source(made.source.name, changed[made.document.name], made.source.folder, lambda path: _over(path, changed, analyses))
+        source = Source(made.source.name, changed[made.document.name], made.source.folder, over)
         trial = Analysis(made.document, analyses.documents)
         trial.source = source
         for _, problems in trial.all_problems():
@@ -198,16 +174,7 @@ def _check_changed(hits: list[tuple[Analysis, list[Occurrence]]], old: str, new:
                 raise Refused(f"`{old}` cannot become `{new}`: {Path(worse.span.file).name}:{worse.span.line}: {worse.message}")
 
 
-def _over(path: Path, changed: dict[str, str], analyses: Analyses) -> str | None:
-    return changed.get(path.as_posix(), analyses.documents.text_over(path))
-
-
 def _edited(text: str, found: list[Occurrence], new: str) -> str:
     for o in sorted(found, key=lambda o: o.span.start, reverse=True):
         text = text[: o.span.start] + new + text[o.span.end :]
     return text
-
-
-def called(symbol: Symbol, sorts: dict[str, str]) -> str:
-    """Returns what a symbol is, as messages call it."""
-    return f"the {sorts.get(symbol.name, 'name')}" if symbol.space == "name" else CALLED[symbol.space]

@@ -1,7 +1,8 @@
-"""The outline of a text: its symbols as a tree, the symbols of a whole folder, and what can be folded."""
+"""The outline of a text: its symbols as a tree, the symbols of a whole folder, what can be folded, and what can be run."""
 
+import re
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 from lsprotocol import types
 
@@ -13,23 +14,16 @@ from sjdsl.editor.positions import Lines
 
 Kind = types.SymbolKind
 SORTS: dict[type[object], tuple[types.SymbolKind, str]] = {
-    ast.Kind: (Kind.Class, "kind"),
-    ast.Group: (Kind.Interface, "group"),
-    ast.Movers: (Kind.Class, "movers"),
-    ast.Field: (Kind.Field, "field"),
-    ast.Timer: (Kind.Field, "timer"),
-    ast.Action: (Kind.EnumMember, "action"),
-    ast.Shape: (Kind.Struct, "shape"),
-    ast.Define: (Kind.Function, "define"),
-    ast.Phase: (Kind.Method, "phase"),
-    ast.Event: (Kind.Event, "event"),
-    ast.Measure: (Kind.Variable, "metric"),
-    ast.ScriptedPolicy: (Kind.Function, "policy"),
-    ast.Scenario: (Kind.Object, "scenario"),
-    ast.Variant: (Kind.Namespace, "variant"),
-    ast.About: (Kind.String, "about"),
-}
+    ast.Kind: (Kind.Class, "kind"), ast.Group: (Kind.Interface, "group"), ast.Movers: (Kind.Class, "movers"),
+    ast.Field: (Kind.Field, "field"), ast.Timer: (Kind.Field, "timer"), ast.Action: (Kind.EnumMember, "action"),
+    ast.Shape: (Kind.Struct, "shape"), ast.Define: (Kind.Function, "define"), ast.Phase: (Kind.Method, "phase"),
+    ast.Event: (Kind.Event, "event"), ast.Measure: (Kind.Variable, "metric"), ast.ScriptedPolicy: (Kind.Function, "policy"),
+    ast.Scenario: (Kind.Object, "scenario"), ast.Variant: (Kind.Namespace, "variant"), ast.About: (Kind.String, "about"),
+}  # fmt: skip
 Names = list[types.DocumentSymbol]
+RUN_PHASE = "sjdsl.runPhase"
+RUN_CHECK = "sjdsl.runCheck"
+RUN_CHECKS = "sjdsl.runChecks"  # commands of the code lenses
 
 
 def document_symbols(analysis: Analysis | None, lines: Lines) -> Names:
@@ -43,19 +37,14 @@ def document_symbols(analysis: Analysis | None, lines: Lines) -> Names:
 
 def workspace_symbols(query: str, files: Iterable[tuple[Document, ast.File]]) -> list[types.WorkspaceSymbol]:
     """Returns the declarations of several files whose names have the letters of `query` in their order."""
+    fits = re.compile(".*".join(map(re.escape, "".join(query.lower().split()))))
     found = []
     for document, file in files:
-        tree = _sections(file.game.sections, document.lines)
-        for symbol, around in _flat(tree, file.game.name.text):
-            if _fits(query, symbol.name):
+        for symbol, around in _flat(_sections(file.game.sections, document.lines), file.game.name.text):
+            if fits.search(symbol.name.lower()):
                 location = types.Location(document.uri, symbol.selection_range)
                 found.append(types.WorkspaceSymbol(location=location, name=symbol.name, kind=symbol.kind, container_name=around))
     return found
-
-
-def _fits(query: str, name: str) -> bool:
-    letters = iter(name.lower())
-    return all(letter in letters for letter in query.lower() if not letter.isspace())
 
 
 def _flat(tree: Names, around: str) -> Iterator[tuple[types.DocumentSymbol, str]]:
@@ -77,8 +66,8 @@ def _of(node: object, lines: Lines) -> Names:
     """Returns the symbols of a declaration: itself with those inside it, or, of a block without a name, the block with them."""
     match node:
         case ast.Constant():
-            sort = Kind.Constant if node.is_size else Kind.Number
-            return [_symbol(lines, node.name.text, "size" if node.is_size else "param", sort, node.span, node.name.span, [])]
+            kind, sort = (Kind.Constant, "size") if node.is_size else (Kind.Number, "param")
+            return [_symbol(lines, node.name.text, sort, kind, node.span, node.name.span, [])]
         case ast.Kind() | ast.Movers():
             return [_named(node, lines, _sections(node.attributes, lines))]
         case ast.Variant():
@@ -91,12 +80,9 @@ def _of(node: object, lines: Lines) -> Names:
             return [_block("metrics", Kind.Object, node.span, _sections(node.metrics, lines), lines)]
         case ast.Checks():
             return [_block("checks" if node.name is None else f"checks {node.name.text}", Kind.Object, node.span, [], lines)]
-        case ast.Observe():
-            return [_block("observe", Kind.Object, node.span, [], lines)]
-        case ast.Map():
-            return [_block("map", Kind.Array, node.span, [], lines)]
-        case ast.Schedule():
-            return [_block("schedule", Kind.Array, node.span, [], lines)]
+        case ast.Observe() | ast.Map() | ast.Schedule():
+            kind = Kind.Object if isinstance(node, ast.Observe) else Kind.Array
+            return [_block(type(node).__name__.lower(), kind, node.span, [], lines)]
         case _ if type(node) in SORTS:
             return [_named(node, lines, [])]
     return []
@@ -110,9 +96,8 @@ def _named(node: object, lines: Lines, inside: Names, detail: str = "") -> types
 
 
 def _block(name: str, kind: types.SymbolKind, span: Span, inside: Names, lines: Lines) -> types.DocumentSymbol:
-    return _symbol(
-        lines, name, "", kind, span, Span(span.file, span.start, span.start + len(name.split()[0]), span.line, span.column), inside
-    )
+    word = Span(span.file, span.start, span.start + len(name.split()[0]), span.line, span.column)
+    return _symbol(lines, name, "", kind, span, word, inside)
 
 
 def folding(analysis: Analysis) -> list[types.FoldingRange]:
@@ -131,14 +116,31 @@ def folding(analysis: Analysis) -> list[types.FoldingRange]:
 
 def _comments(document: Document) -> list[types.FoldingRange]:
     """Returns runs of lines that hold only a comment."""
-    found, first = [], None
     starts = [*document.lines.starts, len(document.text)]
-    for number, (start, end) in enumerate(pairwise([*starts, len(document.text)])):
-        text = document.text[start:end]
-        if text.lstrip().startswith("#"):
-            first = number if first is None else first
-        else:
-            if first is not None and number - 1 > first:
-                found.append(types.FoldingRange(first, number - 1, kind=types.FoldingRangeKind.Comment))
-            first = None
+    comments = [document.text[start:end].lstrip().startswith("#") for start, end in pairwise(starts)]
+    runs = [list(run) for is_comment, run in groupby(range(len(comments)), comments.__getitem__) if is_comment]
+    return [types.FoldingRange(run[0], run[-1], kind=types.FoldingRangeKind.Comment) for run in runs if len(run) > 1]
+
+
+def code_lenses(analysis: Analysis) -> list[types.CodeLens]:
+    """Returns what can be run, also of variants; nothing for a text with syntax errors."""
+    return [] if analysis.file is None else _lenses(analysis.file.game.sections, analysis)
+
+
+def _lenses(sections: tuple[ast.Section | ast.Override | ast.Drop, ...], analysis: Analysis) -> list[types.CodeLens]:
+    uri, found = analysis.document.uri, []
+    for section in sections:
+        match section:
+            case ast.Phase():
+                found.append(_lens(section.span, "run this phase's scenes", RUN_PHASE, [uri, section.name.text], analysis))
+            case ast.Checks():
+                found.append(_lens(section.span, "run all checks", RUN_CHECKS, [uri], analysis))
+                found += [_lens(check.span, "run", RUN_CHECK, [uri, check.span.start], analysis) for check in section.checks]
+            case ast.Variant():
+                found += _lenses(section.changes, analysis)
     return found
+
+
+def _lens(span: Span, title: str, command: str, arguments: list[object], analysis: Analysis) -> types.CodeLens:
+    start = analysis.document.lines.position(span.start)
+    return types.CodeLens(types.Range(start, start), types.Command(title, command, arguments=arguments))

@@ -17,9 +17,9 @@ from sjdsl.properties import Effort, GameFamily, Verdict, Verification
 from sjdsl.properties.engines import EpisodeRunner
 from sjdsl.properties.trajectory import play as play_scenario
 from sjdsl.properties.verify_properties import decide_statically
+from sjdsl.render.letters import draw
 from sjdsl.trace.episode import Moment, Told, play, random_actions
 from sjdsl.trace.lines import Teller, is_shown, make_teller, turn_lines
-from sjdsl.trace.picture import draw
 from sjdsl.trace.rules import Rules
 
 STEPS = 60  # of random play in which a phase is looked for
@@ -41,7 +41,7 @@ class Result:
 
 def variant_of(analysis: Analysis, phase: str) -> tuple[str, ...] | None:
     """Returns the first variant whose schedule has a phase, the game itself before all; None where none can be compiled and has it."""
-    for names in ((), *((name,) for name in analysis.variants)):
+    for names in analysis.choices:
         made = _built(analysis, names)
         if made is not None and (phase == "start" or any(isinstance(t, ir.Phase) and t.name == phase for t in made.game.schedule)):
             return names
@@ -71,7 +71,7 @@ def run_phase(analysis: Analysis, phase: str, seed: int = 0, steps: int = STEPS)
         for moment in play(made.game, default_params(made.game), seed, 0 if phase == "start" else steps, random_actions(made.game)):
             turns = [turn for turn in moment.turns if is_shown(turn, (phase,))]
             played += bool(turns)
-            if any(_does_something(turn) for turn in turns):
+            if any(turn.effects for turn in turns):
                 acted += 1
                 scenes += [_scene(moment, turns, before, teller)] if len(scenes) < SCENES else []
             idle = {s.origin for turn in turns for s in turn.never if s.origin is not None}
@@ -84,16 +84,10 @@ def run_phase(analysis: Analysis, phase: str, seed: int = 0, steps: int = STEPS)
     named = f" of variant `{variants[0]}`" if variants else ""
     counted = "when the episode begins" if phase == "start" else f"in {acted} of {played} steps with random actions"
     said = f"phase `{phase}`{named}: something changes {counted} (seed {seed})"
-    yield Result(
-        said,
-        "\n".join([said, "", *scenes]),
-        False,
-        tuple(_never_happened(span, analysis, played) for span in sorted_spans(never, analysis)),
-    )
-
-
-def _does_something(turn: Told) -> bool:
-    return bool(turn.effects)
+    idle_here = sorted((span for span in never or () if span.file == analysis.document.name), key=lambda span: span.start)
+    told = f"did not happen in {played} {'step' if played == 1 else 'steps'} with random actions"
+    marks = [(analysis.document.lines.span(span), told, types.DiagnosticSeverity.Information) for span in idle_here]
+    yield Result(said, "\n".join([said, "", *scenes]), False, tuple(types.Diagnostic(*mark, source="sjdsl run") for mark in marks))
 
 
 def _scene(moment: Moment, turns: list[Told], before: list[str], teller: Teller) -> str:
@@ -107,22 +101,12 @@ def _scene(moment: Moment, turns: list[Told], before: list[str], teller: Teller)
     return "\n".join([*lines, *(f"    {row}" for row in draw(teller.looks, teller.board, moment.world)), ""])
 
 
-def sorted_spans(spans: set[Span] | None, analysis: Analysis) -> list[Span]:
-    """Returns the spans of the text itself, in its order."""
-    return sorted((s for s in spans or () if s.file == analysis.document.name), key=lambda s: s.start)
-
-
-def _never_happened(span: Span, analysis: Analysis, steps: int) -> types.Diagnostic:
-    said = f"did not happen in {steps} {'step' if steps == 1 else 'steps'} with random actions"
-    return types.Diagnostic(analysis.document.lines.span(span), said, types.DiagnosticSeverity.Information, source="sjdsl run")
-
-
 # ---- checks
 
 
-def check_numbers(analysis: Analysis, start: int | None = None, variants: tuple[str, ...] = ()) -> tuple[list[int], tuple[str, ...]]:
+def check_numbers(analysis: Analysis, start: int | None = None) -> tuple[list[int], tuple[str, ...]]:
     """Returns which checks of a game stand at a place, all without one; and the first variant that has them."""
-    for names in (variants,) if variants else ((), *((name,) for name in analysis.variants)):
+    for names in analysis.choices:
         made = _built(analysis, names)
         checks = () if made is None else made.game.checks
         own = [(i, c.origin) for i, c in enumerate(checks) if c.origin is not None and c.origin.file == analysis.document.name]
@@ -151,10 +135,9 @@ def run_checks(analysis: Analysis, start: int | None = None) -> Iterator[Result 
             yield None
     failed = [v for v in verdicts if v.passed is False]
     named = f" of variant `{variants[0]}`" if variants else ""
-    said = f"{len(verdicts)} {'check' if len(verdicts) == 1 else 'checks'}{named}: " + (
-        f"{len(failed)} failed" if failed else "none failed"
-    )
-    said = f"`{verdicts[0].text}`{named}: {_status(verdicts[0])}" if len(verdicts) == 1 else said
+    said = f"{len(verdicts)} checks{named}: {len(failed) or 'none'} failed"
+    if len(verdicts) == 1:
+        said = f"`{verdicts[0].text}`{named}: {_status(verdicts[0])}"
     text = "\n".join(line for v in verdicts for line in (f"{_status(v)}  {v.text}", *(f"    {t}" for t in v.trace)))
     spans = [family.own.checks[number].origin for number in numbers]
     marks = tuple(_judged(v, span, analysis) for v, span in zip(verdicts, spans, strict=True) if span is not None)

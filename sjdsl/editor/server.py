@@ -2,15 +2,16 @@
 
 import asyncio
 from collections.abc import Callable, Iterator
-from typing import Any, TypeVar
+from typing import Any
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 
-from sjdsl.editor import colours, completion, lenses
+from sjdsl.editor import colours, completion
 from sjdsl.editor.documents import path_of
 from sjdsl.editor.navigation import Refused
+from sjdsl.editor.outline import RUN_CHECK, RUN_CHECKS, RUN_PHASE
 from sjdsl.editor.running import Result, run_checks, run_phase
 from sjdsl.editor.session import Session
 from sjdsl.version import __version__
@@ -19,8 +20,6 @@ QUIET = 0.01  # seconds without a change before a text is looked at, so that of 
 PATIENCE = 0.3  # seconds after which it is looked at whatever comes
 REQUEST_FAILED = -32803  # ErrorCodes.RequestFailed of the protocol
 
-Answer = TypeVar("Answer")
-
 
 class Server(LanguageServer):
     """A session and the tasks that look at its texts."""
@@ -28,8 +27,8 @@ class Server(LanguageServer):
     def __init__(self) -> None:
         super().__init__("sjdsl", __version__)
         self.session = Session()
-        self.ended_early = False  # the client says `exit` without `shutdown`
-        self._shut_down = False
+        self.shut_down = False  # the client has asked for the end
+        self.ended_early = False  # it says `exit` without that
         self._waiting: dict[str, float] = {}  # URI -> when it changed first since it was last looked at
         self._changed: dict[str, float] = {}  # and when it changed last
         self._tasks: dict[str, asyncio.Task[None]] = {}
@@ -42,13 +41,25 @@ class Server(LanguageServer):
         encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
         self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None], bool(item and item.snippet_support))
 
-    def leave(self) -> None:
-        """Notes how the client ends the session."""
-        self.ended_early = not self._shut_down
+    def watch_files(self) -> None:
+        """Has the client tell of changes of games and maps on the disk, if it can."""
+        workspace = self.client_capabilities.workspace
+        watched = workspace.did_change_watched_files if workspace else None
+        if watched is not None and watched.dynamic_registration:
+            watchers = [types.FileSystemWatcher(f"**/*.{suffix}") for suffix in ("sj", "txt")]
+            options = types.DidChangeWatchedFilesRegistrationOptions(watchers)
+            wanted = types.Registration("files", types.WORKSPACE_DID_CHANGE_WATCHED_FILES, options)
+            self.client_register_capability(types.RegistrationParams([wanted]))
 
-    def shut_down(self) -> None:
-        """Notes that the client has asked for the end of the session."""
-        self._shut_down = True
+    def change_folders(self, change: types.WorkspaceFoldersChangeEvent) -> None:
+        """Takes over which folders the client has open now."""
+        gone, come = ([path_of(folder.uri) for folder in folders] for folders in (change.removed, change.added))
+        kept = [folder for folder in self.session.folders if folder not in gone]
+        self.session.folders = [*kept, *(path for path in come if path is not None)]
+
+    def look_at_those_on(self, uri: str, itself: bool = True) -> None:
+        """Has texts looked at again whose messages may differ when a text or a file has changed."""
+        self.look_at([other for other in self.session.affected_by(uri) if itself or other != uri])
 
     def look_at(self, uris: list[str]) -> None:
         """Has texts looked at soon, each by one task at a time."""
@@ -117,152 +128,82 @@ class Server(LanguageServer):
 def make_server() -> Server:
     """Returns a server with everything registered; `start_io` and `start_tcp` run it."""
     server = Server()
-    _texts(server)
-    _questions(server)
-    _edits(server)
-    _commands(server)
-    return server
-
-
-def _texts(server: Server) -> None:
-    """What the client tells: texts, files, folders."""
-
-    @server.feature(types.INITIALIZE)
-    def initialize(ls: Server, params: types.InitializeParams) -> None:
-        ls.begin(params)
-
-    @server.feature(types.SHUTDOWN)
-    def shut_down(ls: Server, _params: None) -> None:
-        ls.shut_down()
-
-    @server.feature(types.EXIT)
-    def leave(ls: Server, _params: None) -> None:
-        ls.leave()
-
-    @server.feature(types.INITIALIZED)
-    def initialized(ls: Server, _params: types.InitializedParams) -> None:
-        workspace = ls.client_capabilities.workspace
-        watched = workspace.did_change_watched_files if workspace else None
-        if watched is not None and watched.dynamic_registration:
-            watchers = [types.FileSystemWatcher(f"**/*.{suffix}") for suffix in ("sj", "txt")]
-            options = types.DidChangeWatchedFilesRegistrationOptions(watchers)
-            wanted = types.Registration("files", types.WORKSPACE_DID_CHANGE_WATCHED_FILES, options)
-            ls.client_register_capability(types.RegistrationParams([wanted]))
 
     @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
     def opened(ls: Server, params: types.DidOpenTextDocumentParams) -> None:
         document = params.text_document
         ls.session.open(document.uri, document.text, document.version)
-        ls.look_at(ls.session.affected_by(document.uri))
+        ls.look_at_those_on(document.uri)
 
     @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
     def changed(ls: Server, params: types.DidChangeTextDocumentParams) -> None:
         ls.session.change(params.text_document.uri, params.content_changes, params.text_document.version)
-        ls.look_at(ls.session.affected_by(params.text_document.uri))
-
-    @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
-    def saved(ls: Server, params: types.DidSaveTextDocumentParams) -> None:
-        ls.look_at(ls.session.affected_by(params.text_document.uri))
-
-    @server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
-    def closed(ls: Server, params: types.DidCloseTextDocumentParams) -> None:
-        ls.closed(params.text_document.uri)
+        ls.look_at_those_on(params.text_document.uri)
 
     @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
     def files(ls: Server, params: types.DidChangeWatchedFilesParams) -> None:
         for change in params.changes:
-            ls.look_at([uri for uri in ls.session.affected_by(change.uri) if uri != change.uri])
+            ls.look_at_those_on(change.uri, itself=False)
 
-    @server.feature(types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS)
-    def folders(ls: Server, params: types.DidChangeWorkspaceFoldersParams) -> None:
-        gone = {path_of(folder.uri) for folder in params.event.removed}
-        come = [path for path in (path_of(folder.uri) for folder in params.event.added) if path is not None]
-        ls.session.folders = [*(folder for folder in ls.session.folders if folder not in gone), *come]
+    @server.feature(types.SHUTDOWN)
+    def shut_down(ls: Server, _params: None) -> None:
+        ls.shut_down = True
 
+    @server.feature(types.EXIT)
+    def leave(ls: Server, _params: None) -> None:
+        ls.ended_early = not ls.shut_down
 
-def _questions(server: Server) -> None:
-    """What the client asks about a text."""
+    def at(params: Any) -> tuple[str, types.Position]:
+        return params.text_document.uri, params.position
 
-    @server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=list(completion.TRIGGERS)))
-    def complete(ls: Server, params: types.CompletionParams) -> types.CompletionList:
-        return types.CompletionList(False, ls.session.completion(params.text_document.uri, params.position))
+    answers: dict[str, Callable[[Server, Any], Any]] = {
+        types.INITIALIZE: lambda ls, params: ls.begin(params),
+        types.INITIALIZED: lambda ls, _params: ls.watch_files(),
+        types.TEXT_DOCUMENT_DID_SAVE: lambda ls, params: ls.look_at_those_on(params.text_document.uri),
+        types.TEXT_DOCUMENT_DID_CLOSE: lambda ls, params: ls.closed(params.text_document.uri),
+        types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS: lambda ls, params: ls.change_folders(params.event),
+        types.TEXT_DOCUMENT_COMPLETION: lambda ls, params: types.CompletionList(False, ls.session.completion(*at(params))),
+        types.TEXT_DOCUMENT_HOVER: lambda ls, params: ls.session.hover(*at(params)),
+        types.TEXT_DOCUMENT_DEFINITION: lambda ls, params: ls.session.definition(*at(params)),
+        types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(*at(params), params.context.include_declaration),
+        types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT: lambda ls, params: ls.session.highlights(*at(params)),
+        types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(params.text_document.uri),
+        types.WORKSPACE_SYMBOL: lambda ls, params: ls.session.workspace_symbols(params.query),
+        types.TEXT_DOCUMENT_FOLDING_RANGE: lambda ls, params: ls.session.folding(params.text_document.uri),
+        types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: lambda ls, params: ls.session.semantic_tokens(params.text_document.uri),
+        types.TEXT_DOCUMENT_CODE_LENS: lambda ls, params: ls.session.code_lenses(params.text_document.uri),
+        types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(params.text_document.uri, params.range),
+        types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(params.text_document.uri),
+        types.TEXT_DOCUMENT_PREPARE_RENAME: lambda ls, params: _or_refused(ls.session.can_be_renamed, *at(params)),
+        types.TEXT_DOCUMENT_RENAME: lambda ls, params: _or_refused(ls.session.rename, *at(params), params.new_name),
+    }
+    options: dict[str, Any] = {
+        types.TEXT_DOCUMENT_COMPLETION: types.CompletionOptions(trigger_characters=list(completion.TRIGGERS)),
+        types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: colours.LEGEND,
+        types.TEXT_DOCUMENT_CODE_ACTION: types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
+        types.TEXT_DOCUMENT_RENAME: types.RenameOptions(prepare_provider=True),
+    }
+    for message, answer in answers.items():
+        server.feature(message, options.get(message))(answer)
 
-    @server.feature(types.TEXT_DOCUMENT_HOVER)
-    def hover(ls: Server, params: types.HoverParams) -> types.Hover | None:
-        return ls.session.hover(params.text_document.uri, params.position)
-
-    @server.feature(types.TEXT_DOCUMENT_DEFINITION)
-    def definition(ls: Server, params: types.DefinitionParams) -> list[types.Location]:
-        return ls.session.definition(params.text_document.uri, params.position)
-
-    @server.feature(types.TEXT_DOCUMENT_REFERENCES)
-    def references(ls: Server, params: types.ReferenceParams) -> list[types.Location]:
-        return ls.session.references(params.text_document.uri, params.position, params.context.include_declaration)
-
-    @server.feature(types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
-    def highlight(ls: Server, params: types.DocumentHighlightParams) -> list[types.DocumentHighlight]:
-        return ls.session.highlights(params.text_document.uri, params.position)
-
-    @server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
-    def symbols(ls: Server, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
-        return ls.session.symbols(params.text_document.uri)
-
-    @server.feature(types.WORKSPACE_SYMBOL)
-    def workspace(ls: Server, params: types.WorkspaceSymbolParams) -> list[types.WorkspaceSymbol]:
-        return ls.session.workspace_symbols(params.query)
-
-    @server.feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
-    def folding(ls: Server, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
-        return ls.session.folding(params.text_document.uri)
-
-    @server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, colours.LEGEND)
-    def tokens(ls: Server, params: types.SemanticTokensParams) -> types.SemanticTokens:
-        return ls.session.semantic_tokens(params.text_document.uri)
-
-    @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
-    def lens(ls: Server, params: types.CodeLensParams) -> list[types.CodeLens]:
-        return ls.session.code_lenses(params.text_document.uri)
-
-
-def _edits(server: Server) -> None:
-    """Changes of texts that the client asks for."""
-
-    @server.feature(types.TEXT_DOCUMENT_CODE_ACTION, types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]))
-    def fixes(ls: Server, params: types.CodeActionParams) -> list[types.CodeAction]:
-        return ls.session.quick_fixes(params.text_document.uri, params.range)
-
-    @server.feature(types.TEXT_DOCUMENT_FORMATTING)
-    def format(ls: Server, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
-        return ls.session.formatting(params.text_document.uri)
-
-    @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
-    def prepare(ls: Server, params: types.PrepareRenameParams) -> types.PrepareRenamePlaceholder:
-        return _or_refused(lambda: ls.session.can_be_renamed(params.text_document.uri, params.position))
-
-    @server.feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
-    def rename(ls: Server, params: types.RenameParams) -> types.WorkspaceEdit:
-        return _or_refused(lambda: ls.session.rename(params.text_document.uri, params.position, params.new_name))
-
-
-def _or_refused(answer: Callable[[], Answer]) -> Answer:
-    """Returns an answer; a refusal goes to the client as the message of an error."""
-    try:
-        return answer()
-    except Refused as reason:
-        raise JsonRpcException(str(reason), REQUEST_FAILED) from None
-
-
-def _commands(server: Server) -> None:
-    """What the code lenses run."""
-
-    @server.command(lenses.RUN_PHASE)
+    @server.command(RUN_PHASE)
     async def phase(ls: Server, uri: str, name: str) -> dict[str, Any]:
         return await ls.run(uri, lambda analysis: run_phase(analysis, name))
 
-    @server.command(lenses.RUN_CHECK)
+    @server.command(RUN_CHECK)
     async def check(ls: Server, uri: str, start: int) -> dict[str, Any]:
         return await ls.run(uri, lambda analysis: run_checks(analysis, start))
 
-    @server.command(lenses.RUN_CHECKS)
+    @server.command(RUN_CHECKS)
     async def checks(ls: Server, uri: str) -> dict[str, Any]:
         return await ls.run(uri, run_checks)
+
+    return server
+
+
+def _or_refused(answer: Callable[..., Any], *asked: Any) -> Any:
+    """Returns an answer; a refusal goes to the client as the message of an error."""
+    try:
+        return answer(*asked)
+    except Refused as reason:
+        raise JsonRpcException(str(reason), REQUEST_FAILED) from None

@@ -11,13 +11,11 @@ from sjdsl.editor.colours import semantic_tokens
 from sjdsl.editor.completion import completion
 from sjdsl.editor.diagnostics import diagnostics, explanation_file
 from sjdsl.editor.documents import Document, Documents, path_of
+from sjdsl.editor.edits import formatting, quick_fixes
 from sjdsl.editor.family import all_texts
-from sjdsl.editor.fixes import quick_fixes
-from sjdsl.editor.formatting import formatting
 from sjdsl.editor.hover import hover
-from sjdsl.editor.lenses import code_lenses
 from sjdsl.editor.navigation import can_be_renamed, definition, highlights, references, rename
-from sjdsl.editor.outline import document_symbols, folding, workspace_symbols
+from sjdsl.editor.outline import code_lenses, document_symbols, folding, workspace_symbols
 from sjdsl.editor.positions import UTF16
 
 GAME = ".sj"
@@ -109,12 +107,15 @@ class Session:
         return rename(uri, position, new, self.analyses, self.folders)
 
     def quick_fixes(self, uri: str, range_: types.Range) -> list[types.CodeAction]:
-        analysis = self.analyses.of(uri)
-        return [] if analysis is None else quick_fixes(analysis, range_, self.documents)
+        return [fix for analysis in self._known(uri) for fix in quick_fixes(analysis, range_, self.documents)]
 
     def formatting(self, uri: str) -> list[types.TextEdit]:
+        return [edit for analysis in self._known(uri) for edit in formatting(analysis)]
+
+    def _known(self, uri: str) -> list[Analysis]:
+        """Returns what is known of a text; nothing if there is no such text."""
         analysis = self.analyses.of(uri)
-        return [] if analysis is None else formatting(analysis)
+        return [] if analysis is None else [analysis]
 
     def symbols(self, uri: str) -> list[types.DocumentSymbol]:
         document = self.documents.get(uri)
@@ -126,16 +127,14 @@ class Session:
         return workspace_symbols(query, [(a.document, a.file) for a in texts if a.file is not None])
 
     def folding(self, uri: str) -> list[types.FoldingRange]:
-        analysis = self.analyses.of(uri)
-        return [] if analysis is None else folding(analysis)
+        return [fold for analysis in self._known(uri) for fold in folding(analysis)]
 
     def semantic_tokens(self, uri: str) -> types.SemanticTokens:
         analysis = self.analyses.of(uri)
         return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis)
 
     def code_lenses(self, uri: str) -> list[types.CodeLens]:
-        analysis = self.analyses.of(uri)
-        return [] if analysis is None else code_lenses(analysis)
+        return [lens for analysis in self._known(uri) for lens in code_lenses(analysis)]
 
 
 def is_game(document: Document) -> bool:

@@ -14,10 +14,9 @@ from sjdsl.interop.calls import numbers_of_actions, seeded_key
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.melting_pot_observations import observe
 from sjdsl.render import take_snapshot
-from sjdsl.render.board import Tiles, draw_board
+from sjdsl.render.board import draw_board, draw_windows, where_seen
 from sjdsl.render.look import make_look
-from sjdsl.render.snapshot import Snapshot
-from sjdsl.render.windows import NONE, OUTSIDE, draw_windows, where_seen
+from sjdsl.render.moment import Snapshot
 from sjdsl.runtime.actions import BUILT_IN
 from sjdsl.runtime.env import Environment
 from sjdsl.substrates import Substrate as Entry
@@ -29,6 +28,7 @@ with needs("dm_env"):
 
 Observation = dict[str, np.ndarray]
 ROLE = "default"
+OUTSIDE = NONE = 0  # in an observation: the look of what is off the map, and that no agent is seen on a cell
 TILE = 8  # pixels of a cell's side, as in Melting Pot
 
 
@@ -61,7 +61,6 @@ class Substrate(Copied, dm_env.Environment):
         self._told: Mapping[str, Any] | None = None if entry is None else entry.observations
         self._look = replace(make_look(self.env.game), tile=tile)
         self._sees = jax.jit(self.env.module.observe)
-        self._tiles: Tiles = {}
         self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN]
         self._state: Any = None
         self._events: list[tuple[str, Any]] = []
@@ -132,7 +131,7 @@ class Substrate(Copied, dm_env.Environment):
 
     def _observe(self, rewards: np.ndarray) -> list[Observation]:
         snapshot = take_snapshot(self.env, self._state, rewards)
-        board = draw_board(self._look, snapshot, self._tiles)
+        board = draw_board(self._look, snapshot)
         windows = self._windows(board, snapshot)
         told = self._beside_the_picture(self._state)
         collective = np.array(rewards.sum())
@@ -159,7 +158,7 @@ class Substrate(Copied, dm_env.Environment):
             return windows
         content, agents = np.asarray(self._sees(self._state, self.env.params))[:, :2].swapaxes(0, 1)
         nowhere = np.full_like(snapshot.row, -1)
-        empty = draw_board(self._look, replace(snapshot, row=nowhere, col=nowhere), self._tiles)
+        empty = draw_board(self._look, replace(snapshot, row=nowhere, col=nowhere))
         windows = where_seen(agents != NONE, windows, draw_windows(empty, snapshot, game.window, self._look.tile))
         return where_seen(content != OUTSIDE, windows, np.zeros_like(windows)) if game.window.views else windows
 

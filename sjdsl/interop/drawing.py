@@ -6,10 +6,7 @@ import numpy as np
 
 from sjdsl.render import make_painter, take_snapshot
 from sjdsl.runtime.env import Environment
-from sjdsl.screen.board import board_letters
-from sjdsl.screen.compiled import marked_world
-from sjdsl.screen.display import Display
-from sjdsl.screen.looks import make_screen_looks
+from sjdsl.screen.board import board_letters, make_screen_looks
 
 RENDER_MODES = ("human", "ansi", "rgb_array")
 
@@ -40,9 +37,7 @@ class Drawing:
             self._painter = self._painter or make_painter(self._env)
             return np.asarray(self._painter.draw(snapshot))
         self._looks = self._looks or make_screen_looks(self._env.game)
-        held = frozenset(np.flatnonzero(snapshot.held).tolist())
-        display = Display(marked_world(self._env, state), held, (), (), tuple(returns.tolist()), {}, False)
-        text = board_letters(self._env.game, self._looks, display)
+        text = board_letters(self._looks, snapshot)
         if self._mode == "ansi":
             return text
         print(text, flush=True)

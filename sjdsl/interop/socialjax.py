@@ -19,7 +19,7 @@ from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 from sjdsl.interop.socialjax_table import Entry, Figure, entries
 from sjdsl.interop.spaces import make_box, make_discrete
 from sjdsl.render.look import make_look
-from sjdsl.render.snapshot import take_snapshot
+from sjdsl.render.moment import take_snapshot
 from sjdsl.runtime.arguments import checked_actions
 
 __all__ = [
@@ -151,7 +151,7 @@ class SocialJaxGame(Copied):
 
         from sjdsl.render.board import draw_board
 
-        return draw_board(make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents)), {})
+        return draw_board(make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents)))
 
     def _ours(self, actions: Sequence[Array] | Array) -> Array:
         """Returns our numbers of actions; numbers out of range mean nothing, as in the suite."""

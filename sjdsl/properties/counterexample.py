@@ -14,10 +14,10 @@ from sjdsl.properties.float_overflow import describe_overflow
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.search import Counterexample
 from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of
+from sjdsl.render.letters import draw
 from sjdsl.trace.episode import Moment, Told, tell_of
 from sjdsl.trace.jax_random import RecordedDraws
 from sjdsl.trace.lines import make_teller, moment_lines
-from sjdsl.trace.picture import draw
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_value
 

@@ -17,10 +17,10 @@ from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import Violation
 from sjdsl.properties.search import Counterexample
 from sjdsl.properties.trajectory import draws_of, params_of
+from sjdsl.render.letters import draw
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
 from sjdsl.trace.lines import make_teller, turn_lines
-from sjdsl.trace.picture import draw
 from sjdsl.trace.rules import Rules
 
 AROUND = 2  # rows of the map shown above and below what changed

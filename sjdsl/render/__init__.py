@@ -6,11 +6,9 @@ from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from sjdsl.render.episode_page import EpisodePage, make_page
-    from sjdsl.render.film import save_gif, save_mp4, save_png
-    from sjdsl.render.frame import Painter, make_painter
-    from sjdsl.render.moment import Moment
+    from sjdsl.render.film import Painter, make_painter, save_gif, save_mp4, save_png
+    from sjdsl.render.moment import Moment, Snapshot, take_snapshot
     from sjdsl.render.playing import one_of, play, play_moments, random_policy, stay_policy
-    from sjdsl.render.snapshot import Snapshot, take_snapshot
 
 __all__ = [
     "EpisodePage",
@@ -35,10 +33,10 @@ __getattr__ = lazy_names(
     {
         "EpisodePage": "episode_page",
         "Moment": "moment",
-        "Painter": "frame",
-        "Snapshot": "snapshot",
+        "Painter": "film",
+        "Snapshot": "moment",
         "make_page": "episode_page",
-        "make_painter": "frame",
+        "make_painter": "film",
         "one_of": "playing",
         "play": "playing",
         "play_moments": "playing",
@@ -47,6 +45,6 @@ __getattr__ = lazy_names(
         "save_mp4": "film",
         "save_png": "film",
         "stay_policy": "playing",
-        "take_snapshot": "snapshot",
+        "take_snapshot": "moment",
     },
 )

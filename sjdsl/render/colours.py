@@ -23,6 +23,11 @@ def mixed(first: Colour, second: Colour, share: float) -> Colour:
     return tuple(round(a + (b - a) * share) for a, b in zip(first, second, strict=True))  # type: ignore[return-value]
 
 
+def hexadecimal(colour: Colour) -> str:
+    """Returns a colour as SVG, browsers and terminals read it: `#rrggbb`."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
 # Words of fields and names of phases that mark, and the colour most people would give them.
 WORDS: dict[str, Colour] = {
     **{name: read_colour(name) for name in NAMED},
@@ -65,6 +70,9 @@ SPRITES: dict[str, Colour] = {
     "raft": (168, 116, 63),
     "pot": (74, 79, 88),
 }
+
+FILLING = frozenset({"wall", "water", "floor"})  # sprites as large as their cell; the others stand in it
+SHAPES = ("disc", "diamond", "square", "triangle", "ring", "cross", "hexagon", "wedge")  # sprites of words that have none of their own
 
 # Grounds by the part of a kind's name that says what it is: pale, so that what stands there is seen first.
 KINDS: dict[str, Colour] = {
@@ -120,6 +128,8 @@ MARKS: tuple[Colour, ...] = (
 )
 # For words that name no colour: Okabe and Ito's, in an order that keeps neighbours far apart.
 INKS: tuple[Colour, ...] = tuple(map(read_colour, ("blue", "orange", "green", "pink", "sky", "brown", "purple", "black")))
+
+BARS = (INKS[7], *INKS[1:4])  # of the numbers of a cell, in order: at its foot, its head, its left and its right side
 
 # An own colour for each agent a game can have: Okabe and Ito's, then those farthest from all before them, by the smallest CIE76
 # distance as people with normal colour vision, deuteranopes and protanopes see them (Machado, Oliveira and Fernandes 2009).

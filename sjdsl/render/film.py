@@ -1,19 +1,101 @@
-"""Writes pictures as files: many as a GIF or an MP4, one as a PNG."""
+"""Draws the frames of a film, each a board with its legend below, and writes frames as files: GIF, MP4, PNG."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
+
 from sjdsl.extras import needs
 from sjdsl.files import written_whole
+from sjdsl.render.appearance import Drawing, draw_figures
+from sjdsl.render.board import draw_board, draw_figure, draw_tile, put_figure
+from sjdsl.render.colours import INK, OUTSIDE, PAPER
+from sjdsl.render.legend import legend_entries
+from sjdsl.render.look import Look, make_look
+from sjdsl.render.moment import Snapshot
+from sjdsl.runtime.env import Environment
 
 with needs("pictures"):
-    from PIL import Image
+    from PIL import Image, ImageDraw, ImageFont
     from PIL.PngImagePlugin import PngInfo
 
+LINE, SWATCH, GAP, MARGIN = 23, 19, 14, 8  # pixels
+FONT = ImageFont.load_default(12.5)
+MIN_WIDTH = 400
 MILLISECONDS = 120  # a frame is shown
 SAMPLES = 24  # frames whose colours make the palette
 COLOURS = 200  # leaves room for the one that says "as before"
+
+
+@dataclass(frozen=True)
+class Painter:
+    """Draws the frames of one game; the legend is drawn once."""
+
+    look: Look
+    width: int
+    legend: Image.Image
+
+    def draw(self, snapshot: Snapshot) -> Image.Image:
+        """Returns the picture of one moment; all pictures of a game have the same size."""
+        board = Image.fromarray(draw_board(self.look, snapshot))
+        status = draw_status(self.look, snapshot, self.width)
+        picture = Image.new("RGB", (self.width, board.height + status.height + self.legend.height), OUTSIDE)
+        picture.paste(board, ((self.width - board.width) // 2, 0))
+        picture.paste(status, (0, board.height))
+        picture.paste(self.legend, (0, board.height + status.height))
+        return picture
+
+
+def make_painter(env: Environment) -> Painter:
+    """Returns what draws the states of an environment."""
+    look = make_look(env.game)
+    width = max(look.width * look.tile, MIN_WIDTH)
+    return Painter(look, width, draw_legend(look, width))
+
+
+def draw_legend(look: Look, width: int) -> Image.Image:
+    """Returns the part below the board that is the same in every frame: what can be seen, each with its text."""
+    lines: list[list[tuple[int, np.ndarray, str]]] = [[]]  # from the left, the picture, its text
+    left = MARGIN
+    for seen, text in legend_entries(look):
+        if isinstance(seen, Drawing):
+            swatch = draw_tile(seen, SWATCH)
+        else:
+            swatch = np.full((SWATCH, SWATCH, 3), PAPER, np.uint8)
+            put_figure(swatch, seen)
+        length = SWATCH + 4 + round(FONT.getlength(text))
+        if lines[-1] and left + length > width - MARGIN:
+            lines.append([])
+            left = MARGIN
+        lines[-1].append((left, swatch, text))
+        left += length + GAP
+    strip = Image.new("RGB", (width, LINE * len(lines) + 4), PAPER)
+    pen = ImageDraw.Draw(strip)
+    for number, line in enumerate(lines):
+        for left, swatch, text in line:
+            strip.paste(Image.fromarray(swatch), (left, number * LINE + 2))
+            pen.text((left + SWATCH + 4, number * LINE + 2 + SWATCH // 2), text, INK, FONT, anchor="lm")
+    return strip
+
+
+def draw_status(look: Look, snapshot: Snapshot, width: int) -> Image.Image:
+    """Returns the part below the board that changes: the step, and the rewards of each agent so far."""
+    texts = [f"{total:.4g}" for total in snapshot.returns]
+    chip = SWATCH + 4 + max(30, round(max(map(FONT.getlength, texts)))) + GAP
+    per_line = max(1, (width - 2 * MARGIN) // chip)
+    strip = Image.new("RGB", (width, LINE * (1 + -(-len(texts) // per_line)) + 4), PAPER)
+    pen = ImageDraw.Draw(strip)
+    pen.text((MARGIN, LINE // 2 + 2), look.title, INK, FONT, anchor="lm", stroke_width=0.3)
+    pen.text((width - MARGIN, LINE // 2 + 2), f"step {snapshot.step}", INK, FONT, anchor="rm")
+    for number, (figure, text) in enumerate(zip(draw_figures(look, snapshot)["agent"], texts, strict=True)):
+        line, place = divmod(number, per_line)
+        left, top = MARGIN + place * chip, LINE * (1 + line) + 4
+        body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
+        strip.paste(body, (left, top), body)
+        pen.text((left + SWATCH + 4, top + SWATCH // 2), text, INK, FONT, anchor="lm")
+    return strip
 
 
 def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS) -> None:

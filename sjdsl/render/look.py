@@ -1,18 +1,18 @@
 """The appearance of a game: everything about its pictures that does not change from step to step."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, assert_never
 
 import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
+from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, written_field
 from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import word_colours as colours_of
-from sjdsl.render.conditions import fields_read, holds
 from sjdsl.render.usual import Picture, is_passing, is_taken, main_kind, spawn_kinds, usual_body, usual_movers, usual_words
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
@@ -61,10 +61,11 @@ class Rule:
         """Returns for which cells or agents it is, `[count]` bool; `prefix`: of the attributes of their fields."""
         if self.condition is None:
             return np.ones(count, bool)
-        return holds(self.condition, {name: values[f"{prefix}_{name}"] for name in self.reads}, count)
+        fields = {name: values[f"{prefix}_{name}"] for name in self.reads}
+        return np.broadcast_to(_value(self.condition, fields), (count,)).astype(bool)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KindLook:
     """A kind that is on the map: its ground, what all its cells show, its fields, its looks, and where it is."""
 
@@ -121,40 +122,39 @@ class Look:
 
 
 def make_look(game: ir.Game) -> Look:
-    """Returns how a game looks; equal games look equal."""
+    """Returns how a game looks."""
     height, width = len(game.rows), len(game.rows[0])
-    tile = max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE))
-    phases = marking_phases(game)
+    labels = tuple(phase.label for phase in marking_phases(game))
     colour_field = _colour_field(game)
-    marks = zip(phases, mark_colours(tuple(p.label for p in phases)), strict=True)
+    words = () if colour_field is None else colour_field.type.words
     return Look(
         title=game.title or game.name,
         height=height,
         width=width,
-        tile=tile,
-        kinds=tuple(kind_looks(game)),
-        marks=tuple((phase.label, colour) for phase, colour in marks),
-        colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(colour_field.type.words)),
-        roles=() if colour_field is None or set(colour_field.type.words) <= set(WORDS) else colour_field.type.words,
-        carried=tuple(
-            _carried_fields([f for f in game.agents.fields if f is not colour_field and _is_carried(f) and not is_passing(f, game)])
-        ),
+        tile=max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE)),
+        kinds=tuple(_kind_looks(game)),
+        marks=tuple(zip(labels, mark_colours(labels), strict=True)),
+        colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(words)),
+        roles=() if set(words) <= set(WORDS) else words,
+        carried=tuple(_carried((f for f in game.agents.fields if f is not colour_field), "agent", game)),
         rules=tuple(_rule(look) for look in game.looks if look.what == "agent"),
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
-        herds=tuple(herd_looks(game)),
+        herds=tuple(
+            HerdLook(
+                name=sort.name,
+                glyph=sort.glyph,
+                sprite=body.sprite,
+                colour=body.colour,
+                rules=tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name),
+                carried=tuple(_carried((f for f in sort.fields if f.name != "heading"), sort.name, game)),
+            )
+            for sort, body in zip(game.movers, usual_movers(game), strict=True)
+        ),
     )
 
 
-def herd_looks(game: ir.Game) -> Iterator[HerdLook]:
-    """Yields the sorts of movers in the order of the file."""
-    for sort, body in zip(game.movers, usual_movers(game), strict=True):
-        carried = [f for f in sort.fields if f.name != "heading" and _is_carried(f) and not is_passing(f, game)]
-        rules = tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name)
-        yield HerdLook(sort.name, sort.glyph, body.sprite, body.colour, rules, tuple(_carried_fields(carried, sort.name)))
-
-
-def kind_looks(game: ir.Game) -> Iterator[KindLook]:
+def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
     """Yields the kinds on the map in the order of the file."""
     spawns = spawn_kinds(game)
     grounds = kind_colours(game, spawns, main_kind(game))
@@ -164,12 +164,14 @@ def kind_looks(game: ir.Game) -> Iterator[KindLook]:
         rows, cols = np.nonzero(grid == kind.name)
         if len(rows):
             shown = [f for f in kind.fields if not f.timer and (not f.type.by or f.type.kind in ("int", "real"))]
-            drawn = [f for f in shown if not is_passing(f, game)]
-            words = [max(0, len(f.type.words) - 1) for f in drawn]
-            fields = tuple(_field(f, kind.name, game, sum(words[:place])) for place, f in enumerate(drawn))
+            fields, shapes = [], 0
+            for field in shown:
+                if not is_passing(field, game):
+                    fields.append(_field(field, kind.name, game, shapes))
+                    shapes += max(0, len(field.type.words) - 1)
             rules = tuple(_rule(look) for look in game.looks if kind.name in look.kinds)
             ground = grounds[kind.name]
-            yield KindLook(kind.name, ground, usual_body(kind, ground, spawns), blocks_always(kind), fields, rules, rows, cols)
+            yield KindLook(kind.name, ground, usual_body(kind, ground, spawns), blocks_always(kind), tuple(fields), rules, rows, cols)
 
 
 def _rule(look: ir.Look) -> Rule:
@@ -178,9 +180,10 @@ def _rule(look: ir.Look) -> Rule:
     if badge is not None:
         sprite = badge.sprite or "disc"
         shown = Picture(sprite, read_colour(badge.colour) if badge.colour else SPRITES[sprite])
+    read = () if look.condition is None else [node.name for node in ir.walk(look.condition) if isinstance(node, ir.FieldRead)]
     return Rule(
         condition=look.condition,
-        reads=frozenset() if look.condition is None else fields_read(look.condition),
+        reads=frozenset(read),
         label="" if look.condition is None else _label(look.condition, look.name),
         sprite=body.sprite or None,
         colour=read_colour(body.colour) if body.colour else None,
@@ -209,7 +212,7 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLo
     attribute = f"{kind}_{field.name}"
     match field.type.kind:
         case "word":
-            sort: Sort = "shape" if _is_written(field.name, kind, game) else "tint"
+            sort: Sort = "shape" if _sets(game, ir.Sort("cell", (kind,)), field.name) else "tint"
             pictures = usual_words(field, is_taken(field.name, kind, game), shapes)
             words = field.type.words
             return FieldLook(field.name, attribute, sort, "word", words, colours_of(words), pictures)
@@ -224,49 +227,76 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLo
             return FieldLook(field.name, attribute, "bar", "number", full=max(1.0, most))
 
 
-def _is_carried(field: ir.VarField) -> bool:
-    """Returns whether an agent or a mover shows the field in its corners: words and numbers.
+def _carried(fields: Iterable[ir.VarField], prefix: str, game: ir.Game) -> Iterator[FieldLook]:
+    """Yields the fields that an agent or a mover shows in its corners: words and numbers. `prefix`: of their attributes.
 
     Timers say what it may do, not what it has; rows by agent or by numbers have no words to be pictures of.
     """
-    if field.timer or any(level.sort != "word" for level in field.type.by):
-        return False
-    return field.type.kind in ("int", "real") or (field.type.kind == "word" and not field.type.by)
-
-
-def _carried_fields(fields: list[ir.VarField], prefix: str = "agent") -> Iterator[FieldLook]:
-    """Yields how fields of the agents, or of the movers of the sort `prefix`, are drawn as badges."""
     shapes = 0
     for field in fields:
-        yield (carried := _carried(field, shapes, prefix))
-        shapes += len(carried.pictures) - (field.type.kind == "word")
-
-
-def _carried(field: ir.VarField, shapes: int, prefix: str) -> FieldLook:
-    attribute = f"{prefix}_{field.name}"
-    if field.type.kind == "word":
-        start = field.type.words.index(str(field.start))
-        return FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=usual_words(field, False, shapes), start=start)
-    words = field.type.by[0].names if field.type.by else (field.name,)
-    row = ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=ir.Type(kind="word", words=("nothing", *words)))
-    pictures = usual_words(row, False, shapes)[1:]
-    return FieldLook(field.name, attribute, "shape", "number", field.type.by[0].names if field.type.by else (), pictures=pictures)
-
-
-def _is_written(name: str, kind: str, game: ir.Game) -> bool:
-    """Returns whether some rule sets the field; one that no rule sets is part of the landscape."""
-    written = (written_field(node.target) for node in ir.walk(game) if isinstance(node, ir.Set | ir.Add))
-    return any(field.name == name and kind in field.held_by.names for field in written)
+        by, attribute = field.type.by, f"{prefix}_{field.name}"
+        if field.timer or any(level.sort != "word" for level in by) or is_passing(field, game):
+            continue
+        if field.type.kind == "word" and not by:
+            pictures = usual_words(field, False, shapes)
+            start = field.type.words.index(str(field.start))
+            yield FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=pictures, start=start)
+            shapes += len(pictures) - 1
+        elif field.type.kind in ("int", "real"):
+            words = by[0].names if by else ()
+            row = ir.Type(kind="word", words=("nothing", *(words or (field.name,))))
+            pictures = usual_words(ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=row), False, shapes)[1:]
+            yield FieldLook(field.name, attribute, "shape", "number", words, pictures=pictures)
+            shapes += len(pictures)
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:
     """Returns the field that colours the agents: one that no phase changes, whose words are colours if there is such, else a role."""
     fields = [f for f in game.agents.fields if f.type.kind == "word" and not f.type.by and len(f.type.words) > 1]
-    lasting = [field for field in fields if not _changes(field.name, game)]
-    coloured = [field for field in fields if set(field.type.words) <= COLOURS]
+    lasting = [f for f in fields if not any(_sets(turn, ir.Sort("agent"), f.name) for turn in game.schedule)]
+    coloured = [f for f in fields if set(f.type.words) <= COLOURS]
     return next(iter([f for f in coloured if f in lasting] + lasting + coloured), None)
 
 
-def _changes(name: str, game: ir.Game) -> bool:
-    written = (written_field(node.target) for turn in game.schedule for node in ir.walk(turn) if isinstance(node, ir.Set | ir.Add))
-    return any((field.held_by.what, field.name) == ("agent", name) for field in written)
+def _sets(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
+    """Returns whether some of the rules set a field; one of a kind that no rule sets is part of the landscape."""
+    written = (written_field(node.target) for node in ir.walk(rules) if isinstance(node, ir.Set | ir.Add))
+    return any(field.name == name and field.held_by.overlaps(owner) for field in written)
+
+
+def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
+    """Returns an expression of a `look` for each cell or agent: words as texts, agents as numbers with -1 for nobody, sets of agents as bits.
+
+    fields: name of a field -> its values, `[count, ...]`; the compiler lets a `look` read these, words and numbers alone.
+    """
+    match e:
+        case ir.Number() | ir.Word() | ir.Truth():
+            return e.value
+        case ir.Nobody():
+            return -1
+        case ir.FieldRead():
+            return np.asarray(e.type.words)[fields[e.name]] if e.type.kind == "word" else fields[e.name]
+        case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
+            return _value(e.row, fields)[:, e.row.type.by[0].place_of(key)]  # type: ignore[arg-type]
+        case ir.SumRow():
+            return getattr(np, REDUCTIONS[e.fn].array)(_value(e.row, fields), axis=1)
+        case ir.Compare():
+            return COMPARISONS[e.fn].holds(_value(e.left, fields), _value(e.right, fields))
+        case ir.Same():
+            return np.equal(_value(e.left, fields), _value(e.right, fields))
+        case ir.InRange():
+            value = _value(e.value, fields)
+            return (value >= _value(e.low, fields)) & (value <= _value(e.high, fields))
+        case ir.InWords():
+            return np.isin(_value(e.value, fields), e.words)
+        case ir.IsEmpty():
+            return _value(e.container, fields) == 0
+        case ir.Not():
+            return np.logical_not(_value(e.value, fields))
+        case ir.Logic():
+            join = np.logical_and if e.fn == "and" else np.logical_or
+            return join.reduce(np.broadcast_arrays(*(_value(a, fields) for a in e.args)))
+        case ir.Named() | ir.Narrowed():
+            return _value(e.value, fields)
+        case _:
+            assert_never(e)  # type: ignore[arg-type]  # the compiler refuses all others in a `look`

@@ -7,8 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from sjdsl.render.moment import Moment
-from sjdsl.render.snapshot import Snapshot, take_snapshot
+from sjdsl.render.moment import Moment, Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
 

@@ -1,14 +1,12 @@
 """Default appearance of kinds and words without a `look`: by their names, or by what the rules do with them."""
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, can_be, kinds_by_glyph, written_field
-from sjdsl.render.colours import ALIKE, INK, INKS, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
-from sjdsl.render.sprites import SHAPES
+from sjdsl.render.colours import ALIKE, INK, INKS, SHAPES, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
 
 EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
 
@@ -29,9 +27,8 @@ class Picture:
 def main_kind(game: ir.Game) -> str:
     """Returns the kind that most of the open map is made of: the ground that all other things stand on."""
     kind_of = kinds_by_glyph(game)
-    names, counts = np.unique([kind_of[glyph] for row in game.rows for glyph in row], return_counts=True)
-    cells = dict(zip(names.tolist(), counts.tolist(), strict=True))
-    return max((kind.name for kind in game.kinds if not blocks_always(kind)), key=lambda name: cells.get(name, 0), default="")
+    cells = Counter(kind_of[glyph] for row in game.rows for glyph in row)
+    return max((kind.name for kind in game.kinds if not blocks_always(kind)), key=cells.__getitem__, default="")
 
 
 def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
@@ -99,24 +96,18 @@ def named_sprite(name: str) -> str | None:
 
 def is_passing(field: ir.VarField, game: ir.Game) -> bool:
     """Returns whether a number or a set is gone at the end of every step: the last rule that writes it empties it wherever it is not."""
-    if field.type.kind == "word":
-        return False
-    last: tuple[ir.Set | ir.Add, tuple[ir.Node, ...]] | None = None
-    for phase in game.schedule:
-        for written in _writes(phase, field, ()):
-            last = written
-    if last is None or not isinstance(last[0], ir.Set):
-        return False
-    statement, around = last
-    empty = isinstance(statement.value, ir.Nobody) or (isinstance(statement.value, ir.Number) and statement.value.value == 0)
-    return empty and all(_leaves_none_out(node, field) for node in around)
+    written = [found for phase in game.schedule for found in _writes(phase, field, ())]
+    match written[-1:]:
+        case [(ir.Set(value=ir.Nobody() | ir.Number(value=0)), around)] if field.type.kind != "word":
+            return all(_leaves_none_out(node, field) for node in around)
+        case _:
+            return False
 
 
 def _writes(node: ir.Node, field: ir.VarField, around: tuple[ir.Node, ...]) -> Iterator[tuple[ir.Set | ir.Add, tuple[ir.Node, ...]]]:
     """Yields the statements that write a field, each with the statements around it."""
     if isinstance(node, ir.Set | ir.Add):
-        target = written_field(node.target)
-        if can_be(target, field):
+        if can_be(written_field(node.target), field):
             yield node, around
         return
     for child in ir.children(node):

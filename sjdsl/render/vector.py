@@ -2,11 +2,11 @@
 
 import re
 from base64 import b64encode
-from functools import cache
+from functools import cache, lru_cache
+from importlib.resources import files
 
-from sjdsl.render.colours import INK, PAPER, Colour, mixed
-from sjdsl.render.drawings import BAR_STEPS, BARS, PALE, Drawing, Figure
-from sjdsl.render.sprites import FILLING, sprite_source
+from sjdsl.render.appearance import BAR_STEPS, Drawing, Figure
+from sjdsl.render.colours import BARS, FILLING, INK, PAPER, Colour, hexadecimal, mixed
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.actions import DIRECTIONS
 
@@ -18,15 +18,17 @@ BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))  # row and column of the corner
 BADGE_INSIDE = 0.74  # of the disc that a badge lies on
 GRIDDED = 8  # pixels from which on cells are told apart by lines
 NUMBER = 0.44, 0.36  # heights of numbers of one digit and of more, as shares of a cell's side
+PALE = 0.62  # how much of a held agent is white
 DARK = 150  # brightness below which a number is written in white
 PALER = (
     '<filter id="pale" color-interpolation-filters="sRGB"><feComponentTransfer>'
     + "".join(f'<feFunc{part} type="linear" slope="{1 - PALE / 2}" intercept="{PALE / 2}"/>' for part in "RGB")
     + "</feComponentTransfer></filter>"
 )
-_OUTER = re.compile(r"<svg\b[^>]*>|</svg>")
+KEPT = 4096  # texts of cells, and as many of figures
 
 
+@lru_cache(KEPT)
 def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
     """Returns the tile of a cell, as SVG of `size` pixels."""
     parts = [_box(0, 0, size, size, drawing.ground)]
@@ -42,15 +44,19 @@ def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
             _box(*at, drawing.edge) for at in ((0, 0, size, width), (0, inner, size, width), (0, 0, width, size), (inner, 0, width, size))
         ]
     parts += [_placed(picture, *slot, size) for picture, slot in zip(drawing.objects, _slots(len(drawing.objects)), strict=False)]
-    parts += [_bar(place, eighths, size) for place, eighths in drawing.bars]
+    width = max(1, round(size * BAR))
+    for place, eighths in drawing.bars:  # the length of a bar says how much, its colour and its side what
+        length, far = max(1, round(size * eighths / BAR_STEPS)), size - width
+        boxes = ((0, far, length, width), (0, 0, length, width), (0, size - length, width, length), (far, size - length, width, length))
+        parts.append(_box(*boxes[place], BARS[place]))
     return _whole([*parts, *_badges(drawing.badges, size)], size)
 
 
+@lru_cache(KEPT)
 def vector_figure(figure: Figure, ground: Colour | None = None, size: int = SIZE) -> str:
     """Returns an agent or a mover with what it carries, as SVG of `size` pixels. `ground`: what lies under it; None for nothing."""
-    fill = filling(figure)
     parts = [] if ground is None else [_box(0, 0, size, size, ground)]
-    body = _sprite(figure.sprite, fill, 0, 0, size)
+    body = _sprite(figure.sprite, _filling(figure), 0, 0, size)
     if figure.heading:
         body = f'<g transform="rotate({90 * figure.heading} {size / 2} {size / 2})">{body}</g>'
     if figure.held:  # its edge and eyes are paler, too
@@ -58,18 +64,22 @@ def vector_figure(figure: Figure, ground: Colour | None = None, size: int = SIZE
         body = f'<g filter="url(#pale)">{body}</g>'
     parts.append(body)
     if figure.number is not None:
-        parts.append(_number(figure, size))
+        x, y, height = (size * share for share in number_place(figure))
+        parts.append(
+            f'<text x="{x:g}" y="{y:g}" dy=".35em" text-anchor="middle" font-family="sans-serif" font-weight="600" '
+            f'font-size="{height:g}" fill="{hexadecimal(number_ink(figure))}">{figure.number}</text>'
+        )
     return _whole([*parts, *_badges(figure.badges, size)], size)
 
 
-def filling(figure: Figure) -> Colour:
+def _filling(figure: Figure) -> Colour:
     """Returns the colour that a figure is drawn in: a paler one if it can only stay."""
     return mixed(figure.colour, PAPER, PALE) if figure.held else figure.colour
 
 
 def number_ink(figure: Figure) -> Colour:
     """Returns the colour in which a figure's number is read on it."""
-    fill = filling(figure)
+    fill = _filling(figure)
     ink = PAPER if sum(w * c for w, c in zip((0.3, 0.59, 0.11), fill, strict=True)) < DARK else INK
     return mixed(ink, fill, 0.35) if figure.held else ink
 
@@ -90,13 +100,19 @@ def _whole(parts: list[str], size: int) -> str:
 
 
 def _sprite(name: str, colour: Colour, left: int, top: int, side: int) -> str:
-    return f'<svg x="{left}" y="{top}" width="{side}" height="{side}" viewBox="0 0 100 100">{_inside(name, _css(colour))}</svg>'
+    return f'<svg x="{left}" y="{top}" width="{side}" height="{side}" viewBox="0 0 100 100">{_inside(name, hexadecimal(colour))}</svg>'
+
+
+@cache
+def sprite_source(name: str) -> str:
+    """Returns the SVG text of a sprite; `currentColor` stands where its colour goes."""
+    return files("sjdsl.render").joinpath(f"sprites/{name}.svg").read_text(encoding="utf-8")
 
 
 @cache
 def _inside(name: str, colour: str) -> str:
     """Returns what a sprite consists of, in a colour, in coordinates of 0 .. 100."""
-    return re.sub(r"\s*\n\s*", "", _OUTER.sub("", sprite_source(name))).replace("currentColor", colour)
+    return re.sub(r"\s*\n\s*", "", re.sub(r"<svg\b[^>]*>|</svg>", "", sprite_source(name))).replace("currentColor", colour)
 
 
 def _placed(picture: Picture, share: float, centre: tuple[float, float], size: int) -> str:
@@ -114,14 +130,6 @@ def _slots(count: int) -> list[tuple[float, tuple[float, float]]]:
     return [(HALF, (row, col)) for row in (0.25, 0.75) for col in (0.25, 0.75)]
 
 
-def _bar(place: int, eighths: int, size: int) -> str:
-    """Returns a bar along one side of a cell: its length says how much, its colour and its side what."""
-    width, length = max(1, round(size * BAR)), max(1, round(size * eighths / BAR_STEPS))
-    far = size - width
-    boxes = ((0, far, length, width), (0, 0, length, width), (0, size - length, width, length), (far, size - length, width, length))
-    return _box(*boxes[place], BARS[place])
-
-
 def _badges(badges: tuple[Picture, ...], size: int) -> list[str]:
     """Returns small sprites in the corners of a cell, each on a pale disc so that it is seen on any ground."""
     side = max(3, round(size * BADGE))
@@ -133,17 +141,5 @@ def _badges(badges: tuple[Picture, ...], size: int) -> list[str]:
     return found
 
 
-def _number(figure: Figure, size: int) -> str:
-    x, y, height = (size * share for share in number_place(figure))
-    return (
-        f'<text x="{x:g}" y="{y:g}" dy=".35em" text-anchor="middle" font-family="sans-serif" font-weight="600" '
-        f'font-size="{height:g}" fill="{_css(number_ink(figure))}">{figure.number}</text>'
-    )
-
-
 def _box(left: int, top: int, width: int, height: int, colour: Colour) -> str:
-    return f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="{_css(colour)}"/>'
-
-
-def _css(colour: Colour) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*colour)
+    return f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="{hexadecimal(colour)}"/>'

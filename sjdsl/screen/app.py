@@ -19,9 +19,8 @@ from textual.widgets import Static
 
 from sjdsl.compiler import ir
 from sjdsl.screen import COMPILING, sidebar
-from sjdsl.screen.board import WIDTH, board_text
+from sjdsl.screen.board import WIDTH, board_text, make_screen_looks
 from sjdsl.screen.keys import action_keys, pasted_keys
-from sjdsl.screen.looks import make_screen_looks
 from sjdsl.screen.session import Prepared, Session
 
 SIDE = 38  # letters of the column beside the map
@@ -153,41 +152,37 @@ class Screen(App[None]):
         self._show_status()
 
     def _show(self) -> None:
-        game, session, display = self._game, self._session, self._session.display
-        self.query_one("#title", Static).update(Text(f"{game.title or game.name}   step {display.world.step} of {session.length}"))
-        self.query_one("#map", Static).update(board_text(game, self._looks, display, session.agent))
-        self.query_one("#scores", Static).update(sidebar.score_table(game, self._looks, display, session.agent))
-        self.query_one("#events", Static).update(Text(sidebar.event_line(display)))
+        game, session, moment = self._game, self._session, self._session.moment
+        self.query_one("#title", Static).update(Text(f"{game.title or game.name}   step {moment.snapshot.step} of {session.length}"))
+        self.query_one("#map", Static).update(board_text(self._looks, moment.snapshot, session.agent))
+        self.query_one("#scores", Static).update(sidebar.score_table(game.agents.actions, self._looks, moment, session.agent))
+        self.query_one("#events", Static).update(Text(sidebar.event_line(moment)))
         self._show_status()
         self.call_after_refresh(self._follow)
 
     def _follow(self) -> None:
         """Scrolls a map that is larger than the screen to where the steered agent is."""
-        session = self._session
-        place = None if session.agent is None else session.display.world.position[session.agent]
-        if place is not None:
+        agent, snapshot = self._session.agent, self._session.moment.snapshot
+        if agent is not None and snapshot.row[agent] >= 0:
             size = 2 * AROUND + 1
-            region = Region(WIDTH * (place.col - AROUND), place.row - AROUND, WIDTH * size, size)
+            region = Region(WIDTH * (int(snapshot.col[agent]) - AROUND), int(snapshot.row[agent]) - AROUND, WIDTH * size, size)
             self.query_one("#board", ScrollableContainer).scroll_to_region(region, animate=False)
 
     def _show_status(self) -> None:
-        self.query_one("#status", Static).update(Text(self._turn()).append(self._preparing(), "dim"))
-
-    def _turn(self) -> str:
-        """Returns whose turn it is."""
-        session = self._session
+        """Says whose turn it is, and how long the compiled game has been waited for."""
+        session, snapshot = self._session, self._session.moment.snapshot
         if session.is_over:
-            why = "The episode is over" if session.display.done else "That was the last step asked for"
-            return f"{why}; q leaves."
-        if self._waits and not self._is_ready:
-            return "Steps are taken as soon as the policy is loaded."
-        if session.agent is None:
-            return "Paused; space goes on." if self._is_paused else f"All agents play, {self._speed:g} steps a second."
-        away = session.display.world.position[session.agent] is None
-        held = " It is away: any key is a step." if away else " It can only stay." if session.agent in session.display.held else ""
-        return f"Your turn: agent {session.agent}.{held}"
-
-    def _preparing(self) -> str:
-        if self._is_ready:
-            return ""
-        return f"  (compiling in the background: {time.monotonic() - self._began:.0f} s)"
+            why = "The episode is over" if session.moment.done else "That was the last step asked for"
+            turn = f"{why}; q leaves."
+        elif self._waits and not self._is_ready:
+            turn = "Steps are taken as soon as the policy is loaded."
+        elif session.agent is None:
+            turn = "Paused; space goes on." if self._is_paused else f"All agents play, {self._speed:g} steps a second."
+        else:
+            turn = f"Your turn: agent {session.agent}."
+            if snapshot.row[session.agent] < 0:
+                turn += " It is away: any key is a step."
+            elif snapshot.held[session.agent]:
+                turn += " It can only stay."
+        waited = "" if self._is_ready else f"  (compiling in the background: {time.monotonic() - self._began:.0f} s)"
+        self.query_one("#status", Static).update(Text(turn).append(waited, "dim"))

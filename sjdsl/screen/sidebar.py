@@ -1,71 +1,60 @@
 """The text beside the map: step, actions and rewards of the agents, legend, and keys."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
+import numpy as np
 from rich.columns import Columns
 from rich.style import Style
 from rich.table import Column, Table
 from rich.text import Text
 
-from sjdsl.compiler import ir
-from sjdsl.screen.board import agent_letters, hexadecimal, mover_style
-from sjdsl.screen.display import Display
+from sjdsl.render.appearance import draw_figures
+from sjdsl.render.colours import hexadecimal
+from sjdsl.render.moment import Moment
+from sjdsl.screen.board import OWN, ScreenLooks, figure_letters, inked, letter_of
 from sjdsl.screen.keys import describe_keys
-from sjdsl.screen.looks import OWN, ScreenLooks, letter_of
-from sjdsl.screen.palette import ink_on
 
 
-def score_table(game: ir.Game, looks: ScreenLooks, display: Display, own: int | None) -> Table:
+def score_table(actions: Sequence[str], looks: ScreenLooks, moment: Moment, own: int | None) -> Table:
     """Returns a line for each agent: what it did in the last step, what it got for it, what it has got so far."""
     heads = ("agent", "did", Column("reward", justify="right"), Column("return", justify="right"))
     table = Table(*heads, box=None, padding=(0, 1, 0, 0), show_edge=False, header_style="dim")
-    for number in range(game.agents.number):
-        who = Text().append(*agent_letters(looks, display.world, number, own, number in display.held))
-        who.append(_standing(display, number, own))
-        did = game.agents.actions[display.actions[number]] if display.actions else ""
-        reward, style = display.rewards[number], "bold green" if display.rewards[number] > 0 else "bold red"
-        table.add_row(who, did, Text(f"{reward:+.4g}", style) if reward else "", f"{display.returns[number]:.4g}")
+    snapshot = moment.snapshot
+    for number, figure in enumerate(draw_figures(looks.look, snapshot)["agent"]):
+        state = " away" if snapshot.row[number] < 0 else " you" if number == own else " held" if figure.held else ""
+        did = actions[moment.actions[number]] if moment.actions else ""
+        reward = float(moment.reward[number])
+        paid = Text(f"{reward:+.4g}", "bold green" if reward > 0 else "bold red") if reward else ""
+        table.add_row(
+            Text().append(*figure_letters(looks, "agent", figure, own)).append(state), did, paid, f"{snapshot.returns[number]:.4g}"
+        )
     return table
 
 
-def _standing(display: Display, number: int, own: int | None) -> str:
-    if display.world.position[number] is None:
-        return " away"
-    return " you" if number == own else " held" if number in display.held else ""
-
-
-def event_line(display: Display) -> str:
-    """Returns what was tallied in the last step."""
-    return ", ".join(f"{name} {count}" for name, count in display.events.items())
+def event_line(moment: Moment) -> str:
+    """Returns what was tallied in the last step, summed over agents."""
+    totals = {name: np.sum(count) for name, count in moment.events.items()}
+    return ", ".join(f"{name} {total}" for name, total in totals.items() if total)
 
 
 def legend(looks: ScreenLooks, own: int | None) -> Text:
     """Returns what each letter and colour of the map stands for, a line each."""
-    lines = [Text().append(*swatch).append(f" {meaning}") for swatch, meaning in _entries(looks)]
+    lines = []
+    for (kind, state), (ground, _) in looks.tiles.items():
+        lines.append(Text().append(f"{looks.letters.characters[kind, state]} ", inked(ground)).append(f" {', '.join((kind, *state))}"))
+    for label, colour in looks.marks.items():
+        lines.append(Text().append("  ", Style(bgcolor=hexadecimal(colour))).append(f" cells that `{label}` reaches"))
     lines.append(Text("▲0").append(" an agent that faces up; pale: can only stay"))
     if own is not None:
-        mine = Style(color=hexadecimal(ink_on(OWN)), bgcolor=hexadecimal(OWN), bold=True)
-        lines.append(Text().append(f"▲{letter_of(own)}", mine).append(" the agent you steer"))
-    for sort, letter in looks.letters.movers.items():
-        lines.append(Text().append(f"▲{letter}", mover_style(looks, sort)).append(f" {sort} that faces up"))
-    if looks.owners:
-        lines.append(Text(f"a number beside {_joined(looks.owners)}: the owner"))
-    if looks.amounts:
-        lines.append(Text(f"a number beside {_joined(looks.amounts)}: how much"))
+        lines.append(Text().append(f"▲{letter_of(own)}", inked(OWN) + Style(bold=True)).append(" the agent you steer"))
+    for herd in looks.look.herds:
+        style = inked(looks.bodies[herd.name, herd.colour])
+        lines.append(Text().append(f"▲{herd.glyph}", style).append(f" {herd.name} that faces up"))
+    for fields, what in ((looks.owners, "the owner"), (looks.amounts, "how much")):
+        if fields:
+            kinds = " and ".join(f"{kind} ({field})" for kind, field in fields.items())
+            lines.append(Text(f"a number beside {kinds}: {what}"))
     return Text("\n").join(lines)
-
-
-def _entries(looks: ScreenLooks) -> Iterator[tuple[tuple[str, Style], str]]:
-    for (kind, state), (ground, _) in looks.tiles.items():
-        words = ", ".join(str(word) for _, word in state)
-        letter = looks.letters.characters[kind, state]
-        yield (f"{letter} ", Style(color=hexadecimal(ink_on(ground)), bgcolor=hexadecimal(ground))), f"{kind}, {words}" if words else kind
-    for label, colour in looks.marks.values():
-        yield ("  ", Style(bgcolor=hexadecimal(colour))), f"cells that `{label}` reaches"
-
-
-def _joined(kinds: Mapping[str, str]) -> str:
-    return " and ".join(f"{kind} ({field})" for kind, field in kinds.items())
 
 
 def key_line(keys: Mapping[str, int] | None, action_names: Sequence[str]) -> Columns:

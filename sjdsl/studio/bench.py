@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any, TypeVar, assert_never
 
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
@@ -13,8 +13,8 @@ from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import action_mask
 from sjdsl.parameters import param_values
-from sjdsl.render.episode_data import Artist
-from sjdsl.render.episode_page import make_page
+from sjdsl.render.colours import hexadecimal
+from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
 from sjdsl.screen.keys import action_keys
 from sjdsl.studio import requests as ask
@@ -32,6 +32,7 @@ from sjdsl.studio.trained import Trained, load_trained
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
+Made = TypeVar("Made")
 
 
 class Refused(Exception):
@@ -157,7 +158,7 @@ class Bench:
             "chosen": list(opened.composition.chosen),
             "numbers": knobs(game, shown.values),
             "left": list(opened.left),
-            "marks": [{"label": label, "colour": "#{:02x}{:02x}{:02x}".format(*colour)} for label, colour in self._look.marks],
+            "marks": [{"label": label, "colour": hexadecimal(colour)} for label, colour in self._look.marks],
             "glyphs": glyphs(opened),
             "map_file": map_file(opened),
             "counterexample": self._shows_counterexample,
@@ -231,9 +232,7 @@ class Bench:
 
     def _put(self, request: ask.Put) -> None:
         game, episode, agent = self._shown.game, self._episode, self._agent(request.agent)
-        cell, world = Cell(request.row, request.col), episode.now.world
-        if not (0 <= cell.row < len(game.rows) and 0 <= cell.col < len(game.rows[0])):
-            raise Refused("that is no cell of the map")
+        cell, world = self._cell(request.row, request.col), episode.now.world
         if cell in world.position and world.position.index(cell) != agent:
             raise Refused("another agent stands there")
         if any(cell in herd.position for herd in world.movers.values()):
@@ -263,9 +262,7 @@ class Bench:
 
     def _panel(self, request: ask.Panel) -> Answer:
         opened, shown, moment = self._opened, self._shown, self._episode.now
-        cell = None if request.row is None or request.col is None else Cell(request.row, request.col)
-        if cell is not None and not (0 <= cell.row < len(shown.game.rows) and 0 <= cell.col < len(shown.game.rows[0])):
-            raise Refused("that is no cell of the map")
+        cell = None if request.row is None or request.col is None else self._cell(request.row, request.col)
         panels: dict[str, Callable[[], Answer]] = {
             "rules": lambda: rules_panel(opened),
             "python": lambda: python_panel(opened),
@@ -293,15 +290,11 @@ class Bench:
 
     @property
     def _opened(self) -> Opened:
-        if self.opened is None:
-            raise Refused("no text has compiled yet")
-        return self.opened
+        return _compiled(self.opened)
 
     @property
     def _shown(self) -> Opened:
-        if self.on_board is None:
-            raise Refused("no text has compiled yet")
-        return self.on_board
+        return _compiled(self.on_board)
 
     @property
     def _shows_counterexample(self) -> bool:
@@ -309,9 +302,7 @@ class Bench:
 
     @property
     def _episode(self) -> Episode:
-        if self.episode is None:
-            raise Refused("no text has compiled yet")
-        return self.episode
+        return _compiled(self.episode)
 
     @property
     def _look(self) -> Any:
@@ -323,6 +314,18 @@ class Bench:
             raise Refused(f"there is no agent {number}")
         return number
 
+    def _cell(self, row: int, col: int) -> Cell:
+        rows = self._shown.game.rows
+        if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
+            raise Refused("that is no cell of the map")
+        return Cell(row, col)
+
     def _overflow(self, left: LeavesFloat32) -> str:
         rules = Rules(self._opened.build.sources)
         return f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}"
+
+
+def _compiled(made: Made | None) -> Made:
+    if made is None:
+        raise Refused("no text has compiled yet")
+    return made

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,8 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.interpreter.board import board_of, declared_world
-from sjdsl.interpreter.state import Away, Cell, Value, World
+from sjdsl.interpreter.state import Cell, Value, World
 from sjdsl.interpreter.stored import held_values
-
-FieldId = tuple[ir.Sort, str]  # whose field it is, its name
 
 
 def carried(old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value]) -> World | None:
@@ -20,33 +19,21 @@ def carried(old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value
 
     A field that is new, or whose type no longer has one of the values, starts as it is declared.
     """
-    if not _same_bodies(old, new) or board_of(old).kind_of != board_of(new).kind_of:
+    bodies, other = ((game.agents.number, [(m.name, m.number) for m in game.movers]) for game in (old, new))
+    if bodies != other or board_of(old).kind_of != board_of(new).kind_of:
         return None
-    if any(away is not None and away.pool is not None for away in _all_away(world)) and old.schedule != new.schedule:
+    waiting = chain(world.away, *(herd.away for herd in world.movers.values()))
+    if old.schedule != new.schedule and any(away is not None and away.pool is not None for away in waiting):
         return None  # where they come back to is known by its place in the rules
     fresh = declared_world(board_of(new), dict(params))
-    before = {_id(field): field for field in all_fields(old)}
+    levels = {(field.held_by, field.name): field.type.by for field in all_fields(old)}
     for field in all_fields(new):
-        if _id(field) in before and before[_id(field)].type.by == field.type.by:
+        if levels.get((field.held_by, field.name)) == field.type.by:
             values = held_values(field, world)
             if all(_fits(value, field.type) for value in _flat(values)):
                 _put(field, values, fresh)
     herds = {sort: replace(fresh.movers[sort], position=h.position, moved=h.moved, away=h.away) for sort, h in world.movers.items()}
     return replace(fresh, step=world.step, position=world.position, heading=world.heading, moved=world.moved, away=world.away, movers=herds)
-
-
-def _same_bodies(old: ir.Game, new: ir.Game) -> bool:
-    return old.agents.number == new.agents.number and [(m.name, m.number) for m in old.movers] == [(m.name, m.number) for m in new.movers]
-
-
-def _all_away(world: World) -> Iterator[Away | None]:
-    yield from world.away
-    for herd in world.movers.values():
-        yield from herd.away
-
-
-def _id(field: ir.VarField) -> FieldId:
-    return field.held_by, field.name
 
 
 def _put(field: ir.VarField, values: Any, world: World) -> None:

@@ -27,7 +27,7 @@ class Child:
     async def ask(self, request: str) -> str:
         """Returns the answer to a request, both as JSON. One that takes too long, or breaks the process, is refused with the reason."""
         async with self._turn:
-            limit = SECONDS.get(_part(request, "do"), ANY)
+            limit = SECONDS.get(part_of(request, "do"), ANY)
             try:
                 process = self._process or await self._start()
                 assert process.stdin is not None
@@ -114,14 +114,20 @@ class Spares:
         await asyncio.gather(*(child.begin() for child in missing))
 
 
-def _part(request: str, name: str) -> str:
+def part_of(request: str, name: str) -> str:
+    """Returns a part of a request as text; nothing if the request has none, or is no object of JSON."""
     try:
         return str(json.loads(request)[name])
     except (ValueError, KeyError, TypeError, RecursionError):
         return ""
 
 
+def number_of(request: str) -> int:
+    """Returns the number of a request, 0 without one."""
+    number = part_of(request, "id")
+    return int(number) if number.isdecimal() else 0
+
+
 def _lost(request: str, reason: str) -> str:
     """Returns the answer for a request that has none; `lost`: the page has to open its text again."""
-    number = _part(request, "id")
-    return json.dumps({"id": int(number) if number.isdecimal() else 0, "do": _part(request, "do"), "refused": reason, "lost": True})
+    return json.dumps({"id": number_of(request), "do": part_of(request, "do"), "refused": reason, "lost": True})

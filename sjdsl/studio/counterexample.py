@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import Build
-from sjdsl.interpreter.state import Value
 from sjdsl.properties import GameFamily
 from sjdsl.properties.trajectory import Scenario, draws_of, play
 from sjdsl.studio.episode import LONGEST, Episode, TooLong
@@ -21,16 +20,8 @@ class NoReplay(Exception):
 
 def as_json(scenario: Scenario) -> dict[str, Any]:
     """Returns a scenario whose actions are written out, as `Replay` reads it."""
-    return {
-        "rows": list(scenario.rows),
-        "agents": scenario.agents,
-        "params": [[name, _plain(value)] for name, value in scenario.params],
-        "sizes": [[name, _plain(value)] for name, value in scenario.sizes],
-        "seed": scenario.seed,
-        "episode": scenario.episode,
-        "bias": list(scenario.bias),
-        "actions": [list(actions) for actions in scenario.actions],
-    }
+    names = ("rows", "agents", "params", "sizes", "seed", "episode", "bias", "actions")
+    return {name: _plain(getattr(scenario, name)) for name in names}
 
 
 def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
@@ -41,7 +32,7 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     if len(request.actions) >= LONGEST:
         raise TooLong(f"the studio keeps {LONGEST} moments of an episode, and this counterexample has more")
     family = GameFamily(opened.source, opened.composition.chosen)
-    sizes = tuple((name, _held(value)) for name, value in request.sizes)
+    sizes, params = (tuple((name, _held(value)) for name, value in given) for given in (request.sizes, request.params))
     known = {name for name, _ in request.sizes} <= {size.name for size in family.free_sizes}
     game = family.on(request.rows, request.agents, sizes) if known else None
     names = {} if game is None else {param.name for param in game.params}
@@ -57,7 +48,7 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     scenario = Scenario(
         rows=request.rows,
         agents=request.agents,
-        params=tuple((name, _held(value)) for name, value in request.params),
+        params=params,
         seed=request.seed,
         bias=request.bias,
         actions=request.actions,
@@ -81,8 +72,8 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     return on_board, Episode(game, 0, moments, returns, scenario=scenario, written=len(moments) - 1)
 
 
-def _plain(value: Value) -> Any:
-    if isinstance(value, tuple):
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple | list):
         return [_plain(entry) for entry in value]
     return float(value) if isinstance(value, np.floating) else value
 

@@ -3,17 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import counts_of
-from sjdsl.interpreter.state import Outcome, Value, World, copied
+from sjdsl.interpreter.state import Value, World, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.properties.counterexample import take_step
 from sjdsl.properties.trajectory import Scenario, draws_of
-from sjdsl.render.interpreted import snapshot_of
 from sjdsl.render.moment import Moment as Drawn
+from sjdsl.render.moment import moment_of
 from sjdsl.trace.choices import Chosen, no_actions, random_actions, scripted_actions
 from sjdsl.trace.episode import Moment, begin, follow
 from sjdsl.trace.jax_random import fold_in, key_of
@@ -90,13 +87,7 @@ class Episode:
 
     def drawn(self) -> Drawn:
         """Returns the moment that is shown as pictures and pages have it."""
-        moment, count = self.now, self.game.agents.number
-        snapshot = snapshot_of(self.game, moment.world, self.returns[self.at])
-        outcome = moment.outcome
-        if outcome is None:
-            return Drawn(snapshot, (), np.zeros(count), {}, False)
-        events = {name: np.array(times) for name, times in counted(self.game, outcome).items() if np.any(times)}
-        return Drawn(snapshot, moment.actions, np.array(outcome.reward, float), events, self.is_over)
+        return moment_of(self.game, self.now.world, self.returns[self.at], self.now.actions, self.now.outcome)
 
 
 def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
@@ -108,19 +99,6 @@ def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
 def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
     """Returns an episode that goes on from a state."""
     return Episode(game, seed, [Moment(None, fold_in(key_of(seed), world.step), world, ())], [returns], is_put=True)
-
-
-def counted(game: ir.Game, outcome: Outcome) -> dict[str, int | list[int]]:
-    """Returns the counts of a step by event, a list over agents if they are counted for each; an event with words gives `name[word]`."""
-    found: dict[str, int | list[int]] = {}
-    for event in game.events:
-        count = outcome.events[event.name]
-        for number, (word, name) in enumerate(counts_of(event)):
-            if event.per_agent:
-                found[name] = [own if word is None else own[number] for own in count]
-            else:
-                found[name] = count if word is None else count[number]
-    return found
 
 
 def chooser(game: ir.Game, policy: str, seed: int) -> Chosen:

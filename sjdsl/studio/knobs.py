@@ -15,22 +15,24 @@ def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
 
     words: what the param can be, if it is one of several words; else empty. A table of more than 400 entries has its first.
     """
-    return [_knob(param.name, param.type, values[param.name]) for param in game.params]
-
-
-def _knob(name: str, type_: ir.Type, value: Any) -> dict[str, Any]:
-    low, high = (limit if abs(limit) < INFINITE else None for limit in (type_.low, type_.high))
-    entries = list(_entries(value, type_.by, type_.kind == "word"))
-    return {
-        "name": name,
-        "whole": type_.kind == "int",
-        "unit": type_.unit,
-        "low": low,
-        "high": high,
-        "words": list(type_.words) if type_.kind == "word" else [],
-        "entries": entries[:MOST],
-        "left_out": max(0, len(entries) - MOST),
-    }
+    found = []
+    for param in game.params:
+        type_ = param.type
+        low, high = (limit if abs(limit) < INFINITE else None for limit in (type_.low, type_.high))
+        entries = list(_entries(values[param.name], type_.by, type_.kind == "word"))
+        found.append(
+            {
+                "name": param.name,
+                "whole": type_.kind == "int",
+                "unit": type_.unit,
+                "low": low,
+                "high": high,
+                "words": list(type_.words) if type_.kind == "word" else [],
+                "entries": entries[:MOST],
+                "left_out": max(0, len(entries) - MOST),
+            }
+        )
+    return found
 
 
 def _entries(value: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[Any]]:
@@ -38,8 +40,7 @@ def _entries(value: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[
         yield [[], value if is_word else float(value)]
         return
     for key, inner in zip(by[0].keys, value, strict=True):
-        for names, found in _entries(inner, by[1:], is_word):
-            yield [[key, *names], found]
+        yield from ([[key, *names], found] for names, found in _entries(inner, by[1:], is_word))
 
 
 def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, given: Any) -> Any:

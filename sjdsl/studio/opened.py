@@ -43,8 +43,10 @@ def open_text(source: Source, choice: Choice) -> Opened:
     Numbers that the text no longer takes, for it has no such name or other limits, are left out and named.
     """
     composition = compose(source, choice.variants)
-    fitting, left = _fitting(composition, choice.params)
-    sizes, rest = split_sizes(*composition.number_names(), fitting)
+    names = composition.number_names()
+    known = {name for of in names for name in of}
+    left = [name for name in choice.params if name not in known]
+    sizes, rest = split_sizes(*names, {name: value for name, value in choice.params.items() if name in known})
     build = build_composition(composition, Overrides(sizes, choice.agents))
     taken: dict[str, Any] = {}
     for name, value in rest.items():
@@ -57,10 +59,3 @@ def open_text(source: Source, choice: Choice) -> Opened:
     types = {p.name: p.type for p in build.game.params}
     values = {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
     return Opened(source, composition, build, values, tuple(left))
-
-
-def _fitting(composition: Composition, given: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """Returns the given numbers that the text has, and the names of the others."""
-    sizes, params = composition.number_names()
-    known = {*sizes, *params}
-    return {n: v for n, v in given.items() if n in known}, [n for n in given if n not in known]

@@ -34,11 +34,8 @@ def map_file(opened: Opened) -> str | None:
 
 def glyphs(opened: Opened) -> list[tuple[str, str]]:
     """Returns each glyph of the map with what it stands for: a kind, and values that are not as declared."""
-    said = []
-    for meaning in opened.game.glyphs:
-        values = ", ".join(f"{name} {value}" for name, value in meaning.starts)
-        said.append((meaning.glyph, f"{meaning.kind}: {values}" if values else meaning.kind))
-    return said
+    starts = [(meaning, ", ".join(f"{name} {value}" for name, value in meaning.starts)) for meaning in opened.game.glyphs]
+    return [(meaning.glyph, f"{meaning.kind}: {values}" if values else meaning.kind) for meaning, values in starts]
 
 
 def paint(opened: Opened, row: int, col: int, glyph: str) -> Change:
@@ -51,17 +48,17 @@ def paint(opened: Opened, row: int, col: int, glyph: str) -> Change:
     before = game.rows[row][col]
     path = map_file(opened)
     if path is not None:
-        start = sum(len(_units(line)) // 2 + 1 for line in game.rows[:row]) + len(_units(game.rows[row][:col])) // 2
-        return Change(path, start, start + len(_units(before)) // 2, before, glyph)
+        start = _units("\n".join((*game.rows[:row], game.rows[row][:col])))
+        return Change(path, start, start + _units(before), before, glyph)
     line = written.rows[row]
     if line.span.file != opened.source.name:
         raise CannotPaint(f"the map is written in `{PurePosixPath(line.span.file).name}`, which this game extends: open that one")
     text, at = opened.source.text, line.span.start + 1 + col
     if text[at] != before or text[line.span.start + 1 : line.span.end - 1] != line.text:
         raise CannotPaint("this row of the map is written with escapes: change it in the text")
-    start = len(_units(text[:at])) // 2
-    return Change(opened.source.name, start, start + len(_units(before)) // 2, before, glyph)
+    start = _units(text[:at])
+    return Change(opened.source.name, start, start + _units(before), before, glyph)
 
 
-def _units(text: str) -> bytes:
-    return text.encode("utf-16-le")
+def _units(text: str) -> int:
+    return len(text.encode("utf-16-le")) // 2

@@ -1,7 +1,6 @@
 """What stands beside the board: the rules in English, the generated program, the state, what an agent sees, why something happened."""
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 from sjdsl.compiler import compile_build
@@ -49,32 +48,28 @@ def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, An
     for field in game.agents.fields:
         for agent, value in enumerate(world.agents[field.name]):
             agents[agent].append((field.name, say_value(value, field.type)))
-    movers = [
-        [
-            sort.name,
-            number,
-            [("place", _place(herd.position[number]))] + [(f.name, say_value(herd.fields[f.name][number], f.type)) for f in sort.fields],
-        ]
-        for sort in game.movers
-        for herd in [world.movers[sort.name]]
-        for number in range(sort.number)
-    ]
+    movers: list[list[Any]] = []
+    for sort in game.movers:
+        herd = world.movers[sort.name]
+        for number, at in enumerate(herd.position):
+            values = [(f.name, say_value(herd.fields[f.name][number], f.type)) for f in sort.fields]
+            movers.append([sort.name, number, [("place", _place(at)), *values]])
+    shown = None
+    if cell is not None:
+        board = board_of(game)
+        kind, number = board.kind_of[cell], board.number[cell]
+        values = [(f.name, say_value(world.cells[kind, f.name][number], f.type)) for f in kind_named(game, kind).fields]
+        shown = {"kind": kind, "place": list(cell), "values": values}
     return {
         "world": [("step", str(world.step))] + [(f.name, say_value(world.fields[f.name], f.type)) for f in game.fields],
         "agents": agents,
         "movers": movers,
-        "cell": None if cell is None else _cell(board_of(game), world, cell),
+        "cell": shown,
     }
 
 
 def _place(at: Cell | None) -> str:
     return "away" if at is None else f"({at.row}, {at.col})"
-
-
-def _cell(board: Board, world: World, cell: Cell) -> dict[str, Any]:
-    kind = board.kind_of[cell]
-    values = [(f.name, say_value(world.cells[kind, f.name][board.number[cell]], f.type)) for f in kind_named(board.game, kind).fields]
-    return {"kind": kind, "place": list(cell), "values": values}
 
 
 def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
@@ -115,21 +110,13 @@ def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
 
 
 def _effect(effect: Effect, board: Board, rules: Rules) -> dict[str, Any]:
-    owner = effect.owner
-    draws = dict.fromkeys(say_draw(drawn, rules) for done in effect.by for drawn in done.causes)
+    concerned = (effect.owner, effect.old, effect.new)  # of which cell it is, and between which somebody went
     return {
         "said": say_effect(effect, board),
-        "agent": owner if isinstance(owner, int) else None,
-        "cells": [list(cell) for cell in _cells(effect)],
-        "draws": list(draws),
+        "agent": effect.owner if isinstance(effect.owner, int) else None,
+        "cells": [list(cell) for cell in concerned if isinstance(cell, Cell)],
+        "draws": list(dict.fromkeys(say_draw(drawn, rules) for done in effect.by for drawn in done.causes)),
     }
-
-
-def _cells(effect: Effect) -> Iterator[Cell]:
-    """Yields the cells that an effect concerns: of which it is, and between which somebody went."""
-    if isinstance(effect.owner, Cell):
-        yield effect.owner
-    yield from (value for value in (effect.old, effect.new) if isinstance(value, Cell))
 
 
 def diff_panel(opened: Opened) -> dict[str, Any]:

@@ -42,16 +42,12 @@ def stored_policies(root: Path) -> list[Stored]:
     return sorted(found, key=lambda stored: stored.name)[:MOST]
 
 
-def policy_file(root: Path, name: str, game: str) -> Path:
+def policy_file(root: Path, name: str, game: str, deep: int = DEEPEST) -> Path:
     """Returns the file of a policy by its name, as `Stored` has it, if it was trained on the game of that name.
 
     Raises PolicyRefused: it is outside the folder, or not there, or of another game; or to load it would run Python code that its run
-    names, or read a policy outside the folder.
+    names, or read a policy outside the folder. deep: how many partners of partners are followed.
     """
-    return _checked(root, name, game, DEEPEST)
-
-
-def _checked(root: Path, name: str, game: str, deep: int) -> Path:
     file = _file_of(root, name)
     described = _description(file, root)
     try:
@@ -67,15 +63,13 @@ def _checked(root: Path, name: str, game: str, deep: int) -> Path:
             f"`{name}` needs Python code of your own ({own}), which the studio does not run; `sjdsl play --others --allow-code` does"
         )
     for partner in partners:
-        if partner not in UNTRAINED and (not partner.isidentifier() or _is_there(root, partner)):  # else the file declares it
+        if partner not in UNTRAINED and (
+            not partner.isidentifier() or any((at / partner).exists() for at in (root, Path()))
+        ):  # else the file declares it
             if not deep:
                 raise PolicyRefused(f"`{name}` has partners that have partners in turn, too many times")
-            _checked(root, _inside(root, partner), game, deep - 1)
+            policy_file(root, _inside(root, partner), game, deep - 1)
     return file
-
-
-def _is_there(root: Path, name: str) -> bool:
-    return any((place / name).exists() for place in (root, Path()))
 
 
 def _inside(root: Path, name: str) -> str:
@@ -89,14 +83,10 @@ def _inside(root: Path, name: str) -> str:
 
 def _file_of(root: Path, name: str) -> Path:
     before, at, which = name.rpartition("@")
-    path, which = (before, which) if at else (name, "last")
-    place = root / path
+    place = root / (before if at else name)
     if place.suffix != SUFFIX:
-        place = (
-            place / POLICIES / f"{int(which):08d}{SUFFIX}"
-            if which.isascii() and which.isdecimal()
-            else place / POLICIES / f"{which}{SUFFIX}"
-        )
+        numbered = at and which.isascii() and which.isdecimal()
+        place = place / POLICIES / ((f"{int(which):08d}" if numbered else which if at else "last") + SUFFIX)
     try:
         file = place.resolve()
     except (OSError, RuntimeError, ValueError):
@@ -109,14 +99,10 @@ def _file_of(root: Path, name: str) -> Path:
         there = False
     if not there:
         near = [stored.name for stored in stored_policies(root)]
-        raise PolicyRefused(f"there is no policy `{name}`, neither in the game's file nor trained in this folder, where {_listed(near)}")
+        listed = f"{', '.join(near[:5]) or 'none'}{', …' if len(near) > 5 else ''}"
+        known = f"where there {'are' if len(near) > 1 else 'is'} {listed}"
+        raise PolicyRefused(f"there is no policy `{name}`, neither in the game's file nor trained in this folder, {known}")
     return file
-
-
-def _listed(names: list[str]) -> str:
-    if not names:
-        return "there is none"
-    return f"there {'are' if len(names) > 1 else 'is'} {', '.join(names[:5])}{', …' if len(names) > 5 else ''}"
 
 
 def _name_of(file: Path, root: Path) -> str:

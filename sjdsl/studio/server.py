@@ -2,15 +2,14 @@
 
 import asyncio
 import contextlib
-import json
 from collections.abc import Callable, Coroutine
-from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import jinja2
 from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
@@ -19,18 +18,16 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from sjdsl.studio import files as requested
-from sjdsl.studio import tour
 from sjdsl.studio.access import Access
 from sjdsl.studio.child import Spares
-from sjdsl.studio.folder import LARGEST, Changed, FileRefused, Folder
+from sjdsl.studio.files import answered
+from sjdsl.studio.folder import LARGEST, Folder
 from sjdsl.studio.language import serve_language
-from sjdsl.studio.runs import stored_policies
 
 ASSETS = {
-    "studio.js": ("sjdsl.studio", "page/studio.js", "text/javascript"),
-    "studio.css": ("sjdsl.studio", "page/studio.css", "text/css"),
-    "board.js": ("sjdsl.render", "page/board.js", "text/javascript"),
+    "studio.js": ("sjdsl.studio", "text/javascript"),
+    "studio.css": ("sjdsl.studio", "text/css"),
+    "board.js": ("sjdsl.render", "text/javascript"),
 }
 Handler = Callable[[Request], Coroutine[Any, Any, Response]]
 REFUSED = 4403  # close code of a socket that may not be opened
@@ -55,12 +52,9 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
     routes = [
         Route("/", _page(opened)),
         Route("/assets/{name}", _asset),
-        Route("/games", _games(inside)),
-        Route("/tour", lambda _request: JSONResponse({"steps": tour.steps()}, headers=HEADERS)),
-        Route("/policies", _policies(inside)),
-        Route("/file", _read(inside), methods=["GET"]),
-        Route("/file", _changing(partial(requested.write, inside)), methods=["PUT"]),
-        Route("/copy", _changing(partial(requested.copy, inside)), methods=["POST"]),
+        *(Route(path, _files(inside)) for path in ("/games", "/tour", "/policies")),
+        Route("/file", _files(inside), methods=["GET", "PUT"]),
+        Route("/copy", _files(inside), methods=["POST"]),
         WebSocketRoute("/bench", _bench(spares)),
         WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
     ]
@@ -89,46 +83,21 @@ class Guard:
 
 
 def _page(opened: str | None) -> Callable[[Request], Response]:
-    def page(request: Request) -> Response:
-        environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
-        text = environment.from_string(_text("sjdsl.studio", "page/studio.html"))
-        return HTMLResponse(text.render(token=request.query_params["token"], opened=opened or ""), headers=HEADERS)
-
-    return page
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
+    page = environment.from_string(files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8"))
+    return lambda request: HTMLResponse(page.render(token=request.query_params["token"], opened=opened or ""), headers=HEADERS)
 
 
 def _asset(request: Request) -> Response:
     name = request.path_params["name"]
     if name not in ASSETS:
         raise HTTPException(404)
-    package, path, sort = ASSETS[name]
-    return Response(_text(package, path), media_type=sort, headers=HEADERS)
+    package, sort = ASSETS[name]
+    return Response(files(package).joinpath(f"page/{name}").read_text(encoding="utf-8"), media_type=sort, headers=HEADERS)
 
 
-def _text(package: str, path: str) -> str:
-    return files(package).joinpath(path).read_text(encoding="utf-8")
-
-
-def _games(folder: Folder) -> Callable[[Request], Response]:
-    return lambda _request: JSONResponse(requested.listed(folder), headers=HEADERS)
-
-
-def _policies(folder: Folder) -> Callable[[Request], Response]:
-    return lambda _request: JSONResponse({"policies": [[p.name, p.game] for p in stored_policies(folder.root)]}, headers=HEADERS)
-
-
-def _read(folder: Folder) -> Callable[[Request], Response]:
-    def read(request: Request) -> Response:
-        try:
-            return JSONResponse(requested.read(folder, request.query_params.get("path", "")), headers=HEADERS)
-        except FileRefused as reason:
-            return JSONResponse({"refused": str(reason)}, 404, HEADERS)
-
-    return read
-
-
-def _changing(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Handler:
-    """Answers a request with JSON that changes files; what cannot be done is refused with the reason."""
+def _files(folder: Folder) -> Handler:
+    """Answers a request about files, beside the other requests: to list a large folder takes a while."""
 
     async def answer(request: Request) -> Response:
         body = b""
@@ -136,29 +105,10 @@ def _changing(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Handler:
             body += part
             if len(body) > 2 * LARGEST:
                 return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
-        try:
-            return JSONResponse(change(_fields(body)), headers=HEADERS)
-        except Changed as reason:
-            return JSONResponse({"refused": str(reason), "changed": True}, 409, HEADERS)
-        except FileRefused as reason:
-            return JSONResponse({"refused": str(reason)}, 400, HEADERS)
-        except KeyError as missing:
-            return JSONResponse({"refused": f"the request has no {missing}"}, 400, HEADERS)
-        except UnicodeEncodeError:
-            return JSONResponse({"refused": "the text has a character that no file can hold"}, 400, HEADERS)
+        status, found = await run_in_threadpool(answered, folder, request.method, request.url.path, request.query_params, body)
+        return JSONResponse(found, status, HEADERS)
 
     return answer
-
-
-def _fields(body: bytes) -> dict[str, Any]:
-    """Returns the fields of a request. Raises FileRefused if it is no object of JSON."""
-    try:
-        given = json.loads(body)
-    except (ValueError, RecursionError):
-        given = None
-    if not isinstance(given, dict):
-        raise FileRefused("the request is no object of JSON")
-    return given
 
 
 def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:

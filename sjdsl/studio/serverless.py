@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from sjdsl.studio import files as requested
-from sjdsl.studio import tour
+from sjdsl.studio import files
 from sjdsl.studio.bench import Bench
-from sjdsl.studio.folder import Changed, FileRefused, Folder
+from sjdsl.studio.folder import FileRefused, Folder
 from sjdsl.studio.worker import answered
 
 Send = Callable[[str], object]
@@ -48,12 +47,13 @@ class Serverless:
 
     def file(self, method: str, path: str, body: str = "") -> str:
         """Answers a request about files as the server does, as JSON; `written` has the files that are new, with their texts."""
-        try:
-            return json.dumps(self._file(method, urlsplit(path).path, parse_qs(urlsplit(path).query), json.loads(body or "{}")))
-        except Changed as reason:
-            return json.dumps({"refused": str(reason), "changed": True})
-        except (FileRefused, KeyError, TypeError, ValueError) as reason:
-            return json.dumps({"refused": str(reason)})
+        at = urlsplit(path)
+        query = {name: values[0] for name, values in parse_qs(at.query).items()}
+        status, found = files.answered(self._folder, method, at.path, query, body)
+        if method != "GET" and status == 200:
+            names = (*found.get("copied", ()), json.loads(body)["path"])
+            found["written"] = {name: self._folder.read(name)[0] for name in names}
+        return json.dumps(found)
 
     def keep(self, path: str, text: str) -> None:
         """Writes a file as somebody has saved it before, or in another worker of the page. Raises FileRefused."""
@@ -63,25 +63,6 @@ class Serverless:
         except FileRefused:
             before = None
         self._folder.write(path, text, before)
-
-    def _file(self, method: str, address: str, query: dict[str, list[str]], given: dict[str, Any]) -> dict[str, Any]:
-        folder = self._folder
-        match method, address:
-            case "GET", "/games":
-                return requested.listed(folder)
-            case "GET", "/tour":
-                return {"steps": tour.steps()}
-            case "GET", "/policies":
-                return {"policies": []}  # trained policies want JAX
-            case "GET", "/file":
-                return requested.read(folder, query["path"][0])
-            case "PUT", "/file":
-                return {**requested.write(folder, given), "written": {str(given["path"]): str(given["text"])}}
-            case "POST", "/copy":
-                done = requested.copy(folder, given)
-                return {**done, "written": {name: folder.read(name)[0] for name in (*done["copied"], str(given["path"]))}}
-            case _:
-                raise FileRefused(f"there is no `{address}`")
 
 
 class _Writer:

@@ -11,6 +11,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from sjdsl.studio.bench import Bench
+from sjdsl.studio.child import number_of
 from sjdsl.studio.requests import READ
 
 MEMORY = 8 * 2**30  # bytes of addresses that a bench may take; JAX reserves some
@@ -43,10 +44,8 @@ def answered(bench: Bench, line: str) -> dict[str, object]:
     except ValidationError as error:
         wrong = error.errors()[0]
         place = ".".join(map(str, wrong["loc"]))
-        return {
-            "id": _number(line),
-            "refused": f"the page asked for something unknown{f', {place}' if place else ''}: {wrong['msg']}"[:1000],
-        }
+        told = f"the page asked for something unknown{f', {place}' if place else ''}: {wrong['msg']}"
+        return {"id": number_of(line), "refused": told[:1000]}
     try:
         return bench.answer(request)
     except MemoryError:
@@ -57,14 +56,6 @@ def answered(bench: Bench, line: str) -> dict[str, object]:
         traceback.print_exc()
         told = f"this is a fault of sjdsl, not of yours; the terminal has more: {type(error).__name__}: {error}"
         return {"id": request.id, "do": request.do, "refused": told[:1000]}
-
-
-def _number(line: str) -> int:
-    """Returns the number of a request that is not understood, 0 without one."""
-    try:
-        return int(json.loads(line)["id"])
-    except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
-        return 0
 
 
 def _limit_memory() -> None:

@@ -7,8 +7,9 @@ from typing import Any
 
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import Cell, World
+from sjdsl.render.letters import with_figures
+from sjdsl.render.moment import snapshot_of
 from sjdsl.testing.signs import Signs
-from sjdsl.trace.picture import with_figures
 
 Pose = tuple[int, int, int]  # row, column, heading
 
@@ -143,7 +144,7 @@ def draw_cells(signs: Signs, board: Board, world: World) -> list[list[str]]:
 def draw_picture(signs: Signs, board: Board, world: World) -> list[Row]:
     """Returns the map as it is now, movers and agents over it, all numbers told."""
     movers = {sort: character for character, sort in signs.movers.items()}
-    return [Row(*line) for line in with_figures(draw_cells(signs, board, world), world, movers, signs.arrows)]
+    return [Row(*line) for line in with_figures(draw_cells(signs, board, world), snapshot_of(board.game, world, ()), movers, signs.arrows)]
 
 
 def compare_pictures(wanted: Sequence[Row], found: Sequence[Row]) -> str | None:

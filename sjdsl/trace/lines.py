@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
+from sjdsl.render.letters import Letters, draw, make_letters
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, Told
-from sjdsl.trace.picture import Looks, draw, make_looks
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_draw, say_effect, say_names, say_used, say_value
 
@@ -21,7 +21,7 @@ class Teller:
 
     board: Board
     rules: Rules
-    looks: Looks
+    looks: Letters
     phases: Collection[str] = ()
     everything: bool = False
     agents: frozenset[str] = field(default_factory=frozenset)
@@ -30,7 +30,7 @@ class Teller:
 def make_teller(board: Board, rules: Rules, phases: Collection[str] = (), everything: bool = False) -> Teller:
     """Returns what is needed to tell of a game; variables that stand for agents are told from numbers by it."""
     agents = frozenset(node.name for node in ir.walk(board.game) if isinstance(node, ir.Member) and node.sort.what == "agent")
-    return Teller(board, rules, make_looks(board.game), phases, everything, agents)
+    return Teller(board, rules, make_letters(board.game), phases, everything, agents)
 
 
 def is_shown(turn: Told, phases: Collection[str]) -> bool:

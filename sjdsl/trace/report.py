@@ -5,10 +5,10 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover
+from sjdsl.render.letters import draw
 from sjdsl.trace.effects import Effect, Used, plain
 from sjdsl.trace.episode import Moment, Told
 from sjdsl.trace.lines import Teller, is_shown
-from sjdsl.trace.picture import draw
 from sjdsl.trace.rules import Rules
 
 

@@ -86,7 +86,7 @@ def test_the_board_is_the_picture(opened: Page, env: sjdsl.Environment, moments:
     for number in (0, STEPS // 2):
         part(opened, "scrub").fill(str(number))
         drawn = Image.open(BytesIO(part(opened, "board").screenshot())).convert("RGB")
-        wanted = Image.fromarray(draw_board(look, moments[number].snapshot, {})).resize(drawn.size)
+        wanted = Image.fromarray(draw_board(look, moments[number].snapshot)).resize(drawn.size)
         difference = np.abs(np.asarray(drawn).astype(int) - np.asarray(wanted))
         assert difference.mean() < 6, "of 255: edges are blended otherwise, cells and agents are in the same places"
 

@@ -34,7 +34,7 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.ranges import range_of
 from sjdsl.compiler.ir.verify import verify
 from sjdsl.doc.defines import vocabulary
-from sjdsl.doc.expressions import value as english
+from sjdsl.doc.phrases import value as english
 from sjdsl.doc.wording import variable
 from sjdsl.editor.highlighting import patterns
 from sjdsl.interpreter import numbers

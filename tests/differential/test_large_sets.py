@@ -15,7 +15,7 @@ from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.properties.state_conversion import world_of
-from sjdsl.render.drawings import cell_keys
+from sjdsl.render.appearance import cell_keys
 from sjdsl.render.look import make_look
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.states import compiled_state

@@ -9,9 +9,8 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written, rule_sheet
-from sjdsl.doc.conditions import condition
 from sjdsl.doc.defines import vocabulary
-from sjdsl.doc.expressions import value
+from sjdsl.doc.phrases import condition, value
 from sjdsl.doc.wording import Line, bullets, number, table, table_value
 from sjdsl.doc.written import comments
 from tests.doc.corpus import SMALL

@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lsprotocol import types
 
-from sjdsl.editor.moved import Moved
-from sjdsl.editor.positions import Lines, changed
+from sjdsl.editor.positions import Lines, Moved, changed
 
 TEXTS = st.text(st.sampled_from("aé€😀\n\r\u2028\t# "), max_size=30)
 WIDTH = {"utf-8": 1, "utf-16": 2, "utf-32": 4}

@@ -16,7 +16,7 @@ import sjdsl
 from sjdsl.cli import run
 from sjdsl.render import make_page, make_painter, play_moments, random_policy
 from sjdsl.render.board import draw_board
-from sjdsl.render.episode_data import episode_data
+from sjdsl.render.episode_page import episode_data
 from sjdsl.render.vector import SIZE
 from sjdsl.runtime.env import Environment
 
@@ -65,7 +65,7 @@ def test_a_page_shows_the_picture_of_every_moment(env: Environment, moments: lis
     data = episode_data(env.game, moments)
     look = make_painter(env).look
     for number in (0, 1, len(moments) - 1):
-        drawn = draw_board(replace(look, tile=SIZE), moments[number].snapshot, {})
+        drawn = draw_board(replace(look, tile=SIZE), moments[number].snapshot)
         apart = np.abs(paint(data, number) - drawn).reshape(len(env.game.rows), SIZE, -1, SIZE, 3).mean(axis=(1, 3, 4))
         assert apart.max() < 6, "of 255 in each cell: two rasterisers, and two fonts of the numbers"
 

@@ -16,8 +16,7 @@ from sjdsl.render import random_policy
 from sjdsl.replay import Dataset, DatasetWriter, Episode, EpisodePlayer, Header, RecordingError, load_recording, play_episodes, replayed
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy
-from sjdsl.screen.compiled import Compiled
-from sjdsl.screen.session import policy_choice
+from sjdsl.screen.session import Compiled, policy_choice
 from sjdsl.trainers import PPOConfig, load_policy
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_file import write_policy

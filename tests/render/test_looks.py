@@ -12,13 +12,12 @@ from sjdsl.compiler.elaborate.looks import COLOURS, SPRITES
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
-from sjdsl.render import make_painter, take_snapshot, tiles
-from sjdsl.render.colours import agent_colour, mixed, read_colour
-from sjdsl.render.drawings import TINTED, Figure, cell_keys, draw_cell, draw_figures
-from sjdsl.render.entries import cell_entries, figure_entries
+from sjdsl.render import Snapshot, board, make_painter, take_snapshot
+from sjdsl.render.appearance import TINTED, Figure, cell_keys, draw_cell, draw_figures
+from sjdsl.render.board import draw_figure
+from sjdsl.render.colours import FILLING, SHAPES, agent_colour, mixed, read_colour
+from sjdsl.render.legend import cell_entries, figure_entries
 from sjdsl.render.look import Look, make_look
-from sjdsl.render.sprites import FILLING, SHAPES
-from sjdsl.render.tiles import draw_figure
 from sjdsl.render.usual import Picture, is_passing, spawn_kinds
 from sjdsl.runtime.env import Environment
 
@@ -93,7 +92,8 @@ def bushes(look: Look, **fields: list) -> list:
 
 def figures(look: Look, bag: list, mood: list) -> list:
     values = {"agent_bag": np.array(bag), "agent_mood": np.array(mood)}
-    return draw_figures(look, values, np.zeros(3, int), np.zeros(3, bool))
+    nothing = np.zeros(3, int)
+    return draw_figures(look, Snapshot(0, values, nothing, nothing, nothing, nothing > 0, nothing))["agent"]
 
 
 def test_a_look_is_no_rule(plain: Environment, looked: Environment) -> None:
@@ -209,7 +209,7 @@ def test_a_frame_drawn_again_rasterises_nothing(looked: Environment, monkeypatch
     _, state = looked.reset(jax.random.key(0))
     snapshot, painter = take_snapshot(looked, state, np.zeros(3)), make_painter(looked)
     first = np.asarray(painter.draw(snapshot))
-    monkeypatch.setattr(tiles, "rasterised", None)
+    monkeypatch.setattr(board, "_rasterised", None)
     assert (np.asarray(painter.draw(snapshot)) == first).all()
 
 

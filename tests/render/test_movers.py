@@ -10,10 +10,10 @@ import sjdsl
 from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.render import make_painter, take_snapshot
+from sjdsl.render.appearance import Figure, draw_figures
+from sjdsl.render.board import draw_figure
 from sjdsl.render.colours import SPRITES, read_colour
-from sjdsl.render.drawings import Figure, draw_movers
-from sjdsl.render.entries import figure_entries
-from sjdsl.render.tiles import draw_figure
+from sjdsl.render.legend import figure_entries
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.env import Environment
 
@@ -69,7 +69,7 @@ def test_movers_are_drawn_where_they_are(tmp_path: Path) -> None:
     _, state, *_ = env.step_env(jax.random.key(1), state, np.zeros(1, np.int32))
     after = take_snapshot(env, state, np.zeros(1))
     assert after.movers["coin"][1].tolist() == [-1], "it is removed, and not drawn"
-    assert [figure.badges == () for figure in draw_movers(deer, after.values)] == [True, False], "fear is a badge"
+    assert [figure.badges == () for figure in draw_figures(painter.look, after)["deer"]] == [True, False], "fear is a badge"
 
 
 def test_looks_of_movers_apply(tmp_path: Path) -> None:
@@ -80,7 +80,7 @@ def test_looks_of_movers_apply(tmp_path: Path) -> None:
     look = make_painter(env).look
     _, state = env.reset(jax.random.key(0))
     _, state, *_ = env.step_env(jax.random.key(1), state, np.zeros(1, np.int32))
-    calm, scared = draw_movers(look.herds[0], take_snapshot(env, state, np.zeros(1)).values)
+    calm, scared = draw_figures(look, take_snapshot(env, state, np.zeros(1)))["deer"]
     pot, gem = Picture("pot", SPRITES["pot"]), Picture("gem", SPRITES["gem"])
     assert calm == Figure(None, read_colour("brown"), "raft", 3, badges=(gem,))
     assert scared == Figure(None, read_colour("red"), "raft", 3, badges=(pot, gem))

@@ -12,9 +12,9 @@ from PIL import Image
 import sjdsl
 from sjdsl.cli import run
 from sjdsl.render import Painter, Snapshot, make_painter, play, save_gif, save_png, stay_policy
+from sjdsl.render.appearance import shown_values
 from sjdsl.render.board import draw_board
 from sjdsl.render.colours import INK, WORDS, agent_colour, kind_colours, mark_colours, word_colours
-from sjdsl.render.drawings import shown_values
 from sjdsl.render.look import FieldLook, make_look
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import MemoryPolicy
@@ -91,7 +91,7 @@ def _cell(board: np.ndarray, painter: Painter, place: tuple[int, int]) -> np.nda
 
 
 def _board(painter: Painter, shot: Snapshot) -> np.ndarray:
-    return draw_board(painter.look, shot, {})
+    return draw_board(painter.look, shot)
 
 
 def _near(pixel: np.ndarray, colour: tuple[int, int, int], by: int = 12) -> bool:

@@ -8,10 +8,10 @@ import pytest
 
 import sjdsl
 from sjdsl.games_folder import main_games
-from sjdsl.render.colours import AGENTS
-from sjdsl.render.drawings import BARS, Drawing, cell_keys, draw_cell
+from sjdsl.render.appearance import Drawing, cell_keys, draw_cell
+from sjdsl.render.board import draw_tile
+from sjdsl.render.colours import AGENTS, BARS
 from sjdsl.render.look import KindLook, Look, make_look
-from sjdsl.render.tiles import draw_tile
 from tests.render.colour_vision import VISIONS, distance, lab
 
 SIZE = 28  # pixels, as in the pictures of the games

@@ -10,10 +10,11 @@ from PIL import Image
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import find_game
-from sjdsl.render.drawings import BARS, Drawing, Figure
-from sjdsl.render.entries import cell_entries, figure_entries
+from sjdsl.render.appearance import Drawing, Figure
+from sjdsl.render.board import draw_figure, draw_tile
+from sjdsl.render.colours import BARS
+from sjdsl.render.legend import cell_entries, legend_entries
 from sjdsl.render.look import make_look
-from sjdsl.render.tiles import draw_figure, draw_tile
 from sjdsl.render.usual import Picture
 from sjdsl.render.vector import SIZE, vector_figure, vector_tile
 
@@ -78,7 +79,5 @@ def test_an_agent_has_its_number() -> None:
 
 def test_all_legends_are_well_formed() -> None:
     look = make_look(build(read_source(find_game("gift_refinement"))).game)
-    pictures = [vector_tile(drawing) for drawing, _ in cell_entries(look)] + [
-        vector_figure(figure, RED) for figure, _ in figure_entries(look)
-    ]
+    pictures = [vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, RED) for seen, _ in legend_entries(look)]
     assert all(ElementTree.fromstring(svg).get("width") == str(SIZE) for svg in pictures)

@@ -8,8 +8,7 @@ import pytest
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.state import default_params
-from sjdsl.screen.interpreted import Interpreted
-from sjdsl.screen.session import Session, choice_of
+from sjdsl.screen.session import Interpreted, Session, choice_of
 from sjdsl.trace.choices import no_actions, random_actions
 
 ORCHARD = Path(__file__).parent / "orchard.sj"

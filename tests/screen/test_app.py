@@ -14,9 +14,8 @@ from textual.widgets import Static
 from sjdsl.compiler import ir
 from sjdsl.interpreter.state import default_params
 from sjdsl.screen.app import Screen
-from sjdsl.screen.interpreted import Interpreted
 from sjdsl.screen.keys import action_keys, describe_keys, pasted_keys
-from sjdsl.screen.session import Prepared, Session, written_choice
+from sjdsl.screen.session import Interpreted, Prepared, Session, written_choice
 from tests.screen.conftest import Begin
 
 Steps = Callable[[Screen, Pilot[None]], Awaitable[None]]
@@ -123,7 +122,7 @@ def test_steps_go_on_where_the_compiled_game_takes_over(begin: Begin, orchard: i
         assert "step 3" in text_of(pilot, "#title")
 
     played(Screen(orchard, session, compiler, 8.0), steps)
-    assert session.display.world.step == 3
+    assert session.moment.snapshot.step == 3
 
 
 def test_with_a_trained_policy_keys_wait_for_it(begin: Begin, orchard: ir.Game) -> None:
@@ -176,7 +175,7 @@ def test_what_is_watched_goes_on_by_itself(begin: Begin, orchard: ir.Game) -> No
         compiler.done.set()
 
     played(Screen(orchard, session, compiler, 100.0), steps)
-    assert session.display.done
+    assert session.moment.done
 
 
 def test_a_map_larger_than_the_screen_follows_the_agent(orchard: ir.Game) -> None:
@@ -185,10 +184,9 @@ def test_a_map_larger_than_the_screen_follows_the_agent(orchard: ir.Game) -> Non
     compiler = Compiler(wide)
 
     async def steps(pilot: Pilot[None]) -> None:
-        place, board = session.display.world.position[0], pilot.app.query_one("#board")
-        assert place is not None
+        column, board = session.moment.snapshot.col[0], pilot.app.query_one("#board")
         # the map is laid out first, and then scrolled
-        await until(pilot, lambda: board.scroll_offset.x <= 2 * place.col < board.scroll_offset.x + board.size.width)
+        await until(pilot, lambda: board.scroll_offset.x <= 2 * column < board.scroll_offset.x + board.size.width)
         compiler.done.set()
 
     played(Screen(wide, session, compiler, 8.0), steps, size=(70, 20))

@@ -16,11 +16,11 @@ from sjdsl.games_folder import main_games
 from sjdsl.interpreter.state import HEADINGS, default_params
 from sjdsl.interpreter.step import reset
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.render.colours import Colour
-from sjdsl.screen.board import ARROWS, board_text, hexadecimal
-from sjdsl.screen.display import make_display
-from sjdsl.screen.looks import OWN, make_screen_looks
+from sjdsl.render.colours import Colour, agent_colour, hexadecimal, read_colour
+from sjdsl.render.moment import snapshot_of
+from sjdsl.screen.board import ARROWS, OWN, board_text, make_screen_looks
 from sjdsl.screen.palette import TABLE, faint_on, ink_on, oklab, told_apart
+from sjdsl.screen.session import Interpreted, Session
 from sjdsl.screen.sidebar import legend
 from tests.screen.conftest import ORCHARD, Begin
 
@@ -37,8 +37,7 @@ def test_what_differs_on_the_map_differs_in_256_colours(game: str) -> None:
     name, *variant = game.split()
     looks = make_screen_looks(build(open_game(name), tuple(variant)).game)
     grounds = [ground for ground, _ in looks.tiles.values()]
-    marks = [colour for _, colour in looks.marks.values()]
-    shown = [in_256(colour) for colour in (*grounds, *marks, *looks.agents, OWN)]
+    shown = [in_256(colour) for colour in (*grounds, *looks.marks.values(), *looks.bodies.values(), OWN)]
     assert len(set(shown)) == len(shown)
     letters = [looks.letters.characters[state] for state in looks.tiles]
     assert len(set(letters)) == len(letters), "without colours the letters tell"
@@ -48,7 +47,7 @@ def test_movers_are_on_the_map_with_an_arrow_and_their_character() -> None:
     game = build(open_game("tests/differential/games/movers.sj")).game
     looks = make_screen_looks(game)
     world = reset(game, default_params(game), Threefry(0, 1))
-    text = board_text(game, looks, make_display(game, world, (0.0,) * 3))
+    text = board_text(looks, snapshot_of(game, world, [0.0] * 3))
     rows = text.plain.split("\n")
     for sort in game.movers:
         herd = world.movers[sort.name]
@@ -56,11 +55,11 @@ def test_movers_are_on_the_map_with_an_arrow_and_their_character() -> None:
             assert place is not None
             assert rows[place.row][2 * place.col : 2 * place.col + 2] == ARROWS[HEADINGS.index(heading)] + sort.glyph
         assert f"{sort.glyph} {sort.name} that faces up" in legend(looks, None).plain
-    colours = [in_256(colour) for colour in (*looks.movers.values(), *looks.agents, *(g for g, _ in looks.tiles.values()), OWN)]
+    colours = [in_256(colour) for colour in (*looks.bodies.values(), *(g for g, _ in looks.tiles.values()), OWN)]
     assert len(set(colours)) == len(colours)
     herd = world.movers["cart"]
-    gone = make_display(game, replace(world, movers=world.movers | {"cart": replace(herd, position=[None])}), (0.0,) * 3)
-    assert "c" not in board_text(game, looks, gone).plain, "who is away is not drawn"
+    gone = replace(world, movers=world.movers | {"cart": replace(herd, position=[None])})
+    assert "c" not in board_text(looks, snapshot_of(game, gone, [0.0] * 3)).plain, "who is away is not drawn"
 
 
 def test_the_table_is_that_of_the_terminal() -> None:
@@ -89,10 +88,10 @@ def test_letters_can_be_read() -> None:
 def test_the_board_shows_agents_owners_amounts_and_beams(begin: Begin, orchard: ir.Game) -> None:
     looks, session = make_screen_looks(orchard), begin(agent=1)
     session.step(4)
-    session.display.world.cells["soil", "owner"][0] = 0
-    session.display.world.cells["soil", "eaten"][1] = 7
-    world = session.display.world
-    text = board_text(orchard, looks, session.display, own=1)
+    world = session.player.world
+    world.cells["soil", "owner"][0] = 0
+    world.cells["soil", "eaten"][1] = 7
+    text = board_text(looks, snapshot_of(orchard, world, [0.0] * 2), own=1)
     lines = text.plain.splitlines()
     assert [len(line) for line in lines] == [16] * 4, "two letters a cell"
     assert lines[1][6:8] == "A0"
@@ -103,7 +102,7 @@ def test_the_board_shows_agents_owners_amounts_and_beams(begin: Begin, orchard: 
         style = style_at(text, place.row, place.col)
         assert (style.bgcolor == Color.parse(hexadecimal(OWN))) == (number == 1)
         assert style.dim == (number == 1), "who sang is held"
-    (_, mark), *_ = looks.marks.values()
+    mark, *_ = looks.marks.values()
     reached = {(row, col) for _, row, col in world.marks} - set(world.position)
     assert reached
     for row in range(4):
@@ -134,8 +133,28 @@ def test_a_state_has_the_colour_of_its_picture(orchard: ir.Game) -> None:
     text = ORCHARD.read_text(encoding="utf-8").rstrip().removesuffix("}")
     looked = build(Source("orchard.sj", f'{text}  look soil where soil.fruit is ripe as blue gem\n  look floor as "#204060"\n}}\n')).game
     plain, drawn = make_screen_looks(orchard).tiles, make_screen_looks(looked).tiles
-    ripe, floor = ("soil", (("fruit", "ripe"),)), ("floor", ())
+    ripe, floor = ("soil", ("ripe",)), ("floor", ())
     for state, colour in ((ripe, (0, 114, 178)), (floor, (32, 64, 96))):
         apart = np.linalg.norm(oklab([drawn[state][0]]) - oklab([colour]))
         assert apart < 0.1 < np.linalg.norm(oklab([plain[state][0]]) - oklab([colour]))
     assert drawn["wall", ()] == plain["wall", ()]
+
+
+def test_agents_have_the_colours_of_their_pictures() -> None:
+    """Those of their roles, of a `look`, or of their numbers."""
+    text = ORCHARD.read_text(encoding="utf-8").rstrip().removesuffix("}")
+    role = text.replace("timer tired", "timer tired  field role : { red, green } = green")
+    looked = f"{text}  look agent where agent.tired > 0 as sky\n"
+    for file, colours in (
+        (text, (agent_colour(0), agent_colour(1))),
+        (role, (read_colour("green"),) * 2),
+        (looked, (agent_colour(0), read_colour("sky"))),
+    ):
+        game = build(Source("orchard.sj", file + "}\n")).game
+        session = Session(Interpreted(game, default_params(game), 3), lambda *_: [3, 4], None, 12)
+        session.step()
+        looks, snapshot = make_screen_looks(game), session.moment.snapshot
+        for row, col, colour in zip(snapshot.row.tolist(), snapshot.col.tolist(), colours, strict=True):
+            shown = style_at(board_text(looks, snapshot), row, col).bgcolor
+            assert shown == Color.parse(hexadecimal(looks.bodies["agent", colour]))
+            assert np.linalg.norm(oklab([shown.triplet]) - oklab([colour])) < 0.1

@@ -9,8 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 import sjdsl
-from sjdsl.screen.compiled import Compiled
-from sjdsl.screen.session import Session, policy_choice
+from sjdsl.screen.session import Compiled, Session, policy_choice
 from sjdsl.studio.access import Access
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ

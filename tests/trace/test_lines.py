@@ -10,10 +10,10 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import default_params
+from sjdsl.render.letters import make_letters
 from sjdsl.trace.actions import read_actions
 from sjdsl.trace.episode import play
 from sjdsl.trace.lines import make_teller, moment_lines
-from sjdsl.trace.picture import make_looks
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_value
 
@@ -40,8 +40,8 @@ def test_a_small_game_with_all_that_did_not_happen(golden: Callable[[Path, str],
 
 def test_every_state_has_a_character_of_its_own() -> None:
     for path in sorted((HERE.parents[1] / "games").glob("*.sj")):
-        looks = make_looks(build(read_source(path)).game)
-        characters = list(looks.characters.values())
+        letters = make_letters(build(read_source(path)).game)
+        characters = list(letters.characters.values())
         assert len(set(characters)) == len(characters), path
         assert not set(characters) & set("^>v<?"), path
 
