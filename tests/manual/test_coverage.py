@@ -141,7 +141,7 @@ def test_the_names_with_a_meaning_are_those_of_the_compiler():
 
 
 def test_every_code_is_listed_with_its_title():
-    listed = re.findall(r"^\| (SJ\d+) \| (.*?) \|$", section("22. Errors"), re.MULTILINE)
+    listed = re.findall(r"`(SJ\d+)` (.*?) (?:·|\|$)", section("22. Errors"), re.MULTILINE)
     wanted = [(code, error.title + " (warning)" * (error.severity == "warning")) for code, error in all_codes().items()]
     assert listed == wanted
 
@@ -203,6 +203,28 @@ def test_every_link_leads_somewhere():
     anchors = {"#" + re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings}
     for link in re.findall(r"\]\(([^)]+)\)", text()):
         assert link in anchors or (MANUAL.parent / link).is_file(), link
+
+
+def sections() -> dict[str, str]:
+    """Returns the text of each section of the manual, without its subsections, by its anchor."""
+    parts = re.split(r"^##+ (.*)$", text(), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-"): part for title, part in zip(parts[1::2], parts[2::2], strict=True)}
+
+
+def test_every_section_begins_with_what_it_is_for():
+    assert [anchor for anchor, part in sections().items() if not part.lstrip().startswith("To ")] == []
+
+
+def test_the_index_has_every_word_and_leads_to_where_it_is_explained():
+    entries = [entry for row in table("index") for entry in row[1].split(" · ")]
+    found = {name for entry in entries for name in re.findall(r"[a-z_]+", entry.split("`")[1])}
+    words = {t.pattern.value for t in recording_parser()[0].terminals if t.pattern.type == "str" and t.pattern.value.isalpha()}
+    assert words.union(*WORDS_OF_RULES.values()) - found == set()
+    for entry in entries:
+        for anchor in re.findall(r"\(#(.*?)\)", entry):
+            code = " ".join(re.findall(r"`(.+?)`|^ *(?:each|phase|set) .*$", sections()[anchor], re.MULTILINE))
+            missing = set(re.findall(r"[a-z_]+", entry.split("`")[1])) - set(re.findall(r"[a-z_]+", code))
+            assert not missing, (entry, anchor)
 
 
 def test_the_short_texts_are_tokens():
