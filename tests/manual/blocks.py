@@ -6,7 +6,8 @@ from functools import cache
 from pathlib import Path
 
 MANUAL = Path(__file__).parents[2] / "docs" / "language.md"
-BESIDE = (MANUAL.parent / "tour.md", MANUAL.parent / "recipes.md")  # pages whose examples are tested in the same way
+CORNERS = Path(__file__).parent / "corners.md"  # what the manual says and does not show
+BESIDE = (MANUAL.parent / "tour.md", MANUAL.parent / "recipes.md", CORNERS)  # pages whose examples are tested in the same way
 _FENCE = re.compile(r"^```(\w*)[ \t]*([^\n]*)\n(.*?)^```[ \t]*$", re.MULTILINE | re.DOTALL)
 _WRAPPER = 'sj 1\ngame example extends "{frame}.sj" {{\n'
 

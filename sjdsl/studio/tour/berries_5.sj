@@ -60,8 +60,8 @@ game berries "Berries" {
     require cost < 0 and hurt < 0
     symmetric agents                               # no agent is treated differently from another
   }
-  policy cooperator "eats where two ripe bushes stay beside" {
+  policy cooperator "eats only where two ripe neighbours remain" {
     seek bush where bush.fruit is ripe and shared(bush) > 1
   }
-  policy defector "eats whatever is nearest" { seek bush where bush.fruit is ripe }
+  policy defector "eats the nearest fruit" { seek bush where bush.fruit is ripe }
 }

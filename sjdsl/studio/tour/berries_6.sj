@@ -60,14 +60,14 @@ game berries "Berries" {
     require cost < 0 and hurt < 0
     symmetric agents                               # no agent is treated differently from another
   }
-  policy cooperator "eats where two ripe bushes stay beside" {
+  policy cooperator "eats only where two ripe neighbours remain" {
     seek bush where bush.fruit is ripe and shared(bush) > 1
   }
-  policy defector "eats whatever is nearest" { seek bush where bush.fruit is ripe }
+  policy defector "eats the nearest fruit" { seek bush where bush.fruit is ripe }
 
   variant lush "twice the growth" { set regrow = 0.04 }
-  variant unarmed "those who zap do nothing" { drop shoot  drop zapped  schedule tick -> grow -> walk -> eat }
-  variant private "only who sees nobody near may eat" {
+  variant unarmed "zapping does nothing" { drop shoot  drop zapped  schedule tick -> grow -> walk -> eat }
+  variant private "only agents with nobody near may eat" {
     phase eat {
       each agent on bush where bush.fruit is ripe and count(agent as other in disc(2) of agent) == 0 {
         set bush.fruit = none
