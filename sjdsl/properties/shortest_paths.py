@@ -1,6 +1,5 @@
 """Shortest paths over a map: where each move leads from each cell and heading, and how many moves it takes to arrive."""
 
-from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -51,31 +50,6 @@ def _shortest_paths(rows: tuple[str, ...], blocking: str, actions: tuple[str, ..
     after = _after(rows, blocking, actions, moves, relative, wraps)
     steps = after if headed else after[::4] // 4  # facing north: all four directions are among the moves
     return ShortestPaths(width, moves, after, _distances(steps, cells, headed), headed)
-
-
-@lru_cache(maxsize=64)
-def _moves(
-    rows: tuple[str, ...], blocking: str, actions: tuple[str, ...], relative: bool, wraps: bool
-) -> tuple[tuple[int, ...], np.ndarray]:
-    moves = tuple(i for i, a in enumerate(actions) if a in STEPS or a in TURNS)
-    return moves, _after(rows, blocking, actions, moves, relative, wraps)
-
-
-def moves_of(game: ir.Game) -> tuple[tuple[int, ...], np.ndarray]:
-    """Returns the numbers of the moves and where they lead, `ShortestPaths.moves` and `ShortestPaths.after`, for a map of any size."""
-    return _moves(game.rows, _blocking(game), game.agents.actions, game.agents.relative, game.wraps)
-
-
-def moves_to(goals: Collection[int], after: np.ndarray) -> np.ndarray:
-    """Returns how many moves it takes from each node to the nearest of some nodes, `[nodes]` int64; FAR without a path."""
-    distance = np.full(after.shape[0], FAR, np.int64)
-    distance[list(goals)] = 0
-    while after.shape[1]:
-        nearer = np.minimum(distance, distance[after].min(axis=1) + 1)
-        if (nearer == distance).all():
-            break
-        distance = nearer
-    return np.minimum(distance, FAR)
 
 
 def shortest_paths_of(game: ir.Game) -> ShortestPaths:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.properties.effects import Part, reads, reads_and_blocks, written_by
-from sjdsl.properties.multiplicity import Quantifier
 
 StatementId = tuple[str, str, int]  # (use of a phase in the schedule, file, offset): one statement in one use of a phase
 STARTING = "start"
@@ -16,13 +15,11 @@ class LeafStatement:
     """A statement without others in it, in one use of its phase.
 
     around: the domains, guards, chances and values that decide whether, and on whom, the statement works; outermost first.
-    quantifiers: those for each of whose members it works.
     """
 
     statement_id: StatementId
     statement: ir.Stmt
     around: tuple[ir.Node, ...]
-    quantifiers: tuple[Quantifier, ...] = ()
 
 
 def statement_id(label: str, statement: ir.Node) -> StatementId:
@@ -33,14 +30,14 @@ def statement_id(label: str, statement: ir.Node) -> StatementId:
 
 def leaf_statements(game: ir.Game) -> tuple[LeafStatement, ...]:
     """Returns the statements of the phase `start` and of the schedule that change the state, pay, count or end, in that order."""
-    found = list(_leaves(game.start.body, STARTING, (), ()))
+    found = list(_leaves(game.start.body, STARTING, ()))
     for turn in game.schedule:
         if isinstance(turn, ir.Phase):
-            found += _leaves(turn.body, turn.label, (), ())
+            found += _leaves(turn.body, turn.label, ())
     return tuple(found)
 
 
-def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...], each: tuple[Quantifier, ...]) -> Iterator[LeafStatement]:
+def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) -> Iterator[LeafStatement]:
     for statement in body:
         match statement:
             case ir.Let():
@@ -48,25 +45,23 @@ def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...], ea
             case ir.Draw():
                 around = (*around, *ir.children(statement))
             case ir.Each():
-                yield from _leaves(statement.body, label, (*around, statement.domain), (*each, statement))
+                yield from _leaves(statement.body, label, (*around, statement.domain))
             case ir.First():
-                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.domain), (*each, statement))
+                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.domain))
             case ir.Pick():
-                inside = (*around, statement.number, statement.domain)
-                yield from _leaves(statement.body, label, inside, (*each, statement))
-                yield from _leaves(statement.otherwise, label, inside, each)
+                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.number, statement.domain))
             case ir.Match():
-                yield from _leaves(statement.body, label, (*around, statement.left, statement.right), (*each, statement))
+                yield from _leaves(statement.body, label, (*around, statement.left, statement.right))
             case ir.When() | ir.Chance():
                 tests: tuple[ir.Node, ...] = ()
                 for branch in statement.branches:
                     tests = (*tests, branch.test)
-                    yield from _leaves(branch.body, label, (*around, *tests), each)
-                yield from _leaves(statement.otherwise, label, (*around, *tests), each)
+                    yield from _leaves(branch.body, label, (*around, *tests))
+                yield from _leaves(statement.otherwise, label, (*around, *tests))
             case ir.Mark():
                 pass  # for the picture only
             case _:
-                yield LeafStatement(statement_id(label, statement), statement, around, each)
+                yield LeafStatement(statement_id(label, statement), statement, around)
 
 
 def statements_needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[LeafStatement]) -> frozenset[StatementId]:

@@ -43,12 +43,12 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of a test: random trajectories, episodes of random play on the own map (0: none), the seed of both.
+    """The effort of a test: random trajectories on small maps, whole episodes on the own map at least (0: none), the seed of both.
 
     tries: trajectories played to shrink one counterexample. any_map: a counterexample on any map refutes a check.
     """
 
-    examples: int = 400
+    examples: int = 200
     episodes: int = 10
     seed: int = 0
     tries: int = 600
