@@ -14,8 +14,7 @@ from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.policies.compiled import Chooser
 from sjdsl.properties.biased_draws import POLICY, RESET, STEP
 from sjdsl.properties.compiled_values import Total, lower_checks, with_totals
-from sjdsl.properties.scripted_policies import WANDERS, allowed_by, policy_named
-from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
+from sjdsl.properties.scripted_policies import FAR, WANDERS, ShortestPaths, allowed_by, policy_named, shortest_paths_of
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.random_bits import below, random_bits_at
 

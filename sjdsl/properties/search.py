@@ -12,12 +12,11 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Value
 from sjdsl.properties.biased_draws import BIASES
-from sjdsl.properties.coverage import Feature, statements_run
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import STATES, Violation, find_violation
 from sjdsl.properties.random_starts import own_start, random_start, start_on_own_map
 from sjdsl.properties.shrinking import shrink
-from sjdsl.properties.statements import StatementId
+from sjdsl.properties.statements import Feature, StatementId, statements_run
 from sjdsl.properties.trajectory import Driver, Scenario, Trajectory, play, up_to
 from sjdsl.properties.verdict import Effort
 from sjdsl.runtime.actions import STEPS, TURNS

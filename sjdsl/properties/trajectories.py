@@ -10,9 +10,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 
 from sjdsl.compiler import ir
-from sjdsl.properties.counterexample import describe_asymmetry, describe_counterexample
-from sjdsl.properties.episode_counterexample import describe_briefly
-from sjdsl.properties.float_overflow import LARGEST, describe_overflow
+from sjdsl.properties.counterexample import LARGEST, describe_asymmetry, describe_briefly, describe_counterexample, describe_overflow
 from sjdsl.properties.instances import GameFamily, Sizes
 from sjdsl.properties.monitors import STATES, Violation, find_violation
 from sjdsl.properties.random_starts import SMALL
@@ -92,15 +90,16 @@ class PlayedVerdicts:
             return
         own, checks, search = self.family.own, self.family.own.checks, self._search
         search.run(self._effort.examples)
-        if self._effort.episodes and find_spec("jax"):
-            refuted = {c.number for c in self._found()}
-            numbers = [i for i in self.numbers if i not in refuted and checks[i].sort in STATES]
-            if numbers or search.missing():
-                self._play_worlds(own, (), numbers)
-            for (agents, sizes), numbers in self._other_numbers().items():
-                game = self.family.on(own.rows, agents, sizes)
-                if game is not None:
-                    self._play_worlds(game, sizes, numbers)
+        is_compiled = self._effort.episodes > 0 and find_spec("jax") is not None
+        refuted = {c.number for c in self._found()}
+        numbers = [i for i in self.numbers if i not in refuted and checks[i].sort in STATES]
+        if is_compiled and (numbers or search.missing()):
+            self._play_worlds(own, (), numbers)
+        search.reach()
+        for (agents, sizes), numbers in self._other_numbers().items() if is_compiled else ():
+            game = self.family.on(own.rows, agents, sizes)
+            if game is not None:
+                self._play_worlds(game, sizes, numbers)
         if leads := [c.number for c in self._elsewhere()]:
             numbers = [number for number in leads if number != FLOATS]
             more = Search(self.family, numbers, self._effort, self._violation, {}, True, self._progress)
@@ -108,7 +107,6 @@ class PlayedVerdicts:
                 more.run(self._effort.examples // (4 if self._steps else 1))
             finally:
                 self._found_on_own_map += more.found
-        search.reach()
 
     def _other_numbers(self) -> dict[tuple[int, Sizes], list[int]]:
         """Returns the numbers of agents and the sizes, not the file's, with which checks about states fail on other maps; and which checks."""

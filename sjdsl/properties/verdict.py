@@ -43,7 +43,8 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of a test: random trajectories on small maps, whole episodes on the own map at least (0: none), the seed of both.
+    """The effort of a test: random trajectories on small maps, to which the steps of the worlds on the own map are in proportion; whole
+    episodes there at least (0: no worlds); the seed of both.
 
     tries: trajectories played to shrink one counterexample. any_map: a counterexample on any map refutes a check.
     """

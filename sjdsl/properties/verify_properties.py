@@ -8,15 +8,15 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of, event_named
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.properties.confidence import least_share, mean_and_half
+from sjdsl.properties.counterexample import describe_episode, names_of
 from sjdsl.properties.effects import is_untouched
 from sjdsl.properties.engines import Episode, EpisodeRunner
-from sjdsl.properties.episode_counterexample import describe_episode, names_of
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.intervals import decide
 from sjdsl.properties.monitors import Violation
 from sjdsl.properties.monotonicity import decide_monotone
+from sjdsl.properties.scripted_policies import TooLarge
 from sjdsl.properties.search import Progress
-from sjdsl.properties.shortest_paths import TooLarge
 from sjdsl.properties.sizes import in_all_sizes
 from sjdsl.properties.symmetry import names_agents, one_sided_action, order_of_sending, tells_apart, why_symmetric
 from sjdsl.properties.trajectories import PlayedVerdicts, make_verdict, overflow_verdict, statement_lines

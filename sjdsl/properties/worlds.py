@@ -21,17 +21,16 @@ from sjdsl.compiler.ir.queries import body_sorts, counts_of, kinds_by_glyph
 from sjdsl.factory import load_module
 from sjdsl.properties.biased_draws import BIASES, RESET, STEP, Bias
 from sjdsl.properties.compiled_values import lower_checks, with_totals
-from sjdsl.properties.counted_statements import count_statements
 from sjdsl.properties.episodes import derived_key, is_finite, read_totals
 from sjdsl.properties.instances import GameFamily, Sizes
 from sjdsl.properties.monitors import DRIFT, REAL
 from sjdsl.properties.random_starts import random_params
 from sjdsl.properties.search import FLOATS, Progress
-from sjdsl.properties.statements import StatementId, leaf_statements
+from sjdsl.properties.statements import StatementId, count_statements, leaf_statements
 from sjdsl.properties.trajectory import Scenario
 from sjdsl.properties.verdict import Effort
 
-WORK = 2**27  # cells of the map times steps, of all worlds together
+WORK = 2**19 + 2**17  # cells of the map times steps, of all worlds together, for each trajectory that is asked for
 SMALL = 32  # cells; a smaller map takes as long
 AT_ONCE = 2**17  # cells of all worlds together
 MOST, LEAST = 2048, 64  # worlds
@@ -102,7 +101,7 @@ class WorldSearch:
         self._program = Program(self.family, game, self._checks)
         cells = max(SMALL, len(game.rows) * len(game.rows[0]))
         self.worlds = max(LEAST, min(MOST, 2 ** ((AT_ONCE // cells).bit_length() - 1)))
-        self._segments = max(WORK // (cells * self.worlds), self._program.length) // STEPS + 1
+        self._segments = max(self.effort.examples * WORK // (cells * self.worlds), self._program.length) // STEPS + 1
         self._random, self._rng = Random(self.effort.seed), np.random.default_rng(self.effort.seed)
         self._sets: list[tuple[tuple[str, Any], ...]] = []
         self._past: list[Segment] = []

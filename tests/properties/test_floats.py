@@ -67,7 +67,7 @@ def test_the_shortest_trajectory_is_shown() -> None:
 
 def test_it_is_found_late_in_an_episode_of_the_compiled_game() -> None:
     """There infinity is a value like others; the interpreter then plays the same, and names the line."""
-    report = verify_properties(growth(SLOW, steps=200), Effort(examples=5))
+    report = verify_properties(growth(SLOW, steps=200), Effort(examples=5, tries=20))
     (fault,) = report.faults
     assert fault.reason.endswith("in step 127")
     assert fault.line == 10

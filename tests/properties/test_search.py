@@ -102,25 +102,6 @@ def test_a_game_that_takes_no_other_map_or_number_is_played_as_it_is() -> None:
     assert set(one.glyphs) == {".", "#", "T"}
 
 
-FEW_MOVES = ("turn_left, turn_right, step_left, step_right, forward, backward, stay", "turn_left, turn_right, forward, stay")
-SELDOM = [  # a rule by which a collapse does not last, the steps of an episode, how many of 12 seeds must find that
-    ("each tree where nobody on tree { chance 0.001 { set tree.fruit = ripe } }", 20, 11),
-    ("each tree where tree.fruit is none { chance 0.5 { set tree.fruit = ripe } }", 20, 10),
-    ("each tree where tree.fruit is none { chance 0.5 { set tree.fruit = ripe } }", 6, 4),
-]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("rule", "steps", "least"), SELDOM)
-def test_what_is_seldom_is_found_with_most_seeds(rule: str, steps: int, least: int) -> None:
-    text = ORCHARD.replace("episode 20", f"episode {steps}")
-    text = text.replace(*FEW_MOVES) if steps < 20 else text  # short episodes of agents that must turn
-    orchard = small_game("once fruit == 0 always fruit == 0", rule, text=text)
-    found = sum(bool(searched(orchard, Effort(examples=200, seed=seed, tries=0)).found) for seed in range(12))
-    print(f"{found} of 12 seeds")
-    assert found >= least
-
-
 def test_agents_named_by_number_in_an_action_are_renumbered() -> None:
     """`vote(0)` names another agent once two have swapped numbers; all three are treated alike here, and only agent 2 is not."""
     text = ORCHARD.replace("count = 2 in 1 .. 4", "count = 3 in 1 .. 3").replace("stay, zap", "stay, zap, vote(agent)")

@@ -96,7 +96,9 @@ def test_a_rule_of_later_agents_only_is_reached() -> None:
     """Small maps have four agents at most, unless a line that a check depends on has not run with so few. The own map has no rock."""
     rule = "each agent on rock where agent.index > 4 { tally zaps for agent }"
     for number, status in ((7, "passed"), (5, "untested")):  # of five agents at most none has the number 5
-        crowded = ORCHARD.replace("count = 2 in 1 .. 4", f"count = {number} in 1 .. {number}").replace('"..T" ".T."', '"..T." ".T.." "...."')
+        crowded = ORCHARD.replace("count = 2 in 1 .. 4", f"count = {number} in 1 .. {number}").replace(
+            '"..T" ".T."', '"..T." ".T.." "...."'
+        )
         (verdict,) = verify_properties(small_game("always zaps <= 99", rule, 'kind rock "O"', crowded), MORE).verdicts
         assert verdict.status == status
 
