@@ -52,7 +52,7 @@ def describe_counterexample(family: GameFamily, counterexample: Counterexample) 
 
 def opening(family: GameFamily, scenario: Scenario) -> str:
     """Returns in words where a counterexample is played: how many agents on which map, and the parameters that differ."""
-    own = {declared.name: declared.value for declared in (*family.own.params, *family.own.sizes)}
+    own = {p.name: p.value for p in family.own.params} | {s.name: s.value for s in family.own.sizes}
     numbers = "".join(f", {name} = {shown(value)} (the file: {shown(own[name])})" for name, value in (*scenario.params, *scenario.sizes))
     where = "the game's own map" if family.is_own(scenario.rows) else "a small map"
     return f"{scenario.agents} agent{'s' * (scenario.agents != 1)} on {where}{numbers}"

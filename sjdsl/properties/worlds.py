@@ -37,6 +37,7 @@ MOST, LEAST = 2048, 64  # worlds
 WHOLE = 4  # one in so many worlds plays whole episodes
 UNFAIR = 0.5  # how often the draws of a segment may be biased
 STEPS = 4  # of every world between two looks at what happened
+SHOWN = 3  # times that it is shown what leads to a statement
 KEPT = 4  # times as many worlds in the archive as are played at once
 AGES = 8  # parts of an episode that a summary tells apart
 SETS = 32  # of parameters for the worlds that begin together; the first half are the file's
@@ -105,10 +106,10 @@ class WorldSearch:
         self._random, self._rng = Random(self.effort.seed), np.random.default_rng(self.effort.seed)
         self._sets: list[tuple[tuple[str, Any], ...]] = []
         self._past: list[Segment] = []
-        self._begun = 0
+        self._begun, self._shown = 0, Counter[StatementId]()
 
-    def run(self, is_enough: Callable[[Collection[StatementId]], bool]) -> Iterator[tuple[int, Scenario]]:
-        """Yields each check with what leads to a violation of it, to be played on the interpreter.
+    def run(self, is_enough: Callable[[Collection[StatementId]], bool]) -> Iterator[tuple[int | None, Scenario]]:
+        """Yields each check with what leads to a violation of it, and for None what leads to a statement: to be played on the interpreter.
 
         It ends when all work is done, or all checks are violated and it `is_enough` that these statements have run.
         """
@@ -120,13 +121,18 @@ class WorldSearch:
             played = self._program.play(worlds, bias, self.effort.seed, actions)
             self._past.append(Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16)))
             self.steps += self.worlds * STEPS
-            self._count(played)
+            for i, times in enumerate(played.ran.sum(0, dtype=np.int64).tolist()):
+                statement = self._program.statements[i]
+                self.ran[statement] += times
+                if times and self._shown[statement] < SHOWN:
+                    self._shown[statement] += 1
+                    yield None, self._scenario(worlds, number, int(played.ran[:, i].argmax()), STEPS)
             wrong, triggered = self._wrong(worlds, played)
             for check, bad in wrong:
                 if check in self._left and bad.any():
                     world = int(np.where(bad.any(1), bad.argmax(1), STEPS).argmin())
                     self._left.remove(check)
-                    yield check, self._scenario(worlds, number * self.worlds + world, world, int(bad[world].argmax()) + 1)
+                    yield check, self._scenario(worlds, number, world, int(bad[world].argmax()) + 1)
             if self._left <= {FLOATS} and is_enough(self.ran):
                 return
             node = number * self.worlds + np.arange(self.worlds)
@@ -165,11 +171,6 @@ class WorldSearch:
         actions = np.where(rng.random(shape) < rng.choice(HABITS, (self.worlds, 1, 1)), habit, any_action)
         return np.where(rng.random((self.worlds, 1, 1)) < ALIKE, actions[:, :, :1], actions).astype(np.int32)
 
-    def _count(self, played: "Played") -> None:
-        for statement, times in zip(self._program.statements, played.ran.sum(0, dtype=np.int64).tolist(), strict=True):
-            if times:
-                self.ran[statement] += times
-
     def _wrong(self, worlds: Worlds, played: "Played") -> tuple[list[tuple[int, np.ndarray]], np.ndarray]:
         """Returns the steps `[B, STEPS]` in which each check is violated, and the worlds `[B, K]` in which a `once` applies from now on."""
         live, triggered = ~played.was_over, worlds.triggered.copy()
@@ -192,13 +193,14 @@ class WorldSearch:
             wrong.append((number, live & bad & played.finite.cumprod(1, dtype=bool)))
         return wrong, triggered
 
-    def _scenario(self, worlds: Worlds, node: int, world: int, steps: int) -> Scenario:
-        """Returns what the interpreter has to play to come to the state after so many steps of the latest segment."""
+    def _scenario(self, worlds: Worlds, segment: int, world: int, steps: int) -> Scenario:
+        """Returns what the interpreter has to play to come to the state of a world after so many steps of the latest segment."""
+        node = segment * self.worlds + world
         past = list[tuple[Bias, tuple[int, ...]]]()
         while node >= 0:
-            segment, i = self._past[node // self.worlds], node % self.worlds
-            past = [(BIASES[segment.bias[i]], tuple(actions)) for actions in segment.actions[i].tolist()] + past
-            node = int(segment.before[i])
+            one, i = self._past[node // self.worlds], node % self.worlds
+            past = [(BIASES[one.bias[i]], tuple(actions)) for actions in one.actions[i].tolist()] + past
+            node = int(one.before[i])
         past = past[: len(past) - STEPS + steps]
         number = self._program.agents
         bias, actions = tuple(bias for bias, _ in past), tuple(actions for _, actions in past)
