@@ -15,7 +15,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Adds `--sj` and what goes with it."""
     group = parser.getgroup("sjdsl", "checks of .sj games")
     group.addoption("--sj", action="store_true", help="collect .sj files: each check of a game is a test")
-    group.addoption("--sj-examples", type=int, default=400, metavar="N", help="random trajectories for each game (400)")
+    group.addoption("--sj-examples", type=int, default=200, metavar="N", help="random trajectories for each game (200)")
     group.addoption("--sj-seed", type=int, default=0, metavar="S", help="the same seed plays the same (0)")
     group.addoption("--sj-any-map", action="store_true", help="a check must hold on every map, not only on the game's own")
     group.addoption("--sj-strict", action="store_true", help="an untested check fails; otherwise it is skipped")

@@ -19,7 +19,7 @@ INDENT = " " * 14
 
 @click.command("test")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--examples", type=click.IntRange(min=1), default=400, show_default=True, metavar="N", help="Random trajectories.")
+@click.option("--examples", type=click.IntRange(min=1), default=200, show_default=True, metavar="N", help="Random trajectories; the worlds take steps in proportion.")
 @click.option(
     "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the trajectories."
 )
@@ -30,8 +30,8 @@ INDENT = " " * 14
 def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, any_map: bool, strict: bool, as_json: bool) -> int:
     """Tests the checks of games: FILE is a `.sj` file or the name of a bundled or installed game.
 
-    A check is proved if possible. Otherwise the game is played: random trajectories, and whole episodes on its own map. Trajectories begin
-    on small maps; a check that fails there has failed only if it also fails on the game's own map, else a note says so. A check that fails
+    A check is proved if possible. Otherwise the game is played: in random trajectories on small maps, and compiled, in thousands of worlds
+    on its own map. A check that fails on a small map has failed only if it also fails on the game's own map, else a note says so. A check that fails
     is shown with the shortest counterexample found. A check that depends on a line that never ran is untested, and the line is named. The
     exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
     """

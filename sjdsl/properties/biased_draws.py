@@ -3,10 +3,14 @@
 Both engines take the same draws, so a seed and an episode number stand for the same play on both.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from sjdsl.interpreter.threefry import WORD, Draws, Threefry
+
+if TYPE_CHECKING:
+    from jax import Array
 
 RESET, STEP, POLICY = 0x52535400, 0x53544500, 0x504F4C00  # streams of an episode's own key
 Bias = Literal["fair", "mixed", "good", "bad"]
@@ -56,6 +60,20 @@ class BiasedDraws:
                 return word | 0xFF000000
             case _:
                 return word
+
+
+def biased(draw: "Callable[..., Array]") -> "Callable[..., Array]":
+    """Returns a function of `runtime.random_bits` whose key has a third word: the bias of what it draws, by its place in BIASES."""
+
+    def drawn(key: "Array", *more: Any) -> "Array":
+        import jax.numpy as jnp
+
+        word = draw(key[:2], *more)
+        mixed = jnp.where((word & 32) != 0, word >> (word & 31), word)
+        found: Array = jnp.select([key[2] == 1, key[2] == 2, key[2] == 3], [mixed, word >> 24, word | jnp.uint32(0xFF000000)], word)
+        return found
+
+    return drawn
 
 
 @dataclass(frozen=True)

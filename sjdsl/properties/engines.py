@@ -12,11 +12,9 @@ from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import World, default_params
 from sjdsl.interpreter.step import step
-from sjdsl.properties.counted_statements import CountedGame, count_statements
-from sjdsl.properties.coverage import statements_run
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import STATES
-from sjdsl.properties.statements import StatementId, leaf_statements, statements_needed_by
+from sjdsl.properties.statements import CountedGame, StatementId, count_statements, leaf_statements, statements_needed_by, statements_run
 from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of, params_of, play
 
 NOTHING = ir.Check(sort="symmetric", words=("agents",))  # stands for a check that reads nothing in an episode

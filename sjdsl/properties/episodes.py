@@ -14,8 +14,7 @@ from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.policies.compiled import Chooser
 from sjdsl.properties.biased_draws import POLICY, RESET, STEP
 from sjdsl.properties.compiled_values import Total, lower_checks, with_totals
-from sjdsl.properties.scripted_policies import WANDERS, allowed_by, policy_named
-from sjdsl.properties.shortest_paths import FAR, ShortestPaths, shortest_paths_of
+from sjdsl.properties.scripted_policies import FAR, WANDERS, ShortestPaths, allowed_by, policy_named, shortest_paths_of
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.random_bits import below, random_bits_at
 
@@ -89,9 +88,9 @@ class Player:
     def state_before(self, actions: np.ndarray, seed: int, episode: int, step: int) -> Any:
         """Returns the state before a step of an episode whose actions are known."""
         key = jnp.asarray(np.array([seed & 0xFFFFFFFF, episode], np.uint32))
-        _, state = self.env.reset(_derived_key(key, RESET, jnp.int32(0)))
+        _, state = self.env.reset(derived_key(key, RESET, jnp.int32(0)))
         for t in range(step):
-            _, state, *_ = self._step(_derived_key(key, STEP, jnp.int32(t)), state, jnp.asarray(actions[t]))
+            _, state, *_ = self._step(derived_key(key, STEP, jnp.int32(t)), state, jnp.asarray(actions[t]))
         return state
 
     def _episode(self, key: Array, script: Script) -> Any:
@@ -99,18 +98,18 @@ class Player:
         names = [(event.name, *count) for event in env.game.events for count in counts_of(event)]
 
         def read(state: Any, totals: dict[str, Array], before: Any, earlier: dict[str, Array]) -> Any:
-            known = _read_totals(lowered.totals, totals, env.game) | _read_totals(lowered.earlier, earlier, env.game)
+            known = read_totals(lowered.totals, totals, env.game) | read_totals(lowered.earlier, earlier, env.game)
             return lowered.values(state, with_totals(env.params, known), before)
 
         def advance(carry: Any, t: Array) -> Any:
             before, totals, over = carry
-            actions = self._choose(before, _derived_key(key, POLICY, t), script)
-            _, state, reward, done, info = env.step_env(_derived_key(key, STEP, t), before, actions)
+            actions = self._choose(before, derived_key(key, POLICY, t), script)
+            _, state, reward, done, info = env.step_env(derived_key(key, STEP, t), before, actions)
             counted = {name: totals[name] + jnp.where(over, 0, jnp.sum(info["events"][name])) for *_, name in names}
             values = read(state, counted, before, totals)
-            return (state, counted, over | done), (values, actions, over, _is_finite((state, reward, values)))
+            return (state, counted, over | done), (values, actions, over, is_finite((state, reward, values)))
 
-        _, state = env.reset(_derived_key(key, RESET, jnp.int32(0)))
+        _, state = env.reset(derived_key(key, RESET, jnp.int32(0)))
         none = {name: jnp.int32(0) for *_, name in names}
         first = read(state, none, state, none)
         (_, totals, _), (values, actions, over, finite) = jax.lax.scan(advance, (state, none, jnp.bool_(False)), jnp.arange(self._steps))
@@ -155,13 +154,13 @@ class Player:
         return jnp.where(away | (least == 0), stay, jnp.where(least == FAR, lost, best))
 
 
-def _is_finite(tree: Any) -> Array:
+def is_finite(tree: Any) -> Array:
     """Returns whether all reals of a tree are numbers inside float32."""
     reals = [leaf for leaf in jax.tree.leaves(tree) if jnp.issubdtype(leaf.dtype, jnp.floating)]
     return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in reals])) if reals else jnp.bool_(True)
 
 
-def _read_totals(names: Mapping[Total, str], totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:
+def read_totals(names: Mapping[Total, str], totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:
     """Returns what the expressions call the totals; the total of an event by words, if no word is given, is the sum over its words."""
     words = {e.name: () if e.by is None else e.by.keys for e in game.events}
     found = {}
@@ -171,6 +170,6 @@ def _read_totals(names: Mapping[Total, str], totals: dict[str, Array], game: ir.
     return found
 
 
-def _derived_key(key: Array, stream: int, number: Array) -> Array:
+def derived_key(key: Array, stream: int, number: Array) -> Array:
     """Returns the two numbers of a key made from another."""
     return random_bits_at(key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32))

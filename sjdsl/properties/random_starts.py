@@ -40,7 +40,7 @@ def random_start(family: GameFamily, random: Random, crowded: bool = False) -> S
     game = family.on(rows, agents, sizes)
     if game is None:
         return None
-    params = _required(game, random_numbers(game, random))
+    params = random_params(game, random, OTHERS)
     return Scenario(rows, agents, params, random.randrange(2**16), (), (), (None,) * agents, sizes=sizes)
 
 
@@ -61,9 +61,7 @@ def start_on_own_map(family: GameFamily, random: Random, crowded: bool = False) 
     game = family.on(own.rows, agents, sizes)
     if game is None:  # a `require` excludes the numbers
         return own
-    return replace(
-        own, agents=agents, params=_required(game, random_numbers(game, random, OTHERS_ON_OWN_MAP)), policies=(None,) * agents, sizes=sizes
-    )
+    return replace(own, agents=agents, params=random_params(game, random), policies=(None,) * agents, sizes=sizes)
 
 
 def random_map(family: GameFamily, agents: int, random: Random) -> tuple[str, ...]:
@@ -107,6 +105,11 @@ def random_numbers(game: ir.Game, random: Random, share: float = OTHERS) -> tupl
     fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
     changed = [p for p in game.params if p.name not in fixed and random.random() < share]
     return tuple((p.name, _value(p.value, p.type, random)) for p in changed)
+
+
+def random_params(game: ir.Game, random: Random, share: float = OTHERS_ON_OWN_MAP) -> tuple[tuple[str, Value], ...]:
+    """Returns parameters that differ from the file's, as `random_numbers` does, that keep every `require`."""
+    return _required(game, random_numbers(game, random, share))
 
 
 def random_sizes(family: GameFamily, random: Random) -> tuple[tuple[str, Value], ...]:

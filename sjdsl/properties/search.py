@@ -1,47 +1,41 @@
-"""Searches for counterexamples on the interpreter, guided by coverage and by distance from goals, and shrinks them."""
+"""Searches for counterexamples on the interpreter, by random play on random maps that is guided by coverage, and simplifies them."""
 
-import math
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from random import Random
 
+import numpy as np
+
 from sjdsl.compiler import ir
-from sjdsl.interpreter.state import World
-from sjdsl.properties.biased_draws import BIASES, Bias
-from sjdsl.properties.corpus import Corpus, CorpusEntry
-from sjdsl.properties.coverage import MANY, statements_run
-from sjdsl.properties.distance import Achievers, Distances
-from sjdsl.properties.goals import guided_driver
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.state import Value
+from sjdsl.properties.biased_draws import BIASES
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import STATES, Violation, find_violation
-from sjdsl.properties.multiplicity import is_always_once
-from sjdsl.properties.preconditions import NEVER, Goal, Precondition, preconditions_of
 from sjdsl.properties.random_starts import own_start, random_start, start_on_own_map
 from sjdsl.properties.shrinking import shrink
-from sjdsl.properties.statements import STARTING, StatementId, leaf_statements
-from sjdsl.properties.trajectory import Scenario, Trajectory, play
+from sjdsl.properties.statements import Feature, StatementId, statements_run
+from sjdsl.properties.trajectory import Driver, Scenario, Trajectory, play, up_to
 from sjdsl.properties.verdict import Effort
+from sjdsl.runtime.actions import STEPS, TURNS
 
 AGAIN = 0.75  # how often an earlier trajectory is continued
-GUIDED = 0.75  # how often agents work towards a goal
-CLOSEST = 0.6  # how often these continue the trajectory nearest to their goal
-OWN = 0.05  # how often, while statements are uncovered after all trajectories asked for, one begins on the game's own map
-MOST_STEPS = 18  # of one continuation towards a goal
-FEW_STEPS = 10  # of one without a goal, or with a goal that was often reached or often missed
-LEAST_STEPS = 10  # of the others
-SELDOM = 10  # distances are measured for a goal until it was reached so often
-GIVEN_UP = 24  # and until it was missed so often since a trajectory came nearest to it
-VAIN = 1.0  # how fast a goal is given up, the more often trajectories came no nearer to it
-NEARER = 0.5  # a trajectory comes nearer to a goal by so much if it did something towards it, and did not only go there
-STARTS = 4  # random starts, of which the first with a path to the goal is taken
-GOALS = 4  # goals that are tried until one has a path to it
-LONGEST = 64  # steps added to a trajectory while it comes nearer to a goal
+OWN = 0.05  # how often a trajectory for uncovered statements begins on the game's own map
+FEW_STEPS = 10  # most steps of one continuation
+HABIT = 0.5  # how often an agent takes its habitual action, and how often that is no move
+SELDOM = 3  # a feature seen fewer times than this makes a trajectory worth keeping
+LONGEST = 48  # steps after which a trajectory is not continued
+ASKED = 8  # random entries of the corpus among which the one with the rarest features is chosen
 SCRIPTED = 400  # steps of a trajectory by a policy of the file, on the game's own map, while statements are still uncovered
 MIXED = 2  # trajectories, if there are several policies, in which each agent follows any of them
-QUICK = 100  # cells of a map on which all tries are made to simplify a counterexample; on larger ones, which take longer, fewer
-PART = 50  # of which so many are played before it is looked whether they are covered now
+PLAYED = (
+    2000  # cells times steps of a counterexample on which all tries are made to simplify it; of a larger one, which takes longer, fewer
+)
+PART = 50  # steps of such a trajectory that are played before it is looked whether they are covered now
 FLOATS = -1  # stands for the check that every real stays inside float32
+MOVES = {*STEPS, *TURNS, "stay"}
 Progress = Callable[[str], None]  # is told now and then how far a test is
 ViolationFinder = Callable[[ir.Check, Trajectory, Scenario, int], Violation | None]  # the last argument: the first new state
 
@@ -57,17 +51,82 @@ class Counterexample:
 
 
 @dataclass
+class CorpusEntry:
+    """A trajectory that ends where something new happened, how to repeat it, what was new, and how often it was continued."""
+
+    scenario: Scenario
+    trajectory: Trajectory = field(compare=False, repr=False)
+    new: tuple[Feature, ...] = field(compare=False, repr=False)
+    chosen: int = 0
+
+
+@dataclass
 class SearchRecord:
     """How many trajectories were played, how many of them `refused` because the game does not take the map; `ran`: runs of each statement.
 
-    triggers: for each `once`, in how many trajectories its first condition held.
+    triggers: for each `once`, how often its first condition came to hold. corpus: the trajectories kept; seen: how often each feature was.
     """
 
     number: int = 0
     refused: int = 0
     ran: Counter[StatementId] = field(default_factory=Counter)
-    corpus: Corpus = field(default_factory=Corpus)
     triggers: Counter[int] = field(default_factory=Counter)
+    corpus: list[CorpusEntry] = field(default_factory=list)
+    seen: Counter[Feature] = field(default_factory=Counter)
+
+    def keep(self, scenario: Scenario, trajectory: Trajectory, since: int, numbers: Sequence[int]) -> None:
+        """Keeps the trajectory up to each of its steps from `since` on that shows a rare feature."""
+        before: set[Feature] = set()
+        for t in range(since, len(trajectory.outcomes)):
+            found = set(trajectory.features[t]) | set(_state_features(trajectory, t + 1, numbers))
+            new = found - before
+            before |= found
+            seldom = tuple(f for f in new if self.seen[f] < SELDOM)
+            self.seen.update(new)
+            over = trajectory.outcomes[t].terminated or trajectory.outcomes[t].truncated
+            if seldom and not over and t < LONGEST:
+                self.corpus.append(CorpusEntry(up_to(scenario, t + 1), trajectory.cut(t + 1), seldom))
+
+    def choose(self, random: Random) -> CorpusEntry:
+        """Returns an entry to continue: of a random few the one with the rarest features; those continued before count less."""
+        some = [random.choice(self.corpus) for _ in range(ASKED)]
+        best = min(some, key=lambda entry: (1 + entry.chosen) * min((self.seen[f] for f in entry.new), default=SELDOM))
+        best.chosen += 1
+        return best
+
+
+def _state_features(trajectory: Trajectory, at: int, numbers: Sequence[int]) -> Iterator[Feature]:
+    """Yields features of a state: counts of field values, kinds stood on, values that checks read; and all pairs of them."""
+    world, board = trajectory.worlds[at], board_of(trajectory.game)
+    fields = [*world.cells.items(), *world.agents.items(), *((name, [value]) for name, value in world.fields.items())]
+    fields += [((sort, name), values) for sort, herd in world.movers.items() for name, values in herd.fields.items()]
+    single: list[Feature] = []
+    for name, values in fields:
+        single += [("so", name, value, min(n, 2)) for value, n in Counter(map(bucket, values)).items()]
+    standing = Counter(board.kind_of[cell] for cell in world.position if cell is not None)
+    single += [("on", kind, min(n, 2)) for kind, n in standing.items()]
+    single += [("away", min(2, sum(a is not None for a in world.away)))]
+    for sort, herd in world.movers.items():
+        under = Counter(board.kind_of[cell] for cell in herd.position if cell is not None)
+        single += [("on", sort, kind, min(n, 2)) for kind, n in under.items()]
+        single += [("away", sort, min(2, sum(a is not None for a in herd.away)))]
+    for number in numbers:
+        check = trajectory.game.checks[number]
+        ends = zip(trajectory.values(check)[0], trajectory.values(check)[at], strict=True)
+        single += [("read", number, index, bucket(first), bucket(value)) for index, (first, value) in enumerate(ends)]
+    yield from single
+    yield from (("pair", a, b) for a, b in combinations(sorted(single, key=repr), 2))
+
+
+def bucket(value: Value) -> object:
+    """Returns a value with large numbers put into one bucket: whole numbers beyond 4 either way, reals beyond 2."""
+    if isinstance(value, tuple):
+        return tuple(map(bucket, value))
+    if isinstance(value, frozenset):
+        return min(len(value), 2)
+    if isinstance(value, str | bool) or value is None:
+        return value
+    return int(np.sign(value)) * min(4 if isinstance(value, int) else 2, int(abs(value)))
 
 
 def violation_in_states(check: ir.Check, trajectory: Trajectory, scenario: Scenario, since: int) -> Violation | None:
@@ -84,45 +143,73 @@ class Search:
         family: GameFamily,
         numbers: list[int],
         effort: Effort,
-        find: ViolationFinder,
-        needed: Mapping[int, Collection[StatementId]],
+        find: ViolationFinder = violation_in_states,
+        needed: Mapping[int, Collection[StatementId]] | None = None,
         own_map: bool = False,
         progress: Progress = lambda _: None,
     ):
-        """`own_map`: play on the game's own map only; for the others see `search`."""
+        """Takes up the checks.
+
+        Args:
+          numbers: their indices among the game's checks.
+          find: returns where a check is violated in a trajectory.
+          needed: statements on which checks depend, also checks not in `numbers`: while one never ran, trajectories are played.
+          own_map: play on the game's own map only.
+        """
         self.family, self.effort, self.find, self._progress = family, effort, find, progress
         self._start = start_on_own_map if own_map else random_start
         self._where = "on the game's own map" if own_map else "on small maps"
         self.left, self.found, self.record = list(numbers), list[Counterexample](), SearchRecord()
-        self.preconditions = preconditions_of(leaf_statements(family.own), family.own)
-        self._needed, self._random = dict(needed), Random(effort.seed)
-        self._achievers = Achievers(self.preconditions)
-        self._beside = _blocks(self.preconditions)
-        self._aims = [i for i in self._beside if self.preconditions[i].statement_id[0] != STARTING] or list(self._beside)
-        self._latest: tuple[World, Distances] | None = None
-        self._biases: Sequence[Bias] = BIASES
-        self._nearest = dict[Goal, float]()
-        self._vain = Counter[Goal | None]()
+        self._needed, self._random = dict(needed or {}), Random(effort.seed)
 
-    def run(self) -> None:
-        """Plays as many trajectories as asked for, and up to as many again while statements that checks depend on never ran."""
-        while self.record.number < 2 * self.effort.examples:
-            missing = self._missing()
-            if not missing and (not self.left or self.record.number >= self.effort.examples):
-                break
-            self.one(missing if self.record.number >= self.effort.examples else set())
-        self.follow_policies()
+    def run(self, most: int) -> None:
+        """Plays up to so many trajectories."""
+        while self.record.number < most and (self.left or self.missing()):
+            self.one()
 
-    def follow_policies(self) -> None:
-        """Plays by the policies of the file on the game's own map while statements that checks depend on never ran."""
+    def reach(self) -> None:
+        """Plays as many again, with more agents on the maps, and by the policies of the file, while needed statements never ran."""
+        most = self.record.number + self.effort.examples
+        while self.record.number < most and self.missing():
+            self.one(crowded=True)
         names = [policy.name for policy in self.family.own.policies]
         for followed in [[name] for name in names] + [names] * (MIXED if len(names) > 1 else 0):
-            if self._missing():
+            if self.missing():
                 self._by_policies(followed)
 
-    def _missing(self) -> set[StatementId]:
+    def missing(self) -> set[StatementId]:
         """Returns the statements that checks depend on and that never ran."""
         return set[StatementId]().union(*self._needed.values()) - set(self.record.ran)
+
+    def settle(self, number: int) -> None:
+        """Leaves a check aside that has a counterexample."""
+        self.left = [left for left in self.left if left != number]
+        self._needed.pop(number, None)
+
+    def one(self, crowded: bool = False) -> None:
+        """Plays one new or continued trajectory."""
+        random, record = self._random, self.record
+        record.number += 1
+        self._progress(f"trajectory {record.number} of {self.effort.examples} {self._where}")
+        if record.corpus and random.random() < AGAIN:
+            older = record.choose(random)
+            scenario, since = older.scenario, older.trajectory
+        else:
+            own = own_start(self.family, random) if crowded and random.random() < OWN else None
+            start = own or self._start(self.family, random, crowded)
+            game = None if start is None else self.family.on(start.rows, start.agents, start.sizes)
+            if start is None or game is None:
+                record.refused += 1
+                return
+            scenario, since = start, play(game, start, 0, self._checks(game))
+        game, trajectory, first = since.game, since, len(since.outcomes)
+        if since.worlds and not since.is_over:
+            steps = random.randint(1, FEW_STEPS)
+            scenario = replace(scenario, bias=scenario.bias + (random.choice(BIASES),) * steps)
+            trajectory = play(game, scenario, first + steps, self._checks(game), since, _habitual(game, random))
+            scenario = replace(scenario, actions=tuple(trajectory.actions), bias=scenario.bias[: len(trajectory.actions)])
+        self._count(scenario, trajectory, first)
+        record.keep(scenario, trajectory, first, [n for n in self.left if game.checks[n].sort in STATES])
 
     def _by_policies(self, names: Sequence[str]) -> None:
         """Plays one trajectory on the game's own map, each agent by one of some policies of the file, until nothing needed is uncovered."""
@@ -133,213 +220,69 @@ class Search:
         )
         trajectory = play(own, led, 0, checks)
         self.record.number += 1
-        while trajectory.worlds and not trajectory.is_over and len(trajectory.outcomes) < SCRIPTED:
+        while trajectory.worlds and not trajectory.is_over and len(trajectory.outcomes) < SCRIPTED and self.missing():
             first = len(trajectory.outcomes)
             trajectory = play(own, led, first + PART, checks, trajectory)
             self._count(replace(scenario, actions=tuple(trajectory.actions)), trajectory, first)
-            if not self._missing():
-                break
-
-    def one(self, missing: Collection[StatementId] = ()) -> None:
-        """Plays one new or continued trajectory."""
-        self.record.number += 1
-        self._progress(f"trajectory {self.record.number} of {self.effort.examples} {self._where}")
-        random = self._random
-        goal = self._choose_goal(missing) if self.preconditions and random.random() < GUIDED else None
-        begun = self._begin(bool(missing), goal, random.random() < CLOSEST)
-        if begun is None:
-            self.record.refused += 1
-            return
-        scenario, since = begun
-        if self._is_hot(goal) and self.record.corpus.entries and self._distance(since, goal) == math.inf:
-            older = self.record.corpus.choose(random, self._achievers, goal)
-            scenario, since = older.scenario, older.trajectory
-        trajectory = since
-        if since.worlds and not since.is_over:
-            for _ in range(GOALS):
-                if not self._is_hot(goal) or self._distance(since, goal) < math.inf:
-                    break
-                goal = self._choose_goal(missing)
-            scenario, trajectory = self._go_on(scenario, since, goal)
-        self._look(scenario, trajectory, len(since.outcomes))
-
-    def _go_on(self, scenario: Scenario, trajectory: Trajectory, goal: Goal | None) -> tuple[Scenario, Trajectory]:
-        """Returns a trajectory continued once, or several times as long as it comes nearer to the goal each time."""
-        game, random, corpus = trajectory.game, self._random, self.record.corpus
-        hot = self._is_hot(goal)
-        near, most = self._distance(trajectory, goal) if hot else math.inf, LONGEST
-        steps = random.randint(LEAST_STEPS, MOST_STEPS) if hot else random.randint(1, FEW_STEPS)
-        while steps > 0 and most > 0:
-            first = len(trajectory.outcomes)
-            driver = guided_driver(game, self.preconditions, goal, self.record.ran, steps, random)
-            scenario = replace(scenario, bias=scenario.bias + (random.choice(self._biases),) * steps)
-            trajectory = play(game, scenario, first + steps, self._checks(game), trajectory, driver)
-            scenario = replace(scenario, actions=tuple(trajectory.actions), bias=scenario.bias[: len(trajectory.actions)])
-            taken = len(trajectory.outcomes) - first
-            steps, most = steps - max(1, taken), most - max(1, taken)
-            if goal is None or trajectory.is_over:
-                break
-            now = self._distance(trajectory, goal) if hot else math.inf
-            if now < near - NEARER:
-                near, steps, corpus.vain[scenario.rows] = now, MOST_STEPS, 0
-                corpus.add_nearer(scenario, trajectory, goal)
-                if now < self._nearest.get(goal, math.inf) - NEARER:
-                    self._nearest[goal], self._vain[goal] = now, 0
-            elif steps <= 0:
-                corpus.vain[scenario.rows] += hot and 0 < near < math.inf
-                self._vain[goal] += 1
-        return scenario, trajectory
-
-    def _distance(self, trajectory: Trajectory, goal: Goal | None) -> float:
-        if goal is None or trajectory.is_over:
-            return math.inf
-        world = trajectory.worlds[-1]
-        if self._latest is None or self._latest[0] is not world:
-            self._latest = (world, Distances(self._achievers, trajectory.game, world))
-        return self._latest[1].of(goal.precondition, goal.many)
-
-    def _times(self, goal: Goal) -> int:
-        """Returns how often a goal was reached, as far as that is counted."""
-        statement = self.preconditions[goal.precondition].statement_id
-        return self.record.ran[statement] if goal.many == 1 else self.record.corpus.seen["times", statement, goal.many]
-
-    def _is_hot(self, goal: Goal | None) -> bool:
-        """Returns whether distances are measured for a goal: seldom reached, and not often missed since a trajectory came nearest to it."""
-        return goal is not None and self._times(goal) < SELDOM and self._vain[goal] < GIVEN_UP
-
-    def _choose_goal(self, missing: Collection[StatementId]) -> Goal:
-        """Returns a random goal, more often one seldom reached and seldom tried; of the uncovered statements, if any can be a goal."""
-        goals = dict[Goal, float]()
-        wanted = [i for i in self._aims if any(self.preconditions[j].statement_id in missing for j in self._beside[i])] or self._aims
-        for i in wanted:
-            for many in range(1, 2 if is_always_once(self.preconditions[i].quantifiers) else MANY + 1):
-                times = self._times(Goal(i, many))
-                goals[Goal(i, many)] = (1 / (1 + times) ** 0.5 if times else NEVER) / (1 + self._vain[Goal(i, many)]) ** VAIN
-                if not times:
-                    break
-        return self._random.choices(list(goals), list(goals.values()))[0]
-
-    def _begin(self, on_own: bool, goal: Goal | None, closest: bool) -> tuple[Scenario, Trajectory] | None:
-        """Returns the trajectory to continue, an earlier one or a new start; None if the game does not take its map.
-
-        A start with a path to the goal, if one is soon found; with `closest`, more often the entry nearest to the goal.
-        """
-        random, entries = self._random, self.record.corpus.entries
-        if entries and random.random() < AGAIN:
-            older: CorpusEntry = self.record.corpus.choose(random, self._achievers, goal if closest and self._is_hot(goal) else None)
-            return older.scenario, older.trajectory
-        found: tuple[Scenario, Trajectory] | None = None
-        for _ in range(STARTS):
-            start = own_start(self.family, random) if on_own and random.random() < OWN else None
-            scenario = start or self._start(self.family, random, on_own)
-            game = None if scenario is None else self.family.on(scenario.rows, scenario.agents, scenario.sizes)
-            if scenario is None or game is None:
-                return found
-            found = scenario, play(game, scenario, 0, self._checks(game))
-            if not self._is_hot(goal) or self._distance(found[1], goal) < math.inf:
-                break
-        return found
 
     def _checks(self, game: ir.Game) -> list[ir.Check]:
         return [game.checks[number] for number in self.left if game.checks[number].sort in STATES]
 
-    def _look(self, scenario: Scenario, trajectory: Trajectory, first: int) -> None:
-        """Counts the features of the new steps of a trajectory, looks for violations, and keeps it if it has new features."""
-        self._count(scenario, trajectory, first)
-        checks = trajectory.game.checks
-        self.record.corpus.add(scenario, trajectory, first, [n for n in self.left if checks[n].sort in STATES])
-
     def _count(self, scenario: Scenario, trajectory: Trajectory, first: int) -> None:
         """Counts the statements that ran in the new steps of a trajectory, and looks for violations in them."""
-        self.record.ran.update(s for t in range(first, len(trajectory.features)) for s in statements_run(trajectory.features[t]))
+        self.record.ran.update(s for features in trajectory.features[first:] for s in statements_run(features))
         if not first:
             self.record.ran.update(statements_run(trajectory.start_features))
         checks = trajectory.game.checks
         for number in self.left:
             if checks[number].sort == "once":
-                self.record.triggers[number] += any(trigger for trigger, _ in trajectory.values(checks[number])[first + 1 :])
-        unrefuted = [*self.left, *([] if any(b.number == FLOATS for b in self.found) else [FLOATS])]
-        for number in unrefuted:
-            counterexample = first_counterexample(trajectory, [number], scenario, self.find, first)
+                held = [bool(trigger) for trigger, _ in trajectory.values(checks[number])[1:]]
+                self.record.triggers[number] += any(held) and not any(held[:first])
+        for number in [*self.left, *([] if any(b.number == FLOATS for b in self.found) else [FLOATS])]:
+            counterexample = first_counterexample(trajectory, number, scenario, self.find, first)
             if counterexample is not None:
                 self.found.append(simplest_counterexample(self.family, counterexample, self.find, self.effort))
-                self.left = [left for left in self.left if left != number]
-                self._needed.pop(number, None)
+                self.settle(number)
 
 
-def search(
-    family: GameFamily,
-    numbers: list[int],
-    effort: Effort,
-    find: ViolationFinder = violation_in_states,
-    needed: Mapping[int, Collection[StatementId]] | None = None,
-) -> tuple[list[Counterexample], SearchRecord]:
-    """Returns the simplest counterexample found to each check that has one, and a record of the search.
-
-    Args:
-      numbers: indices among the game's checks.
-      find: returns where a check is violated in a trajectory.
-      needed: statements on which checks depend, also checks not in `numbers`: while one never ran, more trajectories are played.
-    """
-    searching = Search(family, numbers, effort, find, needed or {})
-    searching.run()
-    return searching.found, searching.record
+def _habitual(game: ir.Game, random: Random) -> Driver:
+    """Returns what chooses random actions; each agent often repeats one of them, more often one that is no move."""
+    actions = range(len(game.agents.actions))
+    special = [action for action in actions if game.agents.actions[action] not in MOVES]
+    habits = [random.choice((special if special and random.random() < HABIT else None) or actions) for _ in range(game.agents.number)]
+    return lambda *_: tuple(habit if random.random() < HABIT else random.choice(actions) for habit in habits)
 
 
 def simplest_counterexample(family: GameFamily, counterexample: Counterexample, find: ViolationFinder, effort: Effort) -> Counterexample:
     """Returns the simplest counterexample that shrinking makes of one; one on the game's own map stays there."""
-    on_own = family.is_own(counterexample.scenario.rows) and not effort.any_map
+    number, on_own = counterexample.number, family.is_own(counterexample.scenario.rows) and not effort.any_map
 
     def attempt(scenario: Scenario) -> Counterexample | None:
         game = family.on(scenario.rows, scenario.agents, scenario.sizes)
         if game is None or scenario.agents not in (*family.few_agents, counterexample.scenario.agents):
             return None
-        checks = (
-            [game.checks[counterexample.number]]
-            if counterexample.number != FLOATS and game.checks[counterexample.number].sort in STATES
-            else []
-        )
-        return first_counterexample(play(game, scenario, None, checks), [counterexample.number], scenario, find, 0)
+        checks = [game.checks[number]] if number != FLOATS and game.checks[number].sort in STATES else []
+        return first_counterexample(play(game, scenario, None, checks), number, scenario, find, 0)
 
     def shorter(scenario: Scenario) -> Scenario | None:
         found = attempt(scenario)
-        return (
-            None
-            if found is None
-            else replace(found.scenario, actions=scenario.actions[: _length(found)], bias=scenario.bias[: _length(found)])
-        )
+        return None if found is None else up_to(scenario, max(1, found.where.at))
 
     first = shorter(counterexample.scenario)
     assert first is not None, "a scenario that is played again leads elsewhere"
-    cells = len(first.rows) * len(first.rows[0])
-    tries = effort.tries * min(cells, QUICK) // cells
+    played = len(first.rows) * len(first.rows[0]) * len(first.actions)
+    tries = effort.tries * min(played, PLAYED) // max(1, played)
     found = attempt(shrink(first, family.own, None if on_own else family.glyphs[0], shorter, tries))
     assert found is not None
     return found
 
 
-def _blocks(preconditions: Sequence[Precondition]) -> dict[int, list[int]]:
-    """Returns the statements that always run together, by the first of them: one goal."""
-    firsts: dict[tuple[object, ...], int] = {}
-    found: dict[int, list[int]] = {}
-    for i, precondition in enumerate(preconditions):
-        found.setdefault(firsts.setdefault(precondition.block, i), []).append(i)
-    return found
-
-
-def _length(counterexample: Counterexample) -> int:
-    return max(1, counterexample.where.at)
-
-
 def first_counterexample(
-    trajectory: Trajectory, numbers: Collection[int], scenario: Scenario, find: ViolationFinder, since: int
+    trajectory: Trajectory, number: int, scenario: Scenario, find: ViolationFinder, since: int
 ) -> Counterexample | None:
-    """Returns the first counterexample that a trajectory gives to one of the checks, if any."""
-    for number in numbers:
-        if number == FLOATS:
-            where = None if trajectory.left is None else Violation(len(trajectory.worlds))
-        else:
-            where = find(trajectory.game.checks[number], trajectory, scenario, since)
-        if where is not None:
-            return Counterexample(number, scenario, trajectory, where)
-    return None
+    """Returns the first counterexample that a trajectory gives to a check, if any."""
+    if number == FLOATS:
+        where = None if trajectory.left is None else Violation(len(trajectory.worlds))
+    else:
+        where = find(trajectory.game.checks[number], trajectory, scenario, since)
+    return None if where is None else Counterexample(number, scenario, trajectory, where)

@@ -1,11 +1,15 @@
-"""The statements of a game that change something, each with its guards, and the dependency of checks on them."""
+"""The statements of a game that change something: on which of them a check depends, which ran, and how often in the compiled game."""
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import contains
+from sjdsl.interpreter.account import Account
 from sjdsl.properties.effects import Part, reads, reads_and_blocks, written_by
-from sjdsl.properties.multiplicity import Quantifier
 
 StatementId = tuple[str, str, int]  # (use of a phase in the schedule, file, offset): one statement in one use of a phase
 STARTING = "start"
@@ -16,13 +20,11 @@ class LeafStatement:
     """A statement without others in it, in one use of its phase.
 
     around: the domains, guards, chances and values that decide whether, and on whom, the statement works; outermost first.
-    quantifiers: those for each of whose members it works.
     """
 
     statement_id: StatementId
     statement: ir.Stmt
     around: tuple[ir.Node, ...]
-    quantifiers: tuple[Quantifier, ...] = ()
 
 
 def statement_id(label: str, statement: ir.Node) -> StatementId:
@@ -33,14 +35,14 @@ def statement_id(label: str, statement: ir.Node) -> StatementId:
 
 def leaf_statements(game: ir.Game) -> tuple[LeafStatement, ...]:
     """Returns the statements of the phase `start` and of the schedule that change the state, pay, count or end, in that order."""
-    found = list(_leaves(game.start.body, STARTING, (), ()))
+    found = list(_leaves(game.start.body, STARTING, ()))
     for turn in game.schedule:
         if isinstance(turn, ir.Phase):
-            found += _leaves(turn.body, turn.label, (), ())
+            found += _leaves(turn.body, turn.label, ())
     return tuple(found)
 
 
-def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...], each: tuple[Quantifier, ...]) -> Iterator[LeafStatement]:
+def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) -> Iterator[LeafStatement]:
     for statement in body:
         match statement:
             case ir.Let():
@@ -48,25 +50,23 @@ def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...], ea
             case ir.Draw():
                 around = (*around, *ir.children(statement))
             case ir.Each():
-                yield from _leaves(statement.body, label, (*around, statement.domain), (*each, statement))
+                yield from _leaves(statement.body, label, (*around, statement.domain))
             case ir.First():
-                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.domain), (*each, statement))
+                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.domain))
             case ir.Pick():
-                inside = (*around, statement.number, statement.domain)
-                yield from _leaves(statement.body, label, inside, (*each, statement))
-                yield from _leaves(statement.otherwise, label, inside, each)
+                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.number, statement.domain))
             case ir.Match():
-                yield from _leaves(statement.body, label, (*around, statement.left, statement.right), (*each, statement))
+                yield from _leaves(statement.body, label, (*around, statement.left, statement.right))
             case ir.When() | ir.Chance():
                 tests: tuple[ir.Node, ...] = ()
                 for branch in statement.branches:
                     tests = (*tests, branch.test)
-                    yield from _leaves(branch.body, label, (*around, *tests), each)
-                yield from _leaves(statement.otherwise, label, (*around, *tests), each)
+                    yield from _leaves(branch.body, label, (*around, *tests))
+                yield from _leaves(statement.otherwise, label, (*around, *tests))
             case ir.Mark():
                 pass  # for the picture only
             case _:
-                yield LeafStatement(statement_id(label, statement), statement, around, each)
+                yield LeafStatement(statement_id(label, statement), statement, around)
 
 
 def statements_needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[LeafStatement]) -> frozenset[StatementId]:
@@ -101,3 +101,71 @@ def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
     if any(isinstance(n, ir.Move) for n in nodes):
         for block in (b for kind in game.kinds for b in kind.blocks if b.condition is not None):
             yield from reads_and_blocks(block, game)
+
+
+Feature = tuple[object, ...]
+MANY = 3  # more instances of a statement in one step than this are not told apart
+
+
+def features_of(accounts: Iterable[Account]) -> frozenset[Feature]:
+    """Returns the features of a step: (ran, id), (times, id, n), (branch, id, which), (added, label, field, n), (both, id, id)."""
+    ran: Counter[StatementId] = Counter()
+    found: set[Feature] = set()
+    for account in accounts:
+        if not isinstance(account.turn, ir.Phase):
+            continue
+        label = STARTING if account.turn.name == STARTING else account.turn.label
+        ran.update(statement_id(label, done.statement) for done in account.done)
+        added = Counter(slot for done in account.done for slot, _ in done.written.get("adds", ()))
+        found |= {("added", label, slot.name, min(n, MANY)) for slot, n in added.items() if n > 1}
+        found |= {("branch", statement_id(label, d.statement), d.result) for d in account.drawn if isinstance(d.statement, ir.Chance)}
+    found |= {("ran", statement) for statement in ran}
+    found |= {("times", statement, min(n, MANY)) for statement, n in ran.items() if n > 1}
+    found |= {("both", *pair) for pair in combinations(sorted(ran), 2)}
+    return frozenset(found)
+
+
+def statements_run(features: Iterable[Feature]) -> set[StatementId]:
+    """Returns the statements that ran."""
+    return {feature[1] for feature in features if feature[0] == "ran"}  # type: ignore[misc]
+
+
+@dataclass(frozen=True)
+class CountedGame:
+    """A game with an event for each counted statement, beside the game's own. events: the statement that each stands for, by name."""
+
+    game: ir.Game
+    events: Mapping[str, StatementId]
+
+
+def count_statements(game: ir.Game, statements: Collection[StatementId]) -> CountedGame:
+    """Returns the game with a count beside each of some statements; none in `start`, where nothing is counted, and where agents move."""
+    taken, events = {event.name for event in game.events}, dict[str, StatementId]()
+
+    def counted(body: tuple[ir.Stmt, ...], label: str) -> tuple[ir.Stmt, ...]:
+        found: list[ir.Stmt] = []
+        for statement in body:
+            name = statement_id(label, statement)
+            if name in statements and name not in events.values():
+                event = next(f"ran_{i}" for i in range(len(events), len(events) + len(taken) + 1) if f"ran_{i}" not in taken)
+                events[event] = name
+                taken.add(event)
+                found.append(ir.Tally(event=event, origin=statement.origin))
+            found.append(inside(statement, label))
+        return tuple(found)
+
+    def inside(node: Any, label: str) -> Any:
+        """Returns a statement, or a branch of one, with counts in it."""
+        bodies = {part: counted(getattr(node, part), label) for part in ("body", "otherwise") if getattr(node, part, ())}
+        if branches := getattr(node, "branches", ()):
+            bodies["branches"] = tuple(inside(branch, label) for branch in branches)
+        return node.model_copy(update=bodies) if bodies else node
+
+    schedule = tuple(
+        turn.model_copy(update={"body": counted(turn.body, turn.label)})
+        if isinstance(turn, ir.Phase) and not contains(turn, ir.Move)
+        else turn
+        for turn in game.schedule
+    )
+    more = tuple(ir.Event(name=name, per_agent=False) for name in events)
+    return CountedGame(game.model_copy(update={"schedule": schedule, "events": (*game.events, *more)}), events)

@@ -54,8 +54,11 @@ def transformed_games(check: ir.Check, game: ir.Game) -> list[TransformedGame]:
     """Returns the games that must play as this one does for it to be symmetric; none if its rules stay equal."""
     (what,) = check.words
     if what == "mirror":
-        return list(_mirrored(game))
-    return list(_renumbered(game) if what == "agents" else _renumbered_movers(game, movers_named(game, what)))
+        rule = _mirroring(game)
+        changed = _of_rules(game, rule).model_copy(update={"shapes": tuple(rewrite(shape, rule) for shape in game.shapes)})
+        return [TransformedGame(changed, "if left and right were swapped")] if changed != _of_rules(game, lambda node: node) else []
+    number = game.agents.number if what == "agents" else movers_named(game, what).number
+    return list(_renumbered(game, _sort_of(what), number))
 
 
 def one_sided_action(check: ir.Check, game: ir.Game) -> str:
@@ -129,25 +132,25 @@ def _of_rules(game: ir.Game, rule: Callable[[Any], Any]) -> ir.Game:
     )
 
 
-def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
-    """Yields the game with two neighbouring numbers swapped: these swaps make up all others."""
-    tables = any(_reads_table_by_agent(n) for n in _nodes(game))
-    if not tables and not names_agents(game) and not any(_reads_number(n) for n in _nodes(game)):
+def _renumbered(game: ir.Game, sort: ir.Sort, number: int) -> Iterator[TransformedGame]:
+    """Yields the game with two neighbouring numbers of agents, or of movers of a sort, swapped: these swaps make up all others."""
+    nodes, agents = list(_nodes(game)), sort == AGENTS
+    if not any(_reads_number(n, sort) or (agents and _may_name_agents(n)) for n in nodes):
         return
-    own, drawn = _of_rules(game, lambda node: node), _drawn_numbers(game, AGENTS, game.agents.number)
-    for first in range(game.agents.number - 1):
-        order = list(range(game.agents.number))
-        order[first : first + 2] = [first + 1, first]
-        actions = _renumbered_actions(game, order)
+    tables = agents and any(_reads_table_by_agent(n) for n in nodes)
+    own, drawn = _of_rules(game, lambda node: node), _drawn_numbers(game, sort, number)
+    for first in range(number - 1):
+        order = [*range(first), first + 1, first, *range(first + 2, number)]
+        actions = _renumbered_actions(game, order) if agents else {}
 
         def rule(node: Any, order: list[int] = order, actions: dict[int, int] = actions) -> Any:
             match node:
-                case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
-                    new = order[number]
+                case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(given)) as value) if agents:
+                    new = order[given]
                     return node.model_copy(update={"value": value.model_copy(update={"value": new, "type": integer(new, new, "number")})})
-                case ir.Forbid() if {actions[a] for a in node.actions} != set(node.actions):
+                case ir.Forbid() if {actions.get(a, a) for a in node.actions} != set(node.actions):
                     return node.model_copy(update={"actions": tuple(sorted(actions[a] for a in node.actions))})
-                case ir.Attribute(name="index") if body_sort(node.owner) == AGENTS:
+                case ir.Attribute(name="index") if body_sort(node.owner) == sort:
                     return _numbered(node, order)
                 case ir.Local(name=name) if name in drawn:
                     return _numbered(node, order)
@@ -156,7 +159,8 @@ def _renumbered(game: ir.Game) -> Iterator[TransformedGame]:
 
         changed = _of_rules(game, rule)
         if tables or changed != own:
-            yield TransformedGame(changed, f"if agents {first} and {first + 1} swapped numbers", tuple(order) if tables else ())
+            named = "agents" if agents else sort.name
+            yield TransformedGame(changed, f"if {named} {first} and {first + 1} swapped numbers", tuple(order) if tables else ())
 
 
 def _drawn_numbers(game: ir.Game, sort: ir.Sort, many: int) -> set[str]:
@@ -175,22 +179,6 @@ def _ends(draw: ir.Draw) -> tuple[float, float]:
             return low, high
         case _:
             return inf, -inf
-
-
-def _renumbered_movers(game: ir.Game, movers: ir.Movers) -> Iterator[TransformedGame]:
-    """Yields the game with two neighbouring numbers of movers of a sort swapped."""
-    own, sort, number = _of_rules(game, lambda node: node), movers.sort, movers.number
-    drawn = _drawn_numbers(game, sort, number)
-    for first in range(number - 1):
-        order = [*range(first), first + 1, first, *range(first + 2, number)]
-
-        def rule(node: Any, order: list[int] = order) -> Any:
-            numbered = _reads_number(node, sort) or (isinstance(node, ir.Local) and node.name in drawn)
-            return _numbered(node, order) if numbered else node
-
-        changed = _of_rules(game, rule)
-        if changed != own:
-            yield TransformedGame(changed, f"if {sort.name} {first} and {first + 1} swapped numbers")
 
 
 def _may_name_agents(node: ir.Node) -> bool:
@@ -227,13 +215,6 @@ def _numbered(node: ir.Attribute | ir.Local, order: Sequence[int]) -> ir.Case:
     if isinstance(node, ir.Local):  # nobody has the other numbers that may be drawn
         arms += [ir.Arm(high=-1, value=node), ir.Arm(low=len(order), value=node)]
     return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
-
-
-def _mirrored(game: ir.Game) -> Iterator[TransformedGame]:
-    rule = _mirroring(game)
-    changed = _of_rules(game, rule).model_copy(update={"shapes": tuple(rewrite(shape, rule) for shape in game.shapes)})
-    if changed != _of_rules(game, lambda node: node):
-        yield TransformedGame(changed, "if left and right were swapped")
 
 
 def _mirroring(game: ir.Game) -> Callable[[Any], Any]:

@@ -1,24 +1,23 @@
-"""Verdicts from random trajectories: which checks fail, which pass, and which statements never ran.
+"""Verdicts from play: which checks fail, which pass, and which statements never ran.
 
-What small maps refute is looked for on the game's own map. Only what fails there fails; the rest is a note.
+The interpreter plays trajectories on small maps, and the compiled game thousands of worlds on the game's own map. Only a check that fails
+there has failed; one that fails elsewhere is a note.
 """
 
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 
 from sjdsl.compiler import ir
-from sjdsl.properties.counterexample import describe_asymmetry, describe_counterexample
-from sjdsl.properties.episode_counterexample import describe_briefly
-from sjdsl.properties.float_overflow import LARGEST, describe_overflow
-from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.counterexample import LARGEST, describe_asymmetry, describe_briefly, describe_counterexample, describe_overflow
+from sjdsl.properties.instances import GameFamily, Sizes
 from sjdsl.properties.monitors import STATES, Violation, find_violation
-from sjdsl.properties.own_map import OwnMapSearch
 from sjdsl.properties.random_starts import SMALL
-from sjdsl.properties.search import FLOATS, Counterexample, Progress, Search, SearchRecord
+from sjdsl.properties.search import FLOATS, Counterexample, Progress, Search, first_counterexample, simplest_counterexample
 from sjdsl.properties.statements import StatementId, leaf_statements, statements_needed_by
 from sjdsl.properties.symmetry import TransformedGame, compare_step, transformed_games
-from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of, up_to
+from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of, play, up_to
 from sjdsl.properties.verdict import Effort, How, Verdict
 from sjdsl.trace.rules import Rules
 
@@ -64,7 +63,7 @@ def statement_lines(family: GameFamily, statements: Collection[StatementId]) -> 
 
 
 class PlayedVerdicts:
-    """Random trajectories, played for all checks together: on small maps, or on the own map alone where rules read rows or columns."""
+    """Play for all checks together: on small maps, unless rules read rows or columns, and on the game's own map."""
 
     def __init__(
         self,
@@ -80,23 +79,77 @@ class PlayedVerdicts:
         self._leaves = leaf_statements(family.own)
         checks = family.own.checks
         self._needed = {i: statements_needed_by(checks[i], family.own, self._leaves) for i in (*numbers, *expected)}
-        on_own_map = family.reads_places and not effort.any_map
-        self._search = Search(family, numbers, effort, self._violation, self._needed, on_own_map, progress)
-        self._on_own_map: OwnMapSearch | None = None
+        self._on_own_map = family.reads_places and not effort.any_map
+        self._search = Search(family, numbers, effort, self._violation, self._needed, self._on_own_map, progress)
+        self._found_on_own_map: list[Counterexample] = []
+        self._steps = 0
 
     def play(self) -> None:
-        """Plays all trajectories. What has been found is there, too, if this is interrupted."""
-        if self._needed:
-            self._search.run()
-        if leads := self._elsewhere():
-            needed = {lead.number: self._needed[lead.number] for lead in leads if lead.number != FLOATS}
-            self._on_own_map = OwnMapSearch(self.family, leads, self._effort, self._violation, needed, self._progress)
-            self._on_own_map.run()
+        """Plays everything. What has been found is there, too, if this is interrupted."""
+        if not self._needed:
+            return
+        own, checks, search = self.family.own, self.family.own.checks, self._search
+        search.run(self._effort.examples)
+        is_compiled = self._effort.episodes > 0 and find_spec("jax") is not None
+        refuted = {c.number for c in self._found()}
+        numbers = [i for i in self.numbers if i not in refuted and checks[i].sort in STATES]
+        if is_compiled and (numbers or self._symmetries() or search.missing()):
+            self._play_worlds(own, (), numbers)
+        search.reach()
+        for (agents, sizes), numbers in self._other_numbers().items() if is_compiled else ():
+            game = self.family.on(own.rows, agents, sizes)
+            if game is not None:
+                self._play_worlds(game, sizes, numbers)
+        if leads := [c.number for c in self._elsewhere()]:
+            numbers = [number for number in leads if number != FLOATS]
+            more = Search(self.family, numbers, self._effort, self._violation, {}, True, self._progress)
+            try:
+                more.run(self._effort.examples // (4 if self._steps else 1))
+            finally:
+                self._found_on_own_map += more.found
+
+    def _other_numbers(self) -> dict[tuple[int, Sizes], list[int]]:
+        """Returns the numbers of agents and the sizes, not the file's, with which checks about states fail on other maps; and which checks."""
+        own, found = self.family.own, dict[tuple[int, Sizes], list[int]]()
+        for c in self._elsewhere():
+            numbers = (c.scenario.agents, c.scenario.sizes)
+            if numbers != (own.agents.number, ()) and c.number != FLOATS and own.checks[c.number].sort in STATES:
+                found.setdefault(numbers, []).append(c.number)
+        return found
+
+    def _symmetries(self) -> list[int]:
+        """Returns the checks of symmetry without a counterexample that counts."""
+        refuted = {c.number for c in self._found()}
+        return [i for i in self.numbers if i not in refuted and self.family.own.checks[i].sort == "symmetric"]
+
+    def _play_worlds(self, game: ir.Game, sizes: Sizes, numbers: Sequence[int]) -> None:
+        """Plays the compiled game on its own map for some checks about states, and while statements that checks depend on never ran."""
+        from sjdsl.properties.worlds import STEPS, WorldSearch
+
+        worlds, record = WorldSearch(self.family, game, sizes, numbers, self._effort, self._progress), self._search.record
+
+        def is_enough(ran: Collection[StatementId]) -> bool:
+            return not self._search.missing() - set(ran) and not self.fail_elsewhere() & set(self._symmetries())
+
+        for number, scenario in worlds.run(is_enough):
+            refuted = {c.number for c in self._found()}
+            looked_at = self._symmetries() if number is None else [number] if number not in refuted else []
+            checks = [game.checks[i] for i in looked_at if i != FLOATS and game.checks[i].sort in STATES]
+            trajectory = play(game, scenario, None if looked_at else 0, checks)
+            since = 0 if number is not None else max(0, len(trajectory.outcomes) - STEPS)
+            for i in looked_at:
+                found = first_counterexample(trajectory, i, scenario, self._violation, since)
+                if found is not None:
+                    self._found_on_own_map.append(simplest_counterexample(self.family, found, self._violation, self._effort))
+                    self._search.settle(i)
+        self._steps += worlds.steps
+        record.ran += worlds.ran
+        record.triggers += worlds.triggers
 
     @property
     def played(self) -> int:
-        """How many trajectories were played."""
-        return self._search.record.number + (0 if self._on_own_map is None else self._on_own_map.record.number)
+        """How many trajectories were played on the interpreter."""
+        return self._search.record.number
 
     def failed(self) -> dict[int, Verdict]:
         """Returns the verdicts on the checks that have a counterexample that counts."""
@@ -112,25 +165,23 @@ class PlayedVerdicts:
 
     def notes(self) -> list[Verdict]:
         """Returns the verdict on a real that leaves float32 on another map only, if one did."""
-        return [] if self.faults() else [self._overflow(c) for c in self._elsewhere() if c.number == FLOATS]
+        return [self._overflow(c) for c in self._elsewhere() if c.number == FLOATS]
 
     def _found(self) -> list[Counterexample]:
         """Returns the counterexamples that count: those on the game's own map, unless all do."""
-        found = [c for c in self._search.found if self._counts(c)]
-        return found + ([] if self._on_own_map is None else self._on_own_map.found)
+        return [c for c in self._search.found if self._counts(c)] + self._found_on_own_map
 
     def _elsewhere(self) -> list[Counterexample]:
-        return [c for c in self._search.found if not self._counts(c)]
+        """Returns the counterexamples that do not count, to checks that have no other."""
+        counted = {c.number for c in self._found()}
+        return [c for c in self._search.found if c.number not in counted]
 
     def _counts(self, counterexample: Counterexample) -> bool:
         return self._effort.any_map or self.family.is_own(counterexample.scenario.rows)
 
     def missing(self, number: int) -> tuple[str, ...]:
-        """Returns the lines that a check depends on and that never ran, with their text, in the order of the rules.
-
-        Of a check that fails on another map: that never ran on the game's own.
-        """
-        record, rules = self._record(number), Rules(self.family.composition.sources)
+        """Returns the lines that a check depends on and that never ran, with their text, in the order of the rules."""
+        record, rules = self._search.record, Rules(self.family.composition.sources)
         said = statement_lines(self.family, self._needed[number] - set(record.ran))
         check = self.family.own.checks[number]
         if check.sort == "once" and not record.triggers[number]:
@@ -139,35 +190,23 @@ class PlayedVerdicts:
 
     def passed(self, number: int) -> Verdict:
         """Returns the verdict on a check without a counterexample that counts."""
-        check, record, note = self.family.own.checks[number], self._record(number), self._note(number)
-        on_own_map = note is not None or (self.family.reads_places and not self._effort.any_map)
-        said = f"{record.number - record.refused} trajectories on {OWN_MAP if on_own_map else 'small maps'}"
-        if check.sort in STATES and self._effort.episodes:
-            said += f", {self._effort.episodes} episodes of random play"
+        check, record = self.family.own.checks[number], self._search.record
+        said = f"{record.number - record.refused} trajectories on {OWN_MAP if self._on_own_map else 'small maps'}"
+        if check.sort in STATES and self._steps:
+            said += f", {self._steps:,} steps on {OWN_MAP}"
         if check.sort == "once":
-            came = record.triggers[number]
-            said += (
-                f"; its first condition held in {came} of the trajectories"
-                if came
-                else "; its first condition never held in the trajectories"
-            )
+            times = record.triggers[number]
+            said += f"; its first condition came to hold {times:,} times" if times else "; its first condition never held"
+        note = next((self._verdict(c) for c in self._elsewhere() if c.number == number), None)
         return replace(make_verdict(self.family, check, True, "examples", said), untested=self.missing(number), note=note)
-
-    def _note(self, number: int) -> Verdict | None:
-        return next((self._verdict(c) for c in self._elsewhere() if c.number == number), None)
-
-    def _record(self, number: int) -> SearchRecord:
-        """Returns the trajectories from which the verdict on a check comes."""
-        elsewhere = any(c.number == number for c in self._elsewhere())
-        return self._on_own_map.record if elsewhere and self._on_own_map is not None else self._search.record
 
     def idle(self) -> tuple[int, ...]:
         """Returns the lines of statements that change something and never ran; none where nothing was played."""
         if not self._search.record.number:
             return ()
-        ran = set(self._search.record.ran) | (set() if self._on_own_map is None else set(self._on_own_map.record.ran))
-        lines = {leaf.statement.origin.line for leaf in self._leaves if leaf.statement.origin is not None and leaf.statement_id not in ran}
-        return tuple(sorted(lines))
+        ran = set(self._search.record.ran)
+        idle = [leaf.statement.origin for leaf in self._leaves if leaf.statement_id not in ran]
+        return tuple(sorted({origin.line for origin in idle if origin is not None}))
 
     def _overflow(self, c: Counterexample) -> Verdict:
         return overflow_verdict(self.family, c.trajectory, "examples", self._described(c), up_to(c.scenario, c.where.at))

@@ -13,9 +13,9 @@ from sjdsl.interpreter.state import Outcome, Value, World, default_params
 from sjdsl.interpreter.step import Totals, read, reset, step
 from sjdsl.interpreter.threefry import Draws, Threefry
 from sjdsl.properties.biased_draws import Bias, BiasedDraws, episode_key, policy_bits, reset_key, step_key
-from sjdsl.properties.coverage import Feature, features_of
 from sjdsl.properties.monitors import add_totals
 from sjdsl.properties.scripted_policies import choose
+from sjdsl.properties.statements import Feature, features_of
 
 
 @dataclass(frozen=True)

@@ -43,12 +43,13 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of a test: random trajectories, episodes of random play on the own map (0: none), the seed of both.
+    """The effort of a test: random trajectories on small maps, to which the steps of the worlds on the own map are in proportion; whole
+    episodes there at least (0: no worlds); the seed of both.
 
     tries: trajectories played to shrink one counterexample. any_map: a counterexample on any map refutes a check.
     """
 
-    examples: int = 400
+    examples: int = 200
     episodes: int = 10
     seed: int = 0
     tries: int = 600

@@ -8,21 +8,19 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of, event_named
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.properties.confidence import least_share, mean_and_half
+from sjdsl.properties.counterexample import describe_episode, names_of
 from sjdsl.properties.effects import is_untouched
 from sjdsl.properties.engines import Episode, EpisodeRunner
-from sjdsl.properties.episode_counterexample import describe_episode, names_of
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.intervals import decide
-from sjdsl.properties.monitors import STATES, Violation, find_violation
+from sjdsl.properties.monitors import Violation
 from sjdsl.properties.monotonicity import decide_monotone
+from sjdsl.properties.scripted_policies import TooLarge
 from sjdsl.properties.search import Progress
-from sjdsl.properties.shortest_paths import TooLarge
 from sjdsl.properties.sizes import in_all_sizes
 from sjdsl.properties.symmetry import names_agents, one_sided_action, order_of_sending, tells_apart, why_symmetric
 from sjdsl.properties.trajectories import PlayedVerdicts, make_verdict, overflow_verdict, statement_lines
 from sjdsl.properties.verdict import Effort, Verdict
-
-RANDOM = (ir.Policy(name="random"),)
 
 
 @dataclass(frozen=True)
@@ -130,13 +128,7 @@ class Verification:
     @cached_property
     def _verdicts(self) -> dict[int, Verdict]:
         """The verdicts on the checks about every trajectory."""
-        checks, found = self.family.own.checks, self.trajectories.failed()
-        left = [i for i in self._played if i not in found and checks[i].sort in STATES]
-        if left:
-            self._progress(f"{self.effort.episodes} episodes of random play")
-        in_long, fault = check_in_episodes(self.family, self._runner, self.effort, left)
-        self._faults += fault
-        return {i: self.trajectories.passed(i) for i in self._played} | found | in_long
+        return {i: self.trajectories.passed(i) for i in self._played} | self.trajectories.failed()
 
 
 def verify_properties(family: GameFamily, effort: Effort | None = None, only: Collection[int] | None = None) -> Report:
@@ -182,25 +174,6 @@ def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
         return make_verdict(family, check, True, "decided", f"{because}; but {but}")
     but = f" (should free cells run out in line {crowded[0].span.line}, lower numbers come first)" if crowded else ""
     return make_verdict(family, check, True, "proved", because + but)
-
-
-def check_in_episodes(
-    family: GameFamily, runner: EpisodeRunner, effort: Effort, numbers: list[int]
-) -> tuple[dict[int, Verdict], list[Verdict]]:
-    """Returns the verdicts on the checks about states that whole episodes on the game's own map violate, and what else is wrong in them."""
-    if not numbers or not effort.episodes:
-        return {}, []
-    found: dict[int, Verdict] = {}
-    episodes = runner.play(RANDOM, 0, effort.episodes)
-    for episode in episodes:
-        for number in numbers:
-            where = find_violation(family.own.checks[number], episode.values[number])
-            if where is not None and number not in found:
-                said = f"fails after step {where.at - 1} of an episode of random play"
-                trace = describe_episode(family, runner, episode, RANDOM, number, where)
-                scenario = runner.written_out(RANDOM, episode, where.at)
-                found[number] = make_verdict(family, family.own.checks[number], False, "episodes", said, trace, scenario)
-    return found, _overflow(family, runner, episodes, RANDOM)
 
 
 def _overflow(family: GameFamily, runner: EpisodeRunner, episodes: Sequence[Episode], policies: Sequence[ir.Policy]) -> list[Verdict]:

@@ -1,7 +1,8 @@
 """Small games for the tests of checks, made of a few lines each."""
 
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.properties import GameFamily
+from sjdsl.properties import Effort, GameFamily
+from sjdsl.properties.search import Search
 
 ORCHARD = """sj 1
 game orchard "Orchard" {{
@@ -42,3 +43,10 @@ TALLY = "each agent where agent chose zap { set agent.tired = 2  tally zaps for 
 def small_game(checks: str, rule: str = TALLY, more: str = "", text: str = ORCHARD) -> GameFamily:
     """Returns a small orchard with these checks, one more rule, and more declarations."""
     return GameFamily(Source("orchard.sj", text.format(rule=rule, checks=checks, more=more), None))
+
+
+def searched(family: GameFamily, effort: Effort) -> Search:
+    """Returns the search on small maps for counterexamples to the first check, at its end."""
+    search = Search(family, [0], effort)
+    search.run(effort.examples)
+    return search

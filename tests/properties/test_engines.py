@@ -6,8 +6,7 @@ import pytest
 from sjdsl.compiler import ir
 from sjdsl.properties import GameFamily
 from sjdsl.properties.engines import EpisodeRunner
-from sjdsl.properties.scripted_policies import choose
-from sjdsl.properties.shortest_paths import FAR, TooLarge, shortest_paths_of
+from sjdsl.properties.scripted_policies import FAR, TooLarge, choose, shortest_paths_of
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.properties.trajectory import play
 
@@ -92,10 +91,10 @@ def test_a_seeker_arrives_and_stays() -> None:
 
 
 def test_a_map_too_large_to_walk_over_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sjdsl.properties import shortest_paths, verify_properties
+    from sjdsl.properties import scripted_policies, verify_properties
 
-    monkeypatch.setattr(shortest_paths, "MOST", 10)
-    shortest_paths._shortest_paths.cache_clear()
+    monkeypatch.setattr(scripted_policies, "MOST", 10)
+    scripted_policies._shortest_paths.cache_clear()
     orchard = small_game("expect eaten > 0 with seek tree over 2 episodes")
     with pytest.raises(TooLarge):
         shortest_paths_of(orchard.own)

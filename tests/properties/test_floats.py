@@ -9,8 +9,6 @@ from sjdsl.cli import run
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.properties import Effort, GameFamily, verify_properties
-from sjdsl.properties.engines import EpisodeRunner
-from sjdsl.properties.verify_properties import RANDOM, check_in_episodes
 
 GAME = """sj 1
 game growth "Wealth that grows" {{
@@ -67,16 +65,13 @@ def test_the_shortest_trajectory_is_shown() -> None:
     assert any("up to 1.6e+37" in line for line in fault.trace)
 
 
-def test_both_engines_say_the_same_of_a_long_episode() -> None:
-    """Of the compiled game too, where infinity is a value like others."""
-    family = growth(SLOW, steps=200)
-    _, (interpreted,) = check_in_episodes(family, EpisodeRunner(family, 0), Effort(episodes=2), [0])
-    runner = EpisodeRunner(family, 0)
-    runner.play = runner._compiled  # type: ignore[method-assign]
-    _, (compiled,) = check_in_episodes(family, runner, Effort(episodes=2), [0])
-    assert compiled == interpreted
-    assert compiled.reason.endswith("in step 127")
-    assert RANDOM[0].name in compiled.trace[0]
+def test_it_is_found_late_in_an_episode_of_the_compiled_game() -> None:
+    """There infinity is a value like others; the interpreter then plays the same, and names the line."""
+    report = verify_properties(growth(SLOW, steps=200), Effort(examples=5, tries=20))
+    (fault,) = report.faults
+    assert fault.reason.endswith("in step 127")
+    assert fault.line == 10
+    assert "on the game's own map" in fault.trace[0]
 
 
 def test_an_expectation_whose_episodes_leave_float32_is_not_decided() -> None:

@@ -142,7 +142,7 @@ def test_a_fault_fails_its_check(mutation: Mutation, tmp_path: Path, request: py
         return
     short = mutation.check.startswith("expect")
     family = shortened(folder, mutation.game) if short else GameFamily(source)
-    effort = Effort(examples=200, episodes=0, tries=0, seed=request.config.getoption("sj_seed"))
+    effort = Effort(examples=200, episodes=int(not in_each_run(mutation)), tries=0, seed=request.config.getoption("sj_seed"))
     (verdict,) = verify_properties(family, effort, [number_of(family, mutation.check)]).verdicts
     assert verdict.passed is False
     assert verdict.trace
