@@ -20,7 +20,7 @@ WIDTH, CALLS = 64, 41
 
 
 def steps_of(env: Environment, steps: int) -> Array:
-    """Returns first observations of so many environments, `[M, N, P, V, V]`."""
+    """Returns initial observations of environments, `[M, N, P, V, V]`."""
     observations: Array = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), steps))[0]
     return observations
 

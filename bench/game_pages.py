@@ -85,7 +85,7 @@ EVERYWHERE = (
 )
 
 
-# Of a game: the hash of its rules, `episodes`, `seed`, and `values`, each a mean with its 95 % interval; None where it is not always defined.
+# Of a game: the hash of its rules, `episodes`, `seed`, and `values`, each a mean with its 95 % interval; None if it is not always defined.
 Figures = dict[str, Any]
 
 
@@ -105,7 +105,7 @@ def main() -> int:
 
 
 def write_games(path: Path, fresh: bool) -> None:
-    """Writes the page of the games of `games/` itself, and its figures beside it."""
+    """Writes the page of the games in `games/`, and its file of figures."""
     figures = {} if fresh else read_figures(path.with_suffix(".json"))
     for name, written in game_texts().items():
         if name not in figures or figures[name]["hash"] != game_hash(written.game):
@@ -125,7 +125,7 @@ def write_melting_pot(path: Path, fresh: bool) -> None:
 
 
 def page_problems(path: Path) -> list[str]:
-    """Returns what is not up to date of `games.md`, with the figures beside it, or of `meltingpot.md`: text, figures, pictures."""
+    """Returns what is out of date of `games.md` and its figures, or of `meltingpot.md`: text, figures, pictures."""
     if path.stem == "meltingpot":
         pictures, rules, text = path.parent / "pictures/meltingpot", substrate_rules(), melting_pot_page()
         found = []
@@ -236,23 +236,17 @@ def games_page(figures: Mapping[str, Figures]) -> str:
     said = dict.fromkeys(key for written in games.values() for key, _ in written.game.about if key != "summary")
     keys = sorted(said, key=lambda key: key.startswith(OURS))
     head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in keys))
-    overview = table(head, [_game_row(name, written.game, keys) for name, written in games.items()])
+
+    def row(name: str, game: ir.Game) -> tuple[str, ...]:
+        about, actions = dict(game.about), str(len(game.agents.actions))
+        return f"[{plain(game.title)}](#{name})", str(game.agents.number), _size(game), actions, *(plain(about.get(k, "")) for k in keys)
+
+    overview = table(head, [row(name, written.game) for name, written in games.items()])
     lines = ["# The games", "", GAMES, "", *overview, ""]
     for name, written in games.items():
         lines += _game(name, written, figures.get(name))
     lines += released_section()
     return "\n".join(lines).rstrip("\n") + "\n"
-
-
-def _game_row(name: str, game: ir.Game, keys: Sequence[str]) -> tuple[str, ...]:
-    about = dict(game.about)
-    return (
-        f"[{plain(game.title)}](#{name})",
-        str(game.agents.number),
-        _size(game),
-        str(len(game.agents.actions)),
-        *(plain(about.get(k, "")) for k in keys),
-    )
 
 
 def _size(game: ir.Game) -> str:
@@ -265,7 +259,10 @@ def _game(name: str, written: Written, figures: Figures | None) -> list[str]:
     lines = [f'<a id="{name}"></a>', "", f"## {plain(game.title)}", "", f"![{plain(game.title)}](pictures/{name}.png)", ""]
     lines += [plain(summary), ""] if summary else []
     lines += [*_facts(name, written), "", "Numbers:", "", *parameters(written)]
-    return [*lines, *(_figures(figures) if figures is not None else ["The returns of a random policy have not been measured.", ""])]
+    if figures is None:
+        return [*lines, "The returns of a random policy have not been measured.", ""]
+    title = f"A random policy, {figures['episodes']} episodes from seed {figures['seed']}, means with their 95 % confidence intervals:"
+    return [*lines, title, "", *table(("", "mean", "interval"), [(name, *_figure(**f)) for name, f in figures["values"].items()]), ""]
 
 
 def _facts(name: str, written: Written) -> list[str]:
@@ -287,11 +284,6 @@ def _window(window: ir.Window) -> str:
     """Returns how far agents see; of several windows each, the usual one first."""
     sides = [f"{x.ahead} ahead, {x.behind} behind, {x.left} left, {x.right} right" for x in (window.views or (window,))[::-1]]
     return sides[0] + "".join(f"; of some agents {other}" for other in sides[1:])
-
-
-def _figures(f: Figures) -> list[str]:
-    title = f"A random policy, {f['episodes']} episodes from seed {f['seed']}, means with their 95 % confidence intervals:"
-    return [title, "", *table(("", "mean", "interval"), [(name, *_figure(**figure)) for name, figure in f["values"].items()]), ""]
 
 
 def _figure(mean: float | None, low: float | None, high: float | None) -> tuple[str, str]:
@@ -348,19 +340,12 @@ def melting_pot_page() -> str:
     """Returns the page of all substrates as Markdown."""
     rules, written = substrate_rules(), written_substrates()
     missing = [e for e in substrates().values() if e.name not in rules]
-    lines = [
-        "# Melting Pot",
-        "",
-        MELTING_POT,
-        "",
-        USE,
-        "",
-        "Differences in every substrate:",
-        "",
-        *(f"* {text}" for text in EVERYWHERE),
-        "",
+    lines = ["# Melting Pot", "", MELTING_POT, "", USE, "", "Differences in every substrate:", "", *(f"* {text}" for text in EVERYWHERE), ""]
+    rows = [
+        (code(e.name), code(e.game), code(e.variant) if e.variant else "", str(rules[e.name].agents.number), _size(rules[e.name]))
+        for e in written
     ]
-    lines += [*table(("substrate", "game", "variant", "agents", "map"), [_substrate_row(e, rules[e.name]) for e in written]), ""]
+    lines += [*table(("substrate", "game", "variant", "agents", "map"), rows), ""]
     lines += ["## What differs", "", "A sentence that names no substrate applies to all substrates of its game.", ""]
     lines += [
         *table(
@@ -377,20 +362,17 @@ def melting_pot_page() -> str:
     return "\n".join(lines).rstrip("\n") + "\n"
 
 
-def _substrate_row(e: Substrate, game: ir.Game) -> tuple[str, ...]:
-    return (code(e.name), code(e.game), code(e.variant) if e.variant else "", str(game.agents.number), _size(game))
-
-
 def _by_game(written: Sequence[Substrate]) -> list[tuple[str, ...]]:
-    """Returns for each game what is said of its substrates: once what is said of all, else with the names."""
-    games = dict.fromkeys(e.game for e in written)
-    members = {game: [e for e in written if e.game == game] for game in games}
-    told = [(code(game), _told({e.name: e.differs for e in m}), _told({e.name: e.wanting for e in m})) for game, m in members.items()]
-    return [row for row in told if row[1] or row[2]]
+    """Returns a row for each game: how its substrates differ, and what is missing, with their names unless it holds for all."""
+    rows = []
+    for game in dict.fromkeys(e.game for e in written):
+        own = [e for e in written if e.game == game]
+        rows.append((code(game), _merged({e.name: e.differs for e in own}), _merged({e.name: e.wanting for e in own})))
+    return [row for row in rows if row[1] or row[2]]
 
 
-def _told(texts: Mapping[str, tuple[str, ...]]) -> str:
-    """Returns the sentences in the order in which they first appear. texts: by substrate."""
+def _merged(texts: Mapping[str, tuple[str, ...]]) -> str:
+    """Returns all sentences once, in order, with the names of their substrates unless all have them. texts: by substrate."""
     found = []
     for text in dict.fromkeys(text for several in texts.values() for text in several):
         names = [name for name, several in texts.items() if text in several]

@@ -107,7 +107,7 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Cost:
-    """`waits`: how often the host waits for a predicate, each loop and branch that depends on data once for each time it is come to."""
+    """`waits`: how often the host waits for a predicate, once for each execution of a loop or branch that depends on data."""
 
     kernels: tuple[Kernel, ...]
     waits: int
@@ -150,6 +150,12 @@ def cost_of(text: str) -> Cost:
     return _Module(text).cost()
 
 
+def count_kernels(text: str) -> int:
+    """Returns how many kernels a module launches if each loop turns once. Raises ValueError where a text is no module."""
+    module = _Module(text)
+    return sum(instruction.op not in ("while", "conditional") for instruction, _, _ in module.launched(module.entry, 1))
+
+
 class _Module:
     def __init__(self, text: str) -> None:
         self.computations: dict[str, list[Instruction]] = {}
@@ -168,7 +174,7 @@ class _Module:
     def cost(self) -> Cost:
         kernels: list[Kernel] = []
         waits = 0
-        for instruction, computation, times in self._launched(self.entry, 1):
+        for instruction, computation, times in self.launched(self.entry, 1):
             if instruction.op in ("while", "conditional"):
                 waits += times
             else:
@@ -176,7 +182,7 @@ class _Module:
                 kernels.append(Kernel(instruction.name, instruction.op, *self._kernel(instruction, computation), times, *origin))
         return Cost(tuple(kernels), waits)
 
-    def _launched(self, computation: str, times: int) -> Iterator[tuple[Instruction, str, int]]:
+    def launched(self, computation: str, times: int) -> Iterator[tuple[Instruction, str, int]]:
         """Yields what is launched, and the loops and branches that depend on data, each with how often that happens."""
         for instruction in self.computations[computation]:
             if instruction.op in ("while", "conditional", "call"):
@@ -184,7 +190,7 @@ class _Module:
                 if instruction.op != "call" and not known:
                     yield instruction, computation, times
                 for inner in instruction.called:
-                    yield from self._launched(inner, times * (int(known[1]) if known else 1))
+                    yield from self.launched(inner, times * (int(known[1]) if known else 1))
             elif instruction.op not in FREE:
                 yield instruction, computation, times
 

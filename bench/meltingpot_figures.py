@@ -112,7 +112,7 @@ def random_play(name: str, episodes: int = EPISODES) -> Figures:
                 break
         returns.append(total)
         play.env.close()
-    return {"episodes": episodes, "mean": round(statistics.mean(returns), 3), "error": round(statistics.stdev(returns) / episodes**0.5, 3)}
+    return _mean_of(returns, 3)
 
 
 def one_shot() -> Figures:
@@ -127,11 +127,12 @@ def one_shot() -> Figures:
             steps += 1
         lengths.append(steps)
         play.env.close()
-    return {
-        "episodes": len(lengths),
-        "mean": round(statistics.mean(lengths), 1),
-        "error": round(statistics.stdev(lengths) / len(lengths) ** 0.5, 1),
-    }
+    return _mean_of(lengths, 1)
+
+
+def _mean_of(values: list[float], digits: int) -> Figures:
+    error = statistics.stdev(values) / len(values) ** 0.5
+    return {"episodes": len(values), "mean": round(statistics.mean(values), digits), "error": round(error, digits)}
 
 
 def main() -> None:

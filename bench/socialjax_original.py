@@ -78,7 +78,7 @@ def stepping(env: Any) -> Any:
 
 
 def loop(env: Any, num_envs: int, num_steps: int) -> Any:
-    """Returns a function of a key that plays so many steps in each of the environments and sums what comes out."""
+    """Returns a function of a key that plays `steps` steps in each environment and sums the results."""
     step = stepping(env)
 
     def run(key: jax.Array) -> jax.Array:

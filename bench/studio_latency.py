@@ -73,7 +73,7 @@ def first_page(page: Page, address: str) -> float:
 
 
 def keystrokes(page: Page, count: int, pause: float) -> list[float]:
-    """Returns the milliseconds until each of so many letters, typed into a remark at the top, is answered."""
+    """Returns the milliseconds until the response to each letter typed into a comment at the top."""
     page.locator(".cm-line").first.click()
     page.keyboard.press("End")
     page.keyboard.type("  # ", delay=300)

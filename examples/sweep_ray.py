@@ -10,17 +10,17 @@ import sys
 
 import ray
 
-from sjdsl.sweeps import Asked, Axis, prepare, run_cell
+from sjdsl.sweeps import Axis, SweepSpec, prepare, run_cell
 
-ASKED = Asked(["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3})
+SPEC = SweepSpec(["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3})
 
 
-def main(folder: str, asked: Asked = ASKED) -> list[str]:
+def main(folder: str, spec: SweepSpec = SPEC) -> list[str]:
     """Trains the cells of a sweep and returns how far each is: `done`, or `failed`."""
     ray.init()  # joins the cluster in RAY_ADDRESS, or else starts one here
     try:
         task = ray.remote(num_cpus=1)(run_cell)  # or num_gpus=1, for each cell
-        return ray.get([task.remote(path) for path in prepare(asked, folder)])
+        return ray.get([task.remote(path) for path in prepare(spec, folder)])
     finally:
         ray.shutdown()
 

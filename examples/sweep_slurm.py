@@ -13,9 +13,9 @@ from pathlib import Path
 
 import submitit
 
-from sjdsl.sweeps import Asked, Axis, prepare, run_cell
+from sjdsl.sweeps import Axis, SweepSpec, prepare, run_cell
 
-ASKED = Asked(["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3})
+SPEC = SweepSpec(["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3})
 
 
 class Cell:
@@ -29,11 +29,11 @@ class Cell:
         return submitit.helpers.DelayedSubmission(self, path)
 
 
-def main(folder: str, asked: Asked = ASKED, cluster: str = "slurm") -> list[str]:
+def main(folder: str, spec: SweepSpec = SPEC, cluster: str = "slurm") -> list[str]:
     """Trains the cells of a sweep and returns how far each is: `done`, or `failed`."""
     executor = submitit.AutoExecutor(f"{folder}_logs", cluster=cluster)
     executor.update_parameters(name="sjdsl_sweep", timeout_min=600)  # and slurm_partition, gpus_per_node, slurm_array_parallelism, …
-    return [job.result() for job in executor.map_array(Cell(), prepare(asked, folder))]
+    return [job.result() for job in executor.map_array(Cell(), prepare(spec, folder))]
 
 
 if __name__ == "__main__":

@@ -22,23 +22,23 @@ AGENTS_AXIS = 2  # of observations, logits and values `[L, M, N, ...]`
 
 @dataclass(frozen=True)
 class ActorCritics:
-    """Networks of teams of agents, bundle by bundle; parameters and memory are tuples with an entry a bundle."""
+    """Networks of teams of agents, bundle by bundle; parameters and memory are tuples with an entry for each bundle."""
 
     bundles: tuple[Bundle, ...]
     networks: tuple[ActorCritic | ActorCriticPair, ...]  # of a team, by bundle
-    joint_shape: tuple[int, ...] | None  # of what a central critic sees; None: critics are local
-    from_state: bool  # it is the world's state
-    packing: Packing  # of what a rollout keeps
-    masks: bool  # actions that the game forbids are not taken
+    joint_shape: tuple[int, ...] | None  # of a central critic's input; None: critics are local
+    from_state: bool  # whether that input is the state of the environment
+    packing: Packing  # of the observations in a rollout
+    masks: bool  # whether forbidden actions are never taken
     num_actions: int  # A
-    paired: bool = False  # agents have two policies and values, the individual and the team's, on an axis after that of agents
+    paired: bool = False  # agents have two policies and values, individual and team, on an axis after that of agents
 
     def of_result(self, leaf: Array) -> Array:
-        """Returns logits or values `[L, M, N, ...]` of the policies that a run is for: of two the team's."""
+        """Returns logits or values `[L, M, N, ...]` of the resulting policies: of pairs, the team's."""
         return leaf[:, :, :, TEAM] if self.paired else leaf
 
     def init(self, key: Array, env: Environment) -> tuple[Any, ...]:
-        """Returns the first parameters: leaves `[G, ...]`, each team's drawn with a key of its own."""
+        """Returns initial parameters: leaves `[G, ...]`, drawn with a different key for each team."""
         observation, _ = reset_shapes(env)
         seen = jnp.zeros((1, 1, *observation.shape), observation.dtype)
         joint = None if self.joint_shape is None else jnp.zeros((1, 1, *self.joint_shape), jnp.float32 if self.from_state else jnp.uint8)
@@ -62,7 +62,7 @@ class ActorCritics:
         return tuple(of_teams(bundle, network) for bundle, network in zip(self.bundles, self.networks, strict=True))
 
     def joint(self, observation: Array, from_state: Any) -> Array | None:
-        """Returns what central critics see: all windows `[..., N, P, V, V]`, plane after plane, or the world's state as it is."""
+        """Returns the input of central critics: all windows `[..., N, P, V, V]`, plane after plane, or the state unchanged."""
         if self.joint_shape is None:
             return None
         if self.from_state:
@@ -79,7 +79,7 @@ class ActorCritics:
           memory: of `start_memory` or the step before.
           observation: `[L, M, N, P, V, V]` uint8.
           from_state: `[L, M, K]` float32 for critics that see the state, else None.
-          fresh: `[L, M]` bool, the episode begins with this step.
+          fresh: `[L, M]` bool, whether the episode starts with this step.
         Returns:
           the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`; of pairs `[L, M, N, 2, A]` and `[L, M, N, 2]`.
         """
@@ -99,7 +99,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     """Returns the networks for the environment's observations and actions.
 
     Raises:
-      ConfigError: the environment gives no token observations, no state vector though the critic sees the state, or no such teams.
+      ConfigError: the environment has no token observations, no state vector for the critic, or no such teams.
     """
     planes = token_planes(env)
     joint_planes: tuple[TokenPlane, ...] | None = None
@@ -140,7 +140,7 @@ def token_planes(env: Environment) -> tuple[TokenPlane, ...]:
     """Returns the environment's planes.
 
     Raises:
-      ConfigError: it gives no token observations.
+      ConfigError: it has no token observations.
     """
     observation, _ = reset_shapes(env)
     if observation.dtype != jnp.uint8 or observation.shape[1] != len(env.token_planes):
@@ -152,7 +152,7 @@ def token_planes(env: Environment) -> tuple[TokenPlane, ...]:
 
 
 def packing_of(env: Environment) -> Packing:
-    """Returns how rollouts keep the environment's observations."""
+    """Returns how rollouts store the environment's observations."""
     observation, _ = reset_shapes(env)
     return make_packing(token_planes(env), observation.shape[-2:])
 
@@ -161,9 +161,9 @@ def state_shape(env: Environment) -> tuple[int, ...]:
     """Returns the shape `(K,)` of an environment's state as a vector.
 
     Raises:
-      ConfigError: it gives none.
+      ConfigError: it has none.
     """
     if not hasattr(env, "state_vector"):
-        raise ConfigError(f'`{env.name}` gives no state_vector for a critic of the state; choose critic = "observations"')
+        raise ConfigError(f'`{env.name}` has no state_vector for a critic of the state; choose critic = "observations"')
     result: tuple[int, ...] = jax.eval_shape(lambda key: env.state_vector(env.reset(key)[1]), abstract_key()).shape
     return result

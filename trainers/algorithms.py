@@ -1,7 +1,7 @@
-"""Makes the training run that a configuration asks for: its algorithm, with partners and the parameters it starts from."""
+"""Makes the training run of a configuration: its algorithm, with partners and the parameters it starts from."""
 
 from dataclasses import replace
-from typing import Any, get_args
+from typing import get_args
 
 import jax
 import jax.numpy as jnp
@@ -21,10 +21,10 @@ def make_train(env: Environment, config: Config) -> Train:
 
     Args:
       env: one environment.
-      config: `seed` and `seeds` are not read here: `init` takes the key.
+      config: `seed` and `seeds` aren't read here: `init` takes the key.
     Raises:
-      ConfigError: the rollout does not divide into minibatches, or something else does not fit the environment.
-      PolicyError: the policy to start from, or one of partners, cannot be read or does not fit.
+      ConfigError: the rollout doesn't divide into minibatches, or something else doesn't fit the environment.
+      PolicyError: the policy to start from, or a partner's, can't be read or doesn't fit.
     """
     if config.reward not in get_args(RewardMode):
         check_own_reward(env, config)
@@ -37,12 +37,9 @@ def make_train(env: Environment, config: Config) -> Train:
             program = make_vdn(env, config, make_partners(env, config))
         case _:
             raise TypeError(f"no algorithm takes a {type(config).__name__}")
-    return program if not config.init_from else starting_with(program, load_parameters(config.init_from, env, config))
-
-
-def starting_with(program: Train, parameters: Any) -> Train:
-    """Returns a run whose networks start with given parameters; all else, optimisers too, starts as it would."""
-    adopt = program.adopt
+    if not config.init_from:
+        return program
+    adopt, parameters = program.adopt, load_parameters(config.init_from, env, config)
     if adopt is None:
-        raise ConfigError("this algorithm cannot start from a policy: its `Train` has no `adopt`")
+        raise ConfigError("this algorithm can't start from a policy: its `Train` has no `adopt`")
     return replace(program, init=lambda key: adopt(program.init(key), jax.tree.map(jnp.asarray, parameters)))

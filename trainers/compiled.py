@@ -13,12 +13,14 @@ from jax import Array
 
 from .config import Config
 from .rollout import Worlds
-from .sharding import Placement, make_placement
+from .sharding import make_placement
 from .training_functions import Metrics, Train, TrainState
 
 MEGABYTE = 1_000_000
 
-Over = Callable[[Callable[..., Any]], Callable[..., Any]]  # a function of one seed to that of all, a first axis in everything
+Over = Callable[
+    [Callable[..., Any]], Callable[..., Any]
+]  # maps a function of one seed to one of all seeds, with a first axis in everything
 
 
 class NoMemoryError(Exception):
@@ -27,24 +29,24 @@ class NoMemoryError(Exception):
 
 @dataclass(frozen=True)
 class Compiled:
-    """The functions of a run; they reuse the memory of what they are given."""
+    """The compiled functions of a run; they reuse the memory of their arguments."""
 
     start: Callable[[], TrainState]
     collect: Callable[[TrainState], tuple[TrainState, Any]]
     learn: Callable[[TrainState, Any], tuple[TrainState, Metrics]]
     parameters: Callable[[TrainState], Any]
     state: TrainState  # shapes, dtypes and placement, without arrays
-    seconds: float  # that compiling took
-    megabytes: float  # that XLA says the larger of both functions needs
+    seconds: float  # compile time
+    megabytes: float  # memory of the larger of both functions, according to XLA
 
 
 @dataclass(frozen=True)
 class Lanes:
-    """Runs side by side in one program: L lanes, each of one seed of one run, that differ in numbers."""
+    """Runs side by side in one program: L lanes, one for each seed of each run, that differ in numbers."""
 
     seeds: Sequence[int]  # [L]
     numbers: Any  # tree of [L, ...]
-    program_of: Callable[[Any], Train]  # one lane's numbers, which are traced, to its run
+    program_of: Callable[[Any], Train]  # returns the run of one lane from its numbers, which are traced
 
 
 def compile_train(program: Train, config: Config, lanes: Lanes | None = None) -> Compiled:
@@ -52,11 +54,11 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
 
     Args:
       program: the run.
-      config: its configuration. With lanes `seeds` is their number.
-      lanes: instead of the seeds of one run: seeds of several runs, of which `program` is any.
+      config: its configuration. With lanes, `seeds` is their number.
+      lanes: seeds of several runs, of which `program` is any; None: the seeds of one run.
     Raises:
-      ConfigError: the environments do not divide into the devices.
-      NoMemoryError: the run would not fit the device.
+      ConfigError: the environments don't divide evenly over the devices.
+      NoMemoryError: the run doesn't fit into the device's memory.
     """
     began = time.perf_counter()
     placement = make_placement(config)
@@ -76,15 +78,20 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
     shapes = jax.eval_shape(first, numbers, seeds)
     places = placement.of_state(shapes)
     state = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, places)
-    # Leaves, not their tree: traced once more, the tree has another optimiser, which counts as another structure.
+    # Return leaves, not a tree: tracing again creates a new optimiser, which JAX would take for a different tree structure.
     init = jax.jit(lambda *given: jax.tree.leaves(first(*given)), out_shardings=jax.tree.leaves(places))
     collect_over = over_seeds(lambda own, state: program_of(own).collect(state))
     collect = jax.jit(collect_over, donate_argnums=1, out_shardings=(places, None)).lower(numbers, state).compile()
-    played = _played_shapes(collect_over, numbers, state, collect)
+    played_shapes, played_places = jax.eval_shape(collect_over, numbers, state)[1], collect.output_shardings[1]
+    played = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), played_shapes, played_places)
     learn_over = over_seeds(lambda own, state, played: program_of(own).learn(state, played))
     learn = jax.jit(learn_over, donate_argnums=1, out_shardings=(places, placement.everywhere)).lower(numbers, state, played).compile()
-    need = max(_bytes(collect), _bytes(learn))
-    _check_memory(need, placement)
+    need, free = max(_bytes(collect), _bytes(learn)), free_memory()
+    if need > free:
+        raise NoMemoryError(
+            f"an update needs {need / MEGABYTE:,.0f} MB of memory on each of {placement.mesh.size} device(s), but only "
+            f"{free / MEGABYTE:,.0f} MB are free; make num_envs, num_steps, seeds or buffer_size smaller"
+        )
     return Compiled(
         lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(numbers, seeds)),
         partial(collect, numbers),
@@ -97,11 +104,11 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
 
 
 def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) -> Compiled:
-    """Returns a run whose environments begin at different steps of an episode, a rollout apart, if `config` asks for it.
+    """Returns a run whose environments start at different steps of an episode, a rollout apart, if `config.spread_starts`.
 
-    Environments that all begin at once stay in lockstep: each update would see one part of an episode only. Here environment b of B has
-    played `b * K // B` rollouts with the policy that the run begins with, where K is how many an episode spans: none where a rollout is a
-    whole episode. Nothing is learnt from these steps, nor are they counted.
+    Environments that all start together stay in lockstep: each update would see only one part of an episode. Here, environment b of B first
+    plays `b * K // B` rollouts with the initial policy, where K is the number of rollouts in an episode; none if a rollout is a whole
+    episode. These steps are neither learnt from nor counted.
 
     Args:
       compiled: the run.
@@ -115,7 +122,7 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
 
     @jax.jit
     def keep(number: int, worlds: Worlds, kept: Worlds) -> Worlds:
-        """Returns the worlds of the environments that play `number` rollouts, and of all others those that were kept before."""
+        """Returns the new worlds of the environments that play `number` rollouts or more, and the kept worlds of the others."""
 
         def of_leaf(new: Array, old: Array) -> Array:
             plays = jnp.arange(new.shape[axis]) * rollouts // new.shape[axis] >= number
@@ -127,7 +134,7 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
     def start() -> TrainState:
         state = compiled.start()
         places = jax.tree.map(lambda leaf: leaf.sharding, state.worlds)
-        kept = jax.tree.map(jnp.copy, state.worlds)  # the next rollout reuses the memory of these
+        kept = jax.tree.map(jnp.copy, state.worlds)  # a copy, as the next rollout reuses the memory
         for number in range(1, rollouts):
             state, _ = compiled.collect(state)
             kept = keep(number, state.worlds, kept)
@@ -137,50 +144,33 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
 
 
 def one_after_the_other(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Returns what `jax.vmap` would, as a loop.
+    """Returns the same as `jax.vmap`, computed in a loop.
 
-    On a CPU it is faster: the windows of one seed may fit into a cache, and of a `cond` only the branch that applies is taken.
+    It is faster on a CPU: the windows of one seed may fit into a cache, and a `cond` computes only the branch that applies.
     """
     return lambda *arguments: jax.lax.map(lambda own: function(*own), arguments)
 
 
-def _played_shapes(collect: Callable[..., Any], numbers: Any, state: TrainState, compiled: Any) -> Any:
-    """Returns the shapes of what `collect` hands to `learn`, placed as the compiled function leaves them."""
-    shapes = jax.eval_shape(collect, numbers, state)[1]
-    return jax.tree.map(
-        lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, compiled.output_shardings[1]
-    )
-
-
 def _bytes(compiled: Any) -> int:
-    """Returns the memory that XLA says a program needs on a device: arguments, results, and what lies between."""
-    said = compiled.memory_analysis()
-    if said is None:
+    """Returns the memory that a program needs on a device according to XLA: arguments, results and temporaries."""
+    found = compiled.memory_analysis()
+    if found is None:
         return 0
-    result: int = said.argument_size_in_bytes + said.output_size_in_bytes + said.temp_size_in_bytes - said.alias_size_in_bytes
+    result: int = found.argument_size_in_bytes + found.output_size_in_bytes + found.temp_size_in_bytes - found.alias_size_in_bytes
     return result
 
 
-def _check_memory(need: int, placement: Placement) -> None:
-    free = free_memory()
-    if need > free:
-        raise NoMemoryError(
-            f"an update needs {need / MEGABYTE:,.0f} MB of memory on each of {placement.mesh.size} device(s), and {free / MEGABYTE:,.0f} MB "
-            "are free; make num_envs, num_steps, seeds or buffer_size smaller"
-        )
-
-
 def free_memory() -> int:
-    """Returns the bytes that are free for this process: on its first device, or in the machine if that is a CPU."""
+    """Returns the bytes free for this process: on its first device, or in the machine if that is a CPU."""
     device = jax.local_devices()[0]
     if device.platform == "cpu":
         return int(psutil.virtual_memory().available)
-    said = device.memory_stats() or {}
-    return int(said["bytes_limit"] - said.get("bytes_in_use", 0)) if "bytes_limit" in said else 2**62
+    stats = device.memory_stats() or {}
+    return int(stats["bytes_limit"] - stats.get("bytes_in_use", 0)) if "bytes_limit" in stats else 2**62
 
 
 def peak_megabytes() -> float:
-    """Returns the most memory held so far: by the first device, or by this process if that is a CPU."""
+    """Returns the peak memory use so far: of the first device, or of this process if that is a CPU."""
     device = jax.local_devices()[0]
     if device.platform != "cpu":
         result: float = (device.memory_stats() or {}).get("peak_bytes_in_use", 0) / MEGABYTE

@@ -1,4 +1,4 @@
-"""The configuration of a training run: a frozen dataclass with every key, its default, and checks of its values."""
+"""The configuration of a training run: a frozen model with all settings, their defaults and checks."""
 
 import math
 import operator
@@ -34,20 +34,20 @@ __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 Algorithm = Literal["ippo", "mappo", "irat", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
-# What a configuration may name one's own instead of, and which settings of `own` that may then take.
+# The built-in names of each kind of hook, which a configuration may replace by custom code.
 BUNDLED: Mapping[Kind, tuple[str, ...]] = {
     "algorithm": get_args(Algorithm),
     "loss": ("ppo",),
     "network": get_args(NetworkKind),
     "reward": get_args(RewardMode),
 }
-MOST_SEEDS = 2**16  # of one run: each has a folder
-TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that are used where nothing is learnt
-SEEDS = 2**32  # how many there are: JAX makes a key of the lower 32 bits, so that a larger seed would be another's run
+MOST_SEEDS = 2**16  # in one run; each has a folder
+TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
+SEEDS = 2**32  # the number of seeds: JAX uses the lower 32 bits, so a larger seed would repeat the run of a smaller one
 
 
 class Given(NamedTuple):
-    """Where values come from, as pydantic's context. asked: the settings that somebody asked for now; None: all. stored: they are a file's."""
+    """Where values come from, as pydantic's context. asked: the settings that the user has set; None: all. stored: they come from a file."""
 
     asked: Collection[str] | None = None
     stored: bool = False
@@ -58,7 +58,7 @@ def _is_stored(info: ValidationInfo) -> bool:
 
 
 def _whole_number(value: Any) -> Any:
-    """Returns `1e6` and `"1e6"` as 1000000; anything else as it came."""
+    """Returns `1e6` and `"1e6"` as 1000000; anything else unchanged."""
     try:
         number = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -67,14 +67,14 @@ def _whole_number(value: Any) -> Any:
 
 
 def _listed(value: Any) -> Any:
-    """Returns `"45, 90"` and `45` as lists; anything else as it came."""
+    """Returns `"45, 90"` and `45` as lists; anything else unchanged."""
     if isinstance(value, str):
         return [part.strip() for part in value.split(",") if part.strip()]
     return [value] if isinstance(value, int | float) else value
 
 
 def _span(value: Any) -> Any:
-    """Returns one number as a span that stays where it is, two as they came."""
+    """Returns one number as a constant span, two unchanged."""
     listed = _listed(value)
     if not isinstance(listed, list | tuple) or len(listed) not in (1, 2):
         raise ValueError("one number, or two: at the start and at the end of the run")
@@ -88,9 +88,9 @@ def _odd(value: int) -> int:
 
 
 def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, ValidationInfo], Any]:
-    """Returns a check of `names` and of what users bring along: a function that is passed gets a name, and what is named is found at once.
+    """Returns a check that a value is one of `names` or custom code: a function gets a name, and a name is looked up at once.
 
-    In a stored configuration names stay names: to find them would run their code.
+    Names in a stored configuration are not looked up, as that would run their code.
     """
 
     def check(value: Any, given: ValidationInfo) -> Any:
@@ -109,13 +109,13 @@ def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, Validat
 
 
 def _partners(value: Any, given: ValidationInfo) -> Any:
-    """Returns partners, `{1: "random"}` or `"1,2=random,3=runs/a"`, as pairs of an agent's number and its policy's name."""
+    """Returns partners, given as `{1: "random"}` or `"1,2=random,3=runs/a"`, as pairs of an agent's number and its policy's name."""
     if isinstance(value, str):
         parts = re.findall(r"\s*([\d,\s]+)=([^,]+)", value)
         if not value.strip() or re.sub(r"\s*([\d,\s]+)=([^,]+)(,|$)", "", value):
             raise ValueError("of the form AGENT=POLICY, such as 1=random or 1,2=runs/a")
         value = {int(agent): policy.strip() for agents, policy in parts for agent in agents.replace(" ", "").strip(",").split(",")}
-    if _is_stored(given):  # as it was checked and written, with whole paths
+    if _is_stored(given):  # checked before it was stored, with full paths
         return value
     if isinstance(value, Mapping):
         value = value.items()
@@ -124,7 +124,7 @@ def _partners(value: Any, given: ValidationInfo) -> Any:
 
 @dataclass(frozen=True)
 class Only:
-    """Beside the type of a setting: that it is read only where another setting has certain values."""
+    """Annotates a setting that is used only if another setting has certain values."""
 
     setting: str
     values: str  # in words
@@ -132,7 +132,7 @@ class Only:
 
 
 def only(setting: str, *values: str) -> Only:
-    """Returns that a setting is read only where another has one of some values."""
+    """Annotates a setting that is used only if `setting` has one of these values."""
     return Only(setting, " or ".join(values), lambda value: value in values)
 
 
@@ -140,7 +140,7 @@ def _policy_name(value: Any, given: ValidationInfo) -> Any:
     return value if _is_stored(given) else lasting_name(value)
 
 
-Count = Annotated[PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)]  # more is no exact float
+Count = Annotated[PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)]  # larger numbers are not exact floats
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
@@ -160,54 +160,56 @@ BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
 class Config(BaseModel):
-    """What every algorithm's run depends on besides the game. Steps are environment steps: one step moves all agents."""
+    """The settings common to all algorithms. Steps are environment steps: one step moves all agents."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     algorithm: str
     seed: CountOrZero = 0
-    seeds: Annotated[Count, Field(le=MOST_SEEDS)] = 1  # runs side by side, with `seed`, `seed` + 1 and so on
+    seeds: Annotated[Count, Field(le=MOST_SEEDS)] = 1  # runs side by side, with seeds `seed`, `seed` + 1 and so on
     total_timesteps: Count = 10_000_000  # environment steps of each seed, rounded up to whole updates
     num_envs: Count = 64
     num_steps: Count = 128  # steps of one rollout
-    spread_starts: bool = True  # environments begin at different steps of an episode, so that each rollout sees all parts of it
+    spread_starts: bool = True  # environments start at different steps of an episode, so that each rollout covers all of it
     gamma: Fraction = 0.99
     learning_rate: PositiveFloat
     anneal_learning_rate: bool = True  # linearly to zero over the run
     max_gradient_norm: PositiveFloat = 0.5
 
-    init_from: Annotated[str, BeforeValidator(_policy_name)] = ""  # the policy whose parameters the run starts with; "": drawn ones
-    partners: Partners = ()  # (agent, policy): agents that act by a given policy and do not learn
+    init_from: Annotated[str, BeforeValidator(_policy_name)] = ""  # the policy whose parameters the run starts with; "": random ones
+    partners: Partners = ()  # (agent, policy): agents that act by a fixed policy and don't learn
 
-    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUNDLED["reward"]))] = "individual"  # or one's own, of a `Step`
+    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUNDLED["reward"]))] = "individual"  # or a custom one, of a `Step`
     common_reward: Annotated[Literal["sum", "mean"], COMMON] = "sum"
-    reward_smoothing: Annotated[Fraction, TRACES] = 0.0  # decay a step of the reward traces that svo compares; 0: this step's rewards
-    svo_angle: Annotated[Angles, SVO] = (90.0,)  # degrees, the angle sought; one for all agents or one each
+    reward_smoothing: Annotated[Fraction, TRACES] = 0.0  # decay per step of the reward traces that svo compares; 0: this step's rewards
+    svo_angle: Annotated[Angles, SVO] = (90.0,)  # target angle in degrees; one for all agents or one each
     svo_weight: Annotated[NonNegativeFloat, SVO] = 0.5
-    svo_at_rest: Annotated[Literal["selfish", "content"], SVO] = "selfish"  # the angle where nobody is rewarded: 0, or the one sought
-    svo_quadrant: Annotated[bool, SVO] = True  # angles are cut to 0 .. 90 degrees, where the theory defines them
-    exchange_ratio: Annotated[Fraction, EXCHANGE] = 0.5  # weight of each other agent's reward to one's own: 0 individual, 1 the mean
+    svo_at_rest: Annotated[Literal["selfish", "content"], SVO] = "selfish"  # the angle while nobody is rewarded: 0, or the target
+    svo_quadrant: Annotated[bool, SVO] = True  # clip angles to 0 .. 90 degrees, the range of the theory
+    exchange_ratio: Annotated[Fraction, EXCHANGE] = (
+        0.5  # weight of each other agent's reward relative to one's own: 0 individual, 1 the mean
+    )
     inequity_envy: Annotated[NonNegativeFloat, INEQUITY] = 5.0  # weight of others having more
     inequity_guilt: Annotated[NonNegativeFloat, INEQUITY] = 0.05  # weight of others having less
-    inequity_smoothing: Annotated[Fraction, INEQUITY] = 0.975  # lambda: traces fall by gamma x lambda a step; 0: this step's rewards
-    match_socialjax: Annotated[bool, SCALED] = False  # rewards scaled by the number of agents, as the released code has them
+    inequity_smoothing: Annotated[Fraction, INEQUITY] = 0.975  # lambda: traces decay by gamma x lambda per step; 0: this step's rewards
+    match_socialjax: Annotated[bool, SCALED] = False  # scale rewards by the number of agents, as in the released code
 
-    agent_id: bool = False  # networks read which agent it is besides what it sees: those who share one may come to differ
-    mask_actions: bool = True  # an action that the game forbids now is not drawn, valued or learnt from
+    agent_id: bool = False  # networks also read the agent's number, so that agents who share one can differ
+    mask_actions: bool = True  # exclude forbidden actions from drawing, values and learning
 
-    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUNDLED["network"]))] = "cnn"  # or one's own, of tokens
+    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUNDLED["network"]))] = "cnn"  # or a custom one, of tokens
     network_width: Count = 64  # units of each hidden dense layer
-    convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)  # cells along the side of each convolution's kernel, one after the other
-    convolution_channels: Annotated[Count, CNN] = 32  # features that each gives a cell
-    precision: Literal["float32", "bfloat16"] = "float32"  # of the network's layers; parameters stay float32
-    own: Own = ()  # (name, value): settings that an algorithm, loss, network or reward of one's own takes by name
+    convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)  # kernel side of each convolution in cells, in order
+    convolution_channels: Annotated[Count, CNN] = 32  # output channels of each convolution
+    precision: Literal["float32", "bfloat16"] = "float32"  # of the layers; parameters stay float32
+    own: Own = ()  # (name, value): settings of a custom algorithm, loss, network or reward
 
-    checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = 10.0  # between two checkpoints, at least
-    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = 0.05  # of the time, at most, that writing checkpoints may take
-    checkpoint_updates: CountOrZero = 0  # instead: one after so many updates, however long writing takes; 0: by time
-    policy_every: CountOrZero = 0  # updates between policies stored by number; 0: a twentieth of the run
-    keep_policies: CountOrZero = 5  # how many of them are kept, the last; 0: all
-    evaluate_every: CountOrZero = 0  # updates; 0 only what the caller does at the end
+    checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = 10.0  # at least, between two checkpoints
+    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = 0.05  # the largest share of time spent on writing checkpoints
+    checkpoint_updates: CountOrZero = 0  # instead: updates between checkpoints, however long writing takes; 0: by time
+    policy_every: CountOrZero = 0  # updates between numbered policies; 0: a twentieth of the run
+    keep_policies: CountOrZero = 5  # how many of the latest are kept; 0: all
+    evaluate_every: CountOrZero = 0  # updates between evaluations; 0: none during the run
     evaluation_episodes: Annotated[Count, Only("evaluate_every", "1 or more", bool)] = 30
 
     @model_validator(mode="wrap")
@@ -219,27 +221,26 @@ class Config(BaseModel):
             raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in error.errors())) from None
         if config.seed + config.seeds > SEEDS:
             last = "" if config.seeds == 1 else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
-            raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, for random keys are made of 32 bits, not {config.seed}{last}")
+            raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, as random keys have 32 bits, not {config.seed}{last}")
         asked = info.context.asked if info.context is not None else None
         config._refuse_unread(config.model_fields_set if asked is None else asked, _is_stored(info))
         return config
 
     def _refuse_unread(self, asked: Collection[str], stored: bool) -> None:
-        """Raises ConfigError for settings that were asked for and that nothing reads.
+        """Raises ConfigError for settings that the user has set but nothing uses.
 
-        A record, as of `record` or `model_dump`, has all of them, and nobody asks for all at once: there, and in what is stored, they may stand
-        at their defaults.
+        Records (of `record` or `model_dump`) and stored configurations have all settings, so there unused ones may have their defaults.
         """
         fields = type(self).model_fields
         if asked and (stored or dependent_settings(type(self)).keys() <= set(asked)):
             asked = [name for name in fields if getattr(self, name) != fields[name].default]
         faults = [
-            f"`{name}` does nothing where `{mark.setting}` is {getattr(self, mark.setting)}: set `{mark.setting}` to {mark.values}, or leave "
+            f"`{name}` has no effect while `{mark.setting}` is {getattr(self, mark.setting)}: set `{mark.setting}` to {mark.values}, or leave "
             f"`{name}` out"
             for name, mark in self.unread.items()
             if name in asked
         ]
-        if not stored:  # else nothing is imported yet
+        if not stored:  # stored code is not imported here
             faults += [said for name, said in unread_own(self).items() if {"own", OWN + name} & {*asked}]
             faults += missing_own(self)
         if faults:
@@ -247,17 +248,17 @@ class Config(BaseModel):
 
     @property
     def unread(self) -> dict[str, Only]:
-        """The settings that nothing reads here, each with what would have it read."""
+        """The settings that have no effect here, each with the values of another setting that would make it effective."""
         return {name: mark for name, mark in dependent_settings(type(self)).items() if not mark.holds(getattr(self, mark.setting))}
 
     @property
     def hooks(self) -> dict[Kind, str]:
-        """The names of one's own algorithm, loss, network and reward, where these are not bundled ones."""
+        """The names of the custom algorithm, loss, network and reward."""
         named = {kind: getattr(self, kind, bundled[0]) for kind, bundled in BUNDLED.items()}
         return {kind: name for kind, name in named.items() if name not in BUNDLED[kind]}
 
     def record(self) -> dict[str, Any]:
-        """Returns all settings as values of JSON, as manifests and policies have them: those that nothing reads at their defaults."""
+        """Returns all settings as JSON values, as in manifests and policies, with unused ones at their defaults."""
         defaults = {name: type(self).model_fields[name].default for name in self.unread}
         return self.model_copy(update=defaults).model_dump(mode="json")
 
@@ -273,7 +274,7 @@ class Config(BaseModel):
 
     @property
     def policy_updates(self) -> int:
-        """Updates between two policies stored by number; over as many, the best is looked for where nothing is evaluated."""
+        """Updates between numbered policies; also the window over which the best policy is chosen if nothing is evaluated."""
         return self.policy_every or max(1, self.num_updates // 20)
 
     @property
@@ -283,29 +284,29 @@ class Config(BaseModel):
 
 
 class PPOConfig(Config):
-    """Proximal policy optimisation: with a critic of what an agent sees (ippo), of what all see (mappo), or one of each (irat)."""
+    """Proximal policy optimisation with local critics (ippo), a central critic (mappo), or both (irat)."""
 
-    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo", "irat")))] = "ippo"  # or one's own
-    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUNDLED["loss"])), ONE_POLICY] = "ppo"  # or one's own, of a minibatch
+    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo", "irat")))] = "ippo"  # or a custom one
+    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUNDLED["loss"])), ONE_POLICY] = "ppo"  # or a custom one, of a minibatch
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8
     gae_lambda: Fraction = 0.95
-    advantage_floor: NonNegativeFloat = 0.03  # the least deviation that a minibatch's advantages are divided by
+    advantage_floor: NonNegativeFloat = 0.03  # the least standard deviation that a minibatch's advantages are divided by
     clip_epsilon: PositiveFloat = 0.2
-    scale_clip_epsilon: bool = False  # divide it by the number of agents
+    scale_clip_epsilon: bool = False  # divide clip_epsilon by the number of agents
     clip_value_loss: bool = True
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 
-    critic: Annotated[Literal["observations", "state"], CENTRAL] = "observations"  # it sees all agents' windows, or the world's state
+    critic: Annotated[Literal["observations", "state"], CENTRAL] = "observations"  # the critic's input: all agents' windows, or the state
     joint_optimiser: Annotated[bool, MAPPO] = False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
-    team_reward: Annotated[Literal["sum", "mean"], IRAT] = "mean"  # of all agents' raw rewards: what the team policies learn from
+    team_reward: Annotated[Literal["sum", "mean"], IRAT] = "mean"  # of all agents' raw rewards: the reward of team policies
     similarity_clip: Annotated[Span, IRAT] = (3.0, 0.5)  # how far from 1 the individual policy's ratio to the team's counts
     individual_kl: Annotated[Span, IRAT] = (0.2, 2.0)  # weight of KL(team ‖ individual) in the individual policy's loss
     team_kl: Annotated[Span, IRAT] = (1.5, 0.0)  # weight of KL(individual ‖ team) in the team policy's loss
-    sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents have one network
-    roles: Annotated[Groups, only("sharing", "by_role")] = ()  # the role of each agent, as numbers from 0; empty: as the game has it
+    sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents share a network
+    roles: Annotated[Groups, only("sharing", "by_role")] = ()  # the role of each agent, as numbers from 0; empty: those of the game
     memory: Literal["none", "gru"] = "none"
 
 
@@ -319,13 +320,13 @@ class VDNConfig(Config):
     num_steps: Count = 1
     reward: Literal["common"] = "common"
     match_socialjax: bool = False  # the team's reward is multiplied by the number of agents
-    buffer_size: Count = 102_400  # environment steps replayed from; a multiple of num_envs x num_steps
+    buffer_size: Count = 102_400  # environment steps in the replay buffer; a multiple of num_envs x num_steps
     batch_size: Count = 128
     gradient_steps: Count = 4  # of one update
     learning_starts: CountOrZero = 1000  # environment steps before the first gradient step
     double_q: bool = False
     target_update_every: Count = 10  # updates
-    target_rate: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0  # how much of the network its target takes over
+    target_rate: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0  # how far the target moves towards the network
     epsilon_start: Fraction = 1.0
     epsilon_end: Fraction = 0.05
     epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1  # of the run, until epsilon_end is reached
@@ -336,29 +337,29 @@ KEYS_OF: Mapping[str, Mapping[str, Any]] = {algorithm: kind.model_fields for alg
 
 
 def dependent_settings(kind: type[Config]) -> dict[str, Only]:
-    """Returns the settings of a configuration that are not always read, each with when it is."""
+    """Returns the settings that are not always used, each with its condition."""
     return {name: mark for name, field in kind.model_fields.items() for mark in field.metadata if isinstance(mark, Only)}
 
 
 def make_config(values: Mapping[str, Any] | None = None, *, asked: Collection[str] | None = None, **more: Any) -> Config:
-    """Returns the configuration of the algorithm that `values` name; ippo unless they do.
+    """Returns the configuration of the algorithm that `values` name; ippo by default.
 
     Args:
       values, more: settings.
-      asked: those that somebody asked for; others, as of a preset or of a stored policy, are left out where nothing reads them. None: all.
+      asked: those that the user has set; others, from a preset or a stored policy, are dropped if nothing uses them. None: all.
     Raises:
-      ConfigError: an unknown algorithm or key, a wrong value, or a setting that was asked for and that nothing reads; one line a fault.
+      ConfigError: an unknown algorithm or key, a wrong value, or a setting that the user has set and nothing uses; one line for each.
     """
     return _config({**(values or {}), **more}, Given(asked))
 
 
 def stored_config(values: Any, strict: bool = False) -> Config:
-    """Returns the configuration that a file of a run or of a policy holds; nothing that it names is imported.
+    """Returns a configuration stored with a run or a policy, without importing the code that it names.
 
-    Settings that nothing reads are left out; or, if it is `strict`, refused unless they have their defaults.
+    Settings that nothing uses are dropped; if `strict`, they are refused unless they have their defaults.
 
     Raises:
-      ConfigError: it is none of this version; one line a fault.
+      ConfigError: it isn't valid in this version; one line for each fault.
     """
     if not isinstance(values, Mapping):
         raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
@@ -366,11 +367,11 @@ def stored_config(values: Any, strict: bool = False) -> Config:
 
 
 def require_code(config: Config, place: str, to_act: bool) -> None:
-    """Checks that the caller has named the code of a stored configuration. Raises NotAllowed.
+    """Raises NotAllowed unless the caller has allowed the code that a stored configuration names.
 
     Args:
       place: where it is stored.
-      to_act: nothing is learnt, so neither losses nor rewards are going to be used.
+      to_act: whether the policy only acts, so that losses and rewards aren't used.
     """
     for kind, name in config.hooks.items():
         if not to_act or kind in TO_ACT:
@@ -381,7 +382,7 @@ def require_code(config: Config, place: str, to_act: bool) -> None:
 
 
 def class_of(algorithm: Any) -> type[Config]:
-    """Returns the class of configurations of an algorithm: of one's own that of PPO. Raises ConfigError where there is none of that name."""
+    """Returns the configuration class of an algorithm; for a custom one, that of PPO. Raises ConfigError for an unknown name."""
     if callable(algorithm) or (isinstance(algorithm, str) and is_own("algorithm", algorithm)):
         return PPOConfig
     if not isinstance(algorithm, str) or algorithm not in CLASSES:

@@ -15,8 +15,8 @@ from .metrics_files import METRICS_JSONL, Row, read_rows
 from .panels import Line, draw_panels, split_lines
 from .run_errors import RunError
 
-POINTS = 200  # of a curve: updates are averaged to as many
-# How a column's name begins, and what it is of an episode.
+POINTS = 200  # of a curve, at most; updates are averaged
+# Prefixes of columns, and what they are of an episode.
 OF_AN_EPISODE = {"event_": "{} in an episode", "mean_": "mean of {} over an episode", "final_": "{} at the end of an episode"}
 
 
@@ -24,9 +24,9 @@ def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
     """Returns the environment steps and a metric after each update of each seed of a run: `float64[2, T]` a seed.
 
     Args:
-      run_dir: what `sjdsl train` wrote. Its rows are read one at a time: of a long run they do not fit into memory.
+      run_dir: a folder that `sjdsl train` wrote. Its rows are read one at a time, as those of a long run don't fit into memory.
       metric: a column of `metrics.jsonl`; or several joined by `+`, perhaps divided by several:
-        `event_own/event_own+event_other`. What is counted for each agent is added up. NaN where there is no value.
+        `event_own/event_own+event_other`. Counts of single agents are added up. NaN where there is no value.
     Raises:
       RunError: no such run, no such column, or no metrics yet.
     """
@@ -54,7 +54,7 @@ def _sum(row: Row, names: str) -> np.float64:
 
 @lru_cache
 def _columns(known: tuple[str, ...], name: str) -> tuple[str, ...]:
-    """Returns the columns that a name stands for: itself, or one for each agent."""
+    """Returns the columns of a name: itself, or one for each agent."""
     found = (name,) if name in known else tuple(key for key in known if key.startswith(f"{name}_agent_"))
     if not found:
         raise RunError(f"the metrics have no column `{name}`; they have {', '.join(known)}")
@@ -82,26 +82,27 @@ def curve_line(label: str, folder: Path, metric: str) -> Line:
     values = np.stack([seed[1, :length] for seed in seeds])
     known = np.isfinite(values).all(axis=0)
     if not known.any():
-        raise RunError(f"{folder} has no value of `{metric}` in any update: there is no curve to draw. Perhaps no episode ended in the run")
-    steps, values = _thinned(steps[known], values[:, known])
+        raise RunError(
+            f"{folder} has no value of `{metric}` in any update, so there is no curve to draw. Perhaps no episode ended in the run"
+        )
+    steps, values = steps[known], values[:, known]
+    size = max(1, math.ceil(len(steps) / POINTS))  # updates of a point
+    values = np.stack([values[:, start : start + size].mean(axis=1) for start in range(0, len(steps), size)], axis=1)
+    steps = steps[::size]
     whose = f"{label}, {len(seeds)} seed{'s' if len(seeds) > 1 else ''}"
     return Line(whose, steps, values.mean(axis=0), values.min(axis=0), values.max(axis=0))
 
 
 def in_words(metric: str) -> str:
-    """Returns what a metric is, as the title of an axis: `event_own/event_own+event_other` is a share."""
+    """Returns a metric in words, as the title of an axis: `event_own/event_own+event_other` is a share."""
     above, _, below = metric.partition("/")
     if not below:
-        return _sum_in_words(above)
+        prefixes = {next((prefix for prefix in OF_AN_EPISODE if name.startswith(prefix)), "") for name in above.split("+")}
+        form = OF_AN_EPISODE.get(prefixes.pop(), "{}") if len(prefixes) == 1 else "{}"
+        return form.format(_names_in_words(above))
     relation = "share of" if set(above.split("+")) <= set(below.split("+")) else "ratio of"
     joint = "in" if relation == "share of" else "to"
     return f"{relation} {_names_in_words(above)} {joint} {_names_in_words(below)}"
-
-
-def _sum_in_words(names: str) -> str:
-    prefixes = {next((prefix for prefix in OF_AN_EPISODE if name.startswith(prefix)), "") for name in names.split("+")}
-    (form,) = {OF_AN_EPISODE.get(prefix, "{}") for prefix in prefixes} if len(prefixes) == 1 else ("{}",)
-    return form.format(_names_in_words(names))
 
 
 def _names_in_words(names: str) -> str:
@@ -111,10 +112,3 @@ def _names_in_words(names: str) -> str:
         bare, _, agent = bare.partition("_agent_")
         words.append(bare.replace("_", " ") + (f" of agent {agent}" if agent else ""))
     return " and ".join(words)
-
-
-def _thinned(steps: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns at most `POINTS` points, each the mean of as many updates."""
-    size = max(1, math.ceil(len(steps) / POINTS))
-    pieces = range(0, len(steps), size)
-    return steps[::size], np.stack([values[:, start : start + size].mean(axis=1) for start in pieces], axis=1)

@@ -1,6 +1,6 @@
-"""What every device computes of its own environments, and what devices exchange: sums and means.
+"""What each device computes for its own environments, and what devices exchange: sums and means.
 
-Random draws do not depend on the number of devices, so that results differ by the order of float sums alone.
+Random draws don't depend on the number of devices, so results differ only by the order of float sums.
 """
 
 from collections.abc import Callable
@@ -12,17 +12,17 @@ from jax import Array
 from jax.sharding import Mesh, PartitionSpec
 
 ENVS = "envs"
-ALL = PartitionSpec()  # what every device has
+ALL = PartitionSpec()  # the same on every device
 OF_ENVS, SECOND_OF_ENVS = PartitionSpec(ENVS), PartitionSpec(None, ENVS)  # what has environments on its first axis, or its second
 
 
 def over_devices(function: Callable[..., Any], given: Any, returned: Any) -> Callable[..., Any]:
-    """Returns a function that every device computes with its own environments; on one device the function itself.
+    """Returns a function that each device computes for its own environments; on one device, the function itself.
 
     Args:
-      function: of arrays, or trees of them; what it returns for `ALL` must be the same on all devices.
-      given: which part of each argument a device has: `ALL`, `OF_ENVS` or `SECOND_OF_ENVS`.
-      returned: the same of its results.
+      function: of arrays, or trees of them; results marked `ALL` must be the same on all devices.
+      given: the part of each argument that a device gets: `ALL`, `OF_ENVS` or `SECOND_OF_ENVS`.
+      returned: the same for its results.
     """
     devices = np.asarray(jax.devices())
     if devices.size == 1:
@@ -32,17 +32,17 @@ def over_devices(function: Callable[..., Any], given: Any, returned: Any) -> Cal
 
 
 def mean_of_all(tree: Any) -> Any:
-    """Returns the means over devices of what each has, inside of `over_devices`; elsewhere what it is given."""
+    """Returns the means over devices inside `over_devices`, elsewhere its argument."""
     return jax.lax.pmean(tree, ENVS) if _is_divided() else tree
 
 
 def sum_of_all(tree: Any) -> Any:
-    """Returns the sums over devices of what each has, inside of `over_devices`; elsewhere what it is given."""
+    """Returns the sums over devices inside `over_devices`, elsewhere its argument."""
     return jax.lax.psum(tree, ENVS) if _is_divided() else tree
 
 
 def own_keys(key: Array, number: int) -> Array:
-    """Returns a key for each of `number` things of this device, such as its environments; those of all devices are split from one key."""
+    """Returns a key for each of `number` items on this device, such as environments; the keys of all devices come from one key."""
     if not _is_divided():
         return jax.random.split(key, number)
     keys = jax.random.split(key, number * jax.lax.axis_size(ENVS))
@@ -51,7 +51,7 @@ def own_keys(key: Array, number: int) -> Array:
 
 
 def own_share(number: int) -> int:
-    """Returns how many of so many things a device has, inside of `over_devices`; elsewhere all."""
+    """Returns a device's share of a number of items inside `over_devices`, elsewhere the number itself."""
     return number // jax.lax.axis_size(ENVS) if _is_divided() else number
 
 

@@ -1,4 +1,4 @@
-"""A checksum of named arrays, compared when stored policies are read."""
+"""A checksum of named arrays, checked when stored policies are read."""
 
 import hashlib
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ def digest_of(arrays: Mapping[str, Any]) -> str:
 
 
 def _gathered(array: Any) -> np.ndarray:
-    """Returns an array as NumPy has it; one that other processes hold parts of is fetched from them."""
+    """Returns an array in NumPy; the parts that other processes hold are fetched from them."""
     if isinstance(array, jax.Array) and not array.is_fully_addressable:
         from jax.experimental.multihost_utils import process_allgather
 

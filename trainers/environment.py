@@ -12,9 +12,9 @@ from sjdsl.runtime.planes import TokenPlane
 class Environment(Protocol):
     """One environment of N agents, not batched: trainers `vmap` it.
 
-    Besides, it may have `state_vector(state)`, `roles`, `episode_length`, `with_params(params)`, the same with other numbers, and
-    `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take. Without the last, or where `forbids_actions` is false,
-    all always are.
+    It may also have `state_vector(state)`, `roles`, `episode_length`, `with_params(params)` (the same environment with other numbers), and
+    `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take. Without the last, or if `forbids_actions` is false, all
+    actions are always allowed.
     """
 
     params: Any  # pytree of the game's numbers; not part of `hash`
@@ -37,7 +37,7 @@ class Environment(Protocol):
         ...
 
     def step(self, key: Array, state: Any, actions: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
-        """Plays actions `[N]` int32, and starts a new episode when one has ended.
+        """Plays actions `[N]` int32, and starts a new episode when one ends.
 
         Returns observation, state, raw reward `[N]` float32, done `[]` bool and info: `truncated` `[]` bool, done by the
         time limit; `terminal_observation`, the one before a new episode; `events`, name -> `[N]` or `[]` int32 counts of
@@ -51,7 +51,7 @@ class Environment(Protocol):
 
 
 class MaskedEnvironment(Environment, Protocol):
-    """One that may forbid actions."""
+    """An environment that may forbid actions."""
 
     def allowed_actions(self, state: Any) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
@@ -59,7 +59,7 @@ class MaskedEnvironment(Environment, Protocol):
 
 
 class ObservableEnvironment(Environment, Protocol):
-    """One whose whole state a central critic can see."""
+    """An environment whose whole state a central critic can see."""
 
     def state_vector(self, state: Any) -> Array:
         """Returns the state as `[K]` float32."""
@@ -67,7 +67,7 @@ class ObservableEnvironment(Environment, Protocol):
 
 
 def episode_length(env: Environment) -> int:
-    """Returns the most steps of an episode; 0 if the environment does not say."""
+    """Returns the most steps of an episode; 0 if the environment doesn't say."""
     return int(getattr(env, "episode_length", 0))
 
 
@@ -85,7 +85,7 @@ def info_shapes(env: Environment) -> dict[str, Any]:
 
 
 def array_shape(shape: tuple[int, ...], dtype: Any) -> Any:
-    """Returns what stands for an array where only its shape and dtype matter."""
+    """Returns a placeholder for an array of which only shape and dtype matter."""
     return jax.ShapeDtypeStruct(shape, dtype)
 
 

@@ -15,7 +15,7 @@ from .environment import Environment, info_shapes
 
 @flax.struct.dataclass
 class EpisodeSums:
-    """What B episodes under way have come to so far."""
+    """Sums over B episodes so far."""
 
     length: Array  # [B] int32, steps
     returns: Array  # [B, N] float32, raw rewards
@@ -72,7 +72,7 @@ def add_step(sums: EpisodeSums, reward: Array, shaped_reward: Array, info: dict[
 
 
 def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpisodes]:
-    """Splits `[B]` sums by `done` `[B]`: those that run on (zero where ended), and the totals of those that ended."""
+    """Splits `[B]` sums by `done` `[B]`: those of episodes that continue (zero where ended), and the totals of those that ended."""
 
     def where_done(leaf: Array) -> Array:
         return done.reshape(done.shape + (1,) * (leaf.ndim - 1))
@@ -94,7 +94,7 @@ def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpis
 
 
 def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
-    """Returns the mean finished episode. Zeros stand for what has no value, so that no program gives NaN: see `without_value`."""
+    """Returns the mean finished episode. Missing values are zeros, so that no program returns NaN: see `without_value`."""
     number = jnp.maximum(total.episodes, 1)
     mean = jax.tree.map(lambda leaf: leaf / number, total)
     return {
@@ -112,7 +112,7 @@ def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
 
 
 def without_value(metrics: dict[str, Any]) -> set[str]:
-    """Returns which metrics of a mean episode have no value: all but the count where none finished; equality, if one of them has none."""
+    """Returns the metrics of a mean episode without a value: all but the count if none finished; equality if one of them lacks it."""
     of_episodes = {"episode_length", "collective_return", "agent_return", "shaped_agent_return", "equality", "event", "mean", "final"}
     if metrics["episodes"] == 0:
         return of_episodes

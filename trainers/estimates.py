@@ -1,4 +1,4 @@
-"""What a few samples say of the mean they are drawn from: Student's t."""
+"""Estimates a mean from a few samples, by Student's t."""
 
 import math
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ class Estimate:
 
 
 def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
-    """Returns the mean of `[E]` samples and its interval by Student's t; infinitely wide for one sample, of no width if all are equal."""
+    """Returns the mean of `[E]` samples and its interval by Student's t: infinitely wide for one sample, of width 0 if all are equal."""
     samples = np.asarray(samples, np.float64)
     if len(samples) < 2:
         return Estimate(float(samples.mean()), -math.inf, math.inf)
-    if (samples == samples[0]).all():  # rounding would give their mean another value, and their standard deviation a small one
+    if (samples == samples[0]).all():  # rounding would change their mean, and give them a small standard deviation
         return Estimate(float(samples[0]), float(samples[0]), float(samples[0]))
     mean = float(samples.mean())
     margin = half_width(float(samples.std(ddof=1)), len(samples), confidence)
@@ -29,5 +29,5 @@ def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
 
 
 def half_width(deviation: float, number: int, confidence: float) -> float:
-    """Returns half the width of the interval that `number` samples, two or more, with this standard deviation have."""
+    """Returns half the width of the interval of two or more samples with this standard deviation."""
     return float(stats.t.ppf(0.5 + confidence / 2, number - 1) * deviation / math.sqrt(number))

@@ -1,4 +1,4 @@
-"""Evaluation: plays whole episodes of a policy, and returns means with confidence intervals."""
+"""Evaluation: plays whole episodes with a policy, and estimates means with confidence intervals."""
 
 import dataclasses
 from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ from .run_files import write_json
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What E episodes came to, episode by episode."""
+    """The results of E episodes, one by one."""
 
     returns: np.ndarray  # [E, N] raw return of each agent
     lengths: np.ndarray  # [E] steps
@@ -40,18 +40,18 @@ class Evaluation:
 
     @property
     def equalities(self) -> np.ndarray:
-        """`[E]` one minus the Gini coefficient of the agents' returns; NaN unless none is negative and one positive."""
+        """`[E]` one minus the Gini coefficient of the agents' returns; NaN if one is negative or all are 0."""
         result: np.ndarray = equality(self.returns)
         return result
 
 
-EVALUATION = 0x6576616C  # "eval": apart from the numbers under which a run splits and folds its own keys
+EVALUATION = 0x6576616C  # "eval": distinct from the numbers that a run folds into its own keys
 
 
 def evaluation_key(seed: int, update: int = 0) -> Array:
-    """Returns the key of the episodes that evaluate a policy after an update, or, with 0, whenever it is asked for.
+    """Returns the key of the episodes that evaluate a policy after an update; 0: outside a run.
 
-    It is none of the keys that the run of the same seed learns with: `fold_in(key, i)` is `split(key, n)[i]`.
+    It differs from all keys that the run of the same seed learns with: `fold_in(key, i)` is `split(key, n)[i]`.
     """
     return jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), EVALUATION), update)
 
@@ -72,16 +72,19 @@ def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 3
 def make_evaluator(
     env: Environment, policy_of: Callable[[Any], Policy], num_episodes: int, memory_of: Callable[[Any], Any] | None = None
 ) -> Callable[[Array, Any], Evaluation]:
-    """Returns `evaluate` as a function of key and parameters, which compiles once.
+    """Returns `evaluate` as a function of key and parameters, which is compiled once.
 
     Args:
-      policy_of: makes the policy of parameters.
-      memory_of: makes of parameters the memories `[E, ...]` that the episodes begin with, where not all begin with the policy's `start`.
+      policy_of: returns the policy with the given parameters.
+      memory_of: returns the initial memories `[E, ...]` of the episodes; None: the policy's `start`.
     """
 
     def run(key: Array, parameters: Any) -> EpisodeSums:
         policy = with_memory(policy_of(parameters))
-        memory = _for_each(policy.start, num_episodes) if memory_of is None else memory_of(parameters)
+        if memory_of is None:
+            memory = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), policy.start)
+        else:
+            memory = memory_of(parameters)
         return _play(env, policy, memory, key, num_episodes).sums
 
     play = jax.jit(run)
@@ -95,22 +98,17 @@ def make_evaluator(
 
 @flax.struct.dataclass
 class _Play:
-    """E episodes under way."""
+    """The state of E running episodes."""
 
     state: Any  # [E, ...]
     observation: Array  # [E, N, P, V, V] uint8
-    memory: Any  # [E, ...] the policy's
+    memory: Any  # [E, ...] of the policy
     sums: EpisodeSums  # [E, ...]
     over: Array  # [E] bool
 
 
-def _for_each(start: Any, num_episodes: int) -> Any:
-    """Returns the memory of `[...]` leaves for each of E episodes: `[E, ...]`."""
-    return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), start)
-
-
 def _play(env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_episodes: int) -> _Play:
-    """Steps all episodes until the last one is over; what comes after an episode's end is not counted."""
+    """Steps all episodes until the last one is over; steps after an episode's end are not counted."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
     start = _Play(state, observation, memory, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool))
@@ -158,7 +156,7 @@ def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
 
 
 def save_evaluation(evaluation: Evaluation, path: Path | str, played: Mapping[str, Any] | None = None) -> None:
-    """Writes the estimates and every episode to a JSON file; figures that are not defined are null. `played`: what was, as JSON values."""
+    """Writes the estimates and all episodes to a JSON file; undefined figures are null. `played`: further entries, as JSON values."""
     groups = {"collective_returns": evaluation.collective_returns, "equalities": evaluation.equalities}
     per_episode = dataclasses.asdict(evaluation) | groups
     summary = {name: dataclasses.asdict(figure) for name, figure in summarise(evaluation).items()}

@@ -1,10 +1,10 @@
 """Extensions by users: their own algorithms, losses, networks, rewards, policies and callbacks, by names that configurations can hold.
 
-A name is one that was registered, or `FILE.py:NAME`, or `package.module:NAME`. What is passed in Python is registered under the
-place it was written at, so that another process finds it again where that place can be imported.
+A name is a registered one, `FILE.py:NAME`, or `package.module:NAME`. Objects that are passed in Python are registered under the place
+where they are defined, so that another process finds them again if it can import that place.
 
-A name that stands in a file, as in the JSON of a policy, leads to code only where the caller has named that code, too: by
-`allow_code`, by `register`, or by using it in this process.
+A name in a file, as in the JSON of a policy, leads to code only if the caller has named that code too: by `allow_code`, by `register`, or
+by using it in this process.
 """
 
 import importlib
@@ -20,21 +20,21 @@ from .config_errors import ConfigError
 Kind = Literal["algorithm", "callback", "loss", "network", "policy", "reward"]
 
 _REGISTERED: dict[tuple[Kind, str], Any] = {}
-_ALLOWED: set[str] = set()  # names of code that the caller has named
+_ALLOWED: set[str] = set()  # names of code that the caller has allowed
 
 
 class NotAllowed(ConfigError):
-    """A file leads to code that the caller has not named."""
+    """A file leads to code that the caller hasn't allowed."""
 
 
 def register(kind: Kind, name: str, thing: object) -> None:
-    """Gives a thing a name, for `network`, `reward` and wherever a policy or a callback is named.
+    """Gives an object a name, for `network`, `reward` and wherever a policy or a callback is named.
 
     Args:
       kind: `network`: a flax module, or a function that makes one, of tokens `[M, P, V, V]` uint8 to features `[M, K]`; `reward`: `Step -> [N]`
         float32; `loss`: `(parameters, apply, batch, config) -> (loss, metrics)`, as `ppo_loss`; `algorithm`: `(env, config) -> Train`;
         `policy`: `(key, observation [N, P, V, V]) -> actions [N]`; `callback`: `Update -> None`.
-      name: in place of what had it before.
+      name: if it is taken, the new object replaces the old one.
     """
     if not callable(thing) and not hasattr(thing, "act"):
         raise TypeError(f"{a(kind)} is a function, not {thing!r}")
@@ -47,15 +47,15 @@ def a(kind: Kind) -> str:
 
 
 def short_name(name: str) -> str:
-    """Returns a name without the place it was written at: of `FILE.py:NAME` the last."""
+    """Returns a name without its file or module: `NAME` of `FILE.py:NAME`."""
     return name.rpartition(":")[2]
 
 
 def name_of(kind: Kind, thing: Any) -> str:
-    """Returns the name of a thing that is passed: where it was written; it is registered under it."""
+    """Registers an object that is passed under the place where it is defined, and returns that name."""
     place = f"{getattr(thing, '__module__', '')}:{getattr(thing, '__qualname__', type(thing).__name__)}"
     name, number = place, 1
-    while _REGISTERED.get((kind, name), thing) is not thing:  # two lambdas of one line are two things
+    while _REGISTERED.get((kind, name), thing) is not thing:  # two lambdas of one line are different
         number += 1
         name = f"{place}#{number}"
     _REGISTERED[kind, name] = thing
@@ -63,7 +63,7 @@ def name_of(kind: Kind, thing: Any) -> str:
 
 
 def lasting(kind: Kind, name: str) -> str:
-    """Returns a name as it holds in every folder: files by their whole path."""
+    """Returns a name that works from every folder: files by their whole path."""
     return name if (kind, name) in _REGISTERED else _lasting(name)
 
 
@@ -73,22 +73,22 @@ def _lasting(name: str) -> str:
 
 
 def allow_code(*names: str) -> None:
-    """Lets stored policies and runs lead to code of one's own, which runs when they are loaded.
+    """Allows stored policies and runs to load your own code, which then runs.
 
     Args:
-      names: each `FILE.py:NAME` or `package.module:NAME`, as the refusal of a policy that needs it has it.
+      names: each `FILE.py:NAME` or `package.module:NAME`, as in the error message about a policy that needs it.
     Raises:
-      ValueError: a name is of another form.
+      ValueError: a name has another form.
     """
     for name in names:
         file, _, inside = name.rpartition(":")
         if not file or not inside:
-            raise ValueError(f"`{name}` names no code: it must be FILE.py:NAME or package.module:NAME")
+            raise ValueError(f"`{name}` doesn't name code: it must be FILE.py:NAME or package.module:NAME")
         _ALLOWED.add(_lasting(name))
 
 
 def require_allowed(kind: Kind, name: str, place: str) -> None:
-    """Checks that code which `place` names was named by the caller, too. Raises NotAllowed, which says how to."""
+    """Checks that the caller has allowed the code that `place` names. Raises NotAllowed, which says how to."""
     if ":" not in name or (kind, name) in _REGISTERED or _lasting(name) in _ALLOWED:
         return
     raise NotAllowed(
@@ -98,12 +98,12 @@ def require_allowed(kind: Kind, name: str, place: str) -> None:
 
 
 def is_own(kind: Kind, name: str) -> bool:
-    """Whether a text is the name of something that a user brings, found or not."""
+    """Whether a text is the name of a user's own object, found or not."""
     return (kind, name) in _REGISTERED or ":" in name
 
 
 def find(kind: Kind, name: str) -> Any:
-    """Returns the thing of a name, which the caller gives, or `require_allowed` has let pass.
+    """Returns the object of a name that the caller gives, or that `require_allowed` has accepted.
 
     Raises:
       ConfigError: there is none.
@@ -121,7 +121,7 @@ def find(kind: Kind, name: str) -> Any:
         found = getattr(found, part, None)
     if found is None:
         raise ConfigError(
-            f"the {kind} `{name}` is not found: {file} has no `{inside}`. What was made in a function or typed in has to be registered "
+            f"the {kind} `{name}` is not found: {file} has no `{inside}`. If it was made in a function or an interactive session, register it "
             f"again: sjdsl.trainers.register({kind!r}, {name!r}, …)"
         )
     _ALLOWED.add(_lasting(name))
@@ -129,13 +129,13 @@ def find(kind: Kind, name: str) -> Any:
 
 
 def file_of(name: str) -> Path | None:
-    """Returns the file that a name of the form `FILE.py:NAME` names."""
+    """Returns the file of a name `FILE.py:NAME`."""
     file, colon, _ = name.rpartition(":")
     return Path(file) if colon and file.endswith(".py") else None
 
 
 def _load(path: Path) -> ModuleType:
-    """Returns the module in a file, run once."""
+    """Returns the module of a file, which runs only once."""
     if not path.is_file():
         raise ConfigError(f"{path} does not exist")
     name = f"sjdsl_own.{path.resolve()}"

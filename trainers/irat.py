@@ -1,6 +1,6 @@
 """Individual reward assisted team policies (IRAT): the rewards and the loss of agents with an individual and a team policy each.
 
-The individual policies act while agents learn. The team policies learn from what these did, and are what a run is for.
+The individual policies act while agents learn. The team policies learn from what these did, and are the result of the run.
 Source: Wang et al. 2022, "Individual reward assisted multi-agent reinforcement learning"; the losses are in the form of its authors' code.
 """
 
@@ -28,14 +28,14 @@ def both_rewards(rollout: Rollout, config: PPOConfig) -> Array:
 def irat_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> tuple[Array, Metrics]:
     """Returns the loss of one minibatch, and its parts.
 
-    Of an action a that was drawn from the individual policy, with p and q what the individual and the team policy are now, p' and q' what
-    they were when it was drawn, A and B the advantages in individual and team reward, and means over the minibatch:
+    For an action a drawn from the individual policy, let p and q be the individual and the team policy now, p' and q' the two when it was
+    drawn, and A and B the advantages in individual and team reward. Then, as means over the minibatch:
 
       individual: -min(p/p' A, clip(p/p', 1 - epsilon, 1 + epsilon) A, clip(p/q', 1 - xi, 1 + xi) A) + alpha KL(q' || p)
       team:       -min(q/p' B, clip(q/p', 1 - epsilon, 1 + epsilon) B) + beta KL(p' || q)
 
-    xi is `similarity_clip`, alpha `individual_kl`, beta `team_kl`. To these are added the losses of the values and the entropies, of each
-    as in PPO. No gradient passes from one policy to the other: p' and q' are constants.
+    xi is `similarity_clip`, alpha `individual_kl`, beta `team_kl`. The losses of values and entropies of both are added as in PPO. No
+    gradient passes from one policy to the other: p' and q' are constants.
     Source: Wang et al. 2022.
     """
     assert batch.progress is not None

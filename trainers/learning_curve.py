@@ -18,7 +18,7 @@ LEARNING_CURVE = "learning_curve.png"
 
 
 def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:
-    """Draws the raw returns of the episodes that ended over environment steps; nothing if none ended, or without matplotlib."""
+    """Draws the raw returns of finished episodes over environment steps; nothing if none finished, or without matplotlib."""
     panels = curve_panels(rows)
     if not panels or not is_installed("matplotlib"):
         return
@@ -28,7 +28,7 @@ def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:
 
 
 def curve_panels(rows: Sequence[Row]) -> list[Panel]:
-    """Returns what is drawn: nothing where no episode has ended, no plot of agents where there is one."""
+    """Returns the plots: none if no episode has ended, and none of single agents if there is only one."""
     ended = [row for row in rows if row["episodes"] > 0]
     if not ended:
         return []
@@ -37,7 +37,7 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
     def line(name: str, label: str) -> Line:
         return Line(label, steps, np.array([row[name] for row in ended], float))
 
-    before = np.full(len(ended), ended[0]["collective_return"])  # the policy that the run began with played them
+    before = np.full(len(ended), ended[0]["collective_return"])  # played by the policy that the run began with
     earned = (line("collective_return", "collective return"), Line("before learning", steps, before))
     together = Panel("all agents together", "collective return of an episode", earned)
     learning = [
@@ -47,11 +47,7 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
     ]
     names = [name for name in ended[0] if name.startswith("return_agent_")]
     agents = [line(name, f"agent {number}") for number, name in enumerate(names)]
-    if len(agents) < 2:
-        return [together, *learning]
-    return [together, *learning, *(replace(panel, title=_who(panel)) for panel in split_lines(agents, "return of an agent in an episode"))]
-
-
-def _who(panel: Panel) -> str:
-    first, last = (line.label.removeprefix("agent ") for line in (panel.lines[0], panel.lines[-1]))
-    return f"agents {first} to {last}" if first != last else f"agent {first}"
+    for panel in split_lines(agents, "return of an agent in an episode") if len(agents) > 1 else ():
+        first, last = (line.label.removeprefix("agent ") for line in (panel.lines[0], panel.lines[-1]))
+        learning.append(replace(panel, title=f"agents {first} to {last}" if first != last else f"agent {first}"))
+    return [together, *learning]

@@ -1,4 +1,4 @@
-"""Signs that a run learns nothing: what the rows of its updates say, and which settings to look at."""
+"""Signs in the rows of a run's updates that it learns nothing, and which settings to look at."""
 
 import math
 import re
@@ -9,22 +9,22 @@ from .config import Config
 from .metrics_files import Row
 
 FIGURES = {"entropy": "entropy", "kl": "KL", "explained_variance": "explained variance"}  # columns that say how learning goes, in words
-SHARE = 0.1  # of a run's updates, after which something should have been learnt
+SHARE = 0.1  # of a run's updates, after which it should have learnt something
 
 
 @dataclass
 class Signs:
-    """What the rows of one seed have come to, up to `SHARE` of its run."""
+    """Totals over the rows of one seed, up to `SHARE` of its run."""
 
-    before_learning: float = math.nan  # collective return of the first episodes that ended: of the policy that the run began with
+    before_learning: float = math.nan  # collective return of the first episodes that ended, played by the policy that the run began with
     latest: float = math.nan  # of the last that ended
-    paid: bool = False  # whether any agent ever had a reward
+    paid: bool = False  # whether any agent ever got a reward
     explained: float = 0.0  # variance of the returns that the critic explained, summed over updates
     events: dict[str, float] = field(default_factory=dict)  # name -> how often it happened, by agents and words together
     updates: int = 0
 
     def count(self, row: Row) -> None:
-        """Takes note of an update."""
+        """Counts an update."""
         self.updates += 1
         self.paid |= row.get("reward_per_step") != 0
         self.explained += row.get("explained_variance", math.nan)
@@ -41,8 +41,8 @@ class Signs:
         """Yields a sentence for each sign that nothing is learnt, with what to change."""
         if not self.paid:
             yield (
-                "no agent has been rewarded yet: there is nothing to learn from. Try more environments (num_envs), a larger "
-                "entropy_coefficient, or a game in which the first reward is easier to come by"
+                "no agent has been rewarded yet, so there is nothing to learn from. Try more environments (num_envs), a larger "
+                "entropy_coefficient, or a game in which the first reward is easier to get"
             )
             return
         if config.reward == "common" and self.latest <= self.before_learning:
@@ -63,5 +63,5 @@ class Signs:
 
 
 def is_due(update: int, config: Config) -> bool:
-    """Whether the signs are judged after an update: once in a run, unless it is too short to say anything."""
+    """Whether to look for signs after an update: once in a run, unless it is too short."""
     return config.num_updates > 1 and update == max(1, round(SHARE * config.num_updates))

@@ -15,7 +15,7 @@ from .metrics_files import Row
 
 LoggerName = Literal["tensorboard", "wandb"]
 PACKAGE = {"tensorboard": "tensorboardX", "wandb": "wandb"}
-WANDB_ID = "wandb_id"  # in the folder of a seed: the run there that it is, also when it is gone on with
+WANDB_ID = "wandb_id"  # in the folder of a seed: the id of its run there, also when it is resumed
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Loggers:
     functions: tuple[Callable[[Row], None], ...]
 
     def log(self, row: Row) -> None:
-        """Hands a row to each; its `env_steps` are the axis."""
+        """Logs a row to each; its `env_steps` are the axis."""
         for function in self.functions:
             function(row)
 
@@ -36,7 +36,7 @@ def open_loggers(names: Sequence[LoggerName], folder: Path, title: str, config: 
 
     Args:
       folder: of the seed.
-      done: environment steps after which the run goes on: what was logged of later ones is logged again.
+      done: environment steps after which the run resumes; what was logged of later ones is logged again.
     Raises:
       ConfigError, MissingExtra: as in `check_loggers`.
     """
@@ -47,7 +47,7 @@ def open_loggers(names: Sequence[LoggerName], folder: Path, title: str, config: 
 
 
 def check_loggers(names: Sequence[str]) -> None:
-    """Raises ConfigError for a logger that there is not, MissingExtra for one that is not installed."""
+    """Raises ConfigError for an unknown logger, MissingExtra for one that isn't installed."""
     for name in names:
         if name not in PACKAGE:
             raise ConfigError(f"unknown logger `{name}`; known: {', '.join(get_args(LoggerName))}")
@@ -59,7 +59,7 @@ def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, don
     from tensorboardX import SummaryWriter
 
     events = folder / "tensorboard"
-    # a file of its own, also where the one before was begun in the same second, from which names are made
+    # a file of its own, even if the one before was started in the same second, which names are made from
     again = {"purge_step": done + 1, "filename_suffix": f".{done}"} if events.exists() else {}
     writer = SummaryWriter(str(events), **again)
     stack.callback(writer.close)
@@ -72,19 +72,19 @@ def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, don
 
 
 def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Callable[[Row], None]:
-    """Returns what logs to a run of its own, or goes on with it; of steps that it has already it takes no other numbers."""
+    """Returns a function that logs to a run of its own, new or resumed; steps that it has already stay as they are."""
     del done
     import wandb
 
     known = folder / WANDB_ID
     if not known.exists():
         write_whole(known, secrets.token_hex(4).encode())
-    one = {"id": known.read_text("ascii"), "resume": "allow", "reinit": "create_new"}  # else a process has one run for all its seeds
+    one = {"id": known.read_text("ascii"), "resume": "allow", "reinit": "create_new"}  # otherwise a process has one run for all its seeds
     run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.record(), **one)
     stack.callback(run.finish)
     return lambda row: run.log(_numbers(row), step=row["env_steps"])
 
 
 def _numbers(row: Row) -> dict[str, Any]:
-    """Returns what a logger plots: not the axis, and nothing that has no value."""
+    """Returns what a logger plots: everything but the axis and missing values."""
     return {name: value for name, value in row.items() if name not in ("update", "env_steps") and value == value}

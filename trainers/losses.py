@@ -1,4 +1,4 @@
-"""What losses of policies and critics read, and their parts."""
+"""The input of the losses of policies and critics, and their parts."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,10 +20,10 @@ Loss = Callable[..., tuple[Array, Metrics]]  # (parameters, apply, batch, config
 
 @flax.struct.dataclass
 class Batch:
-    """What one rollout has to teach, as M sequences of L steps: L is 1 for networks without memory, T with it.
+    """A rollout to learn from, as M sequences of L steps: L is 1 for networks without memory, T with it.
 
-    A minibatch has some of the sequences, with all agents. Of two policies, there are values, advantages and targets of both, `[L, M, N, 2]`,
-    and log probabilities of both and of all actions, `[L, M, N, 2, A]`.
+    A minibatch has some of the sequences, with all agents. With two policies there are values, advantages and targets of both,
+    `[L, M, N, 2]`, and log probabilities of both and of all actions, `[L, M, N, 2, A]`.
     """
 
     observation: Array  # [L, M, N, bytes, V * V] uint8, packed; in a minibatch [L, m, S, P, V, V]
@@ -41,7 +41,7 @@ class Batch:
 
 def normalised(advantage: Array, config: PPOConfig) -> Array:
     """Returns advantages about their mean, divided by their deviation, or by `advantage_floor` if that is larger."""
-    # Where nothing is paid, advantages are the critic's errors alone: divided by their own deviation they would move the policy as far as
+    # Without any reward, advantages are only the critic's errors; divided by their own deviation, they would move the policy as far as
     # rewards do.
     centred = advantage - mean_of_all(advantage.mean())
     deviation = jnp.sqrt(mean_of_all(jnp.square(centred).mean()))

@@ -1,4 +1,4 @@
-"""The manifest of a run, `manifest.json`: what its fields are, and reading it."""
+"""The manifest of a run, `manifest.json`: its fields, and how to read it."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,7 +16,7 @@ Number = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class _Part(BaseModel):
-    """A part of a manifest; other versions may write more into it, or less."""
+    """A part of a manifest; other versions may have more fields, or fewer."""
 
     model_config = ConfigDict(strict=True, extra="allow")
 
@@ -63,10 +63,10 @@ class _Manifest(_Part):
 
 
 def read_manifest(run_dir: Path) -> dict[str, Any]:
-    """Returns the manifest of a run, each field of which is of its kind, or is not there; the hash of its game as it is now.
+    """Returns the manifest of a run, whose fields have the right types or are missing; the game's hash is the one its rules have now.
 
     Raises:
-      RunError: there is none that can be read, or a field is of another kind.
+      RunError: there is no readable manifest, or a field has another type.
     """
     try:
         manifest = read_json(run_dir / MANIFEST)
@@ -78,7 +78,7 @@ def read_manifest(run_dir: Path) -> dict[str, Any]:
         )
         raise RunError(f"{run_dir} is not the folder of a training run, or is damaged: {what}") from None
     except (OSError, ValueError):
-        raise RunError(f"{run_dir} is not the folder of a training run: there is no {MANIFEST} in it that can be read") from None
+        raise RunError(f"{run_dir} is not the folder of a training run: it has no readable {MANIFEST}") from None
     if "hash" in manifest["game"]:
         manifest["game"]["hash"] = current_hash(manifest["game"]["hash"])
     return dict(manifest)

@@ -1,7 +1,7 @@
 """Action masks: actions that the game forbids now are neither drawn, nor valued, nor learnt from.
 
-In a compiled game a forbidden action is `stay` by another name: a mask takes nothing from an agent, it only spares it from learning
-which names mean nothing now.
+In a compiled game, a forbidden action does the same as `stay`: a mask takes nothing from an agent, but saves it from learning which
+actions do nothing now.
 """
 
 from typing import Any, cast
@@ -17,7 +17,7 @@ NEVER = -1e9  # of a logit or a value: in float32 its probability is exactly 0, 
 
 
 def wants_masks(env: Environment, config: Config) -> bool:
-    """Whether actions are masked: it is asked for, and the game ever forbids one."""
+    """Whether actions are masked: the configuration asks for it, and the game forbids some."""
     return config.mask_actions and hasattr(env, "allowed_actions") and getattr(env, "forbids_actions", True)
 
 
@@ -27,22 +27,22 @@ def allowed_in(env: Environment, masks: bool, state: Any) -> Array | None:
 
 
 def masked(scores: Array, allowed: Array | None) -> Array:
-    """Returns logits or values `[..., A]` with those of actions that are not allowed so low that they are never taken."""
+    """Returns logits or values `[..., A]`, with those of forbidden actions so low that they are never taken."""
     return scores if allowed is None else jnp.where(allowed, scores, NEVER)
 
 
 def draw_any(key: Array, shape: tuple[int, ...], num_actions: int, allowed: Array | None) -> Array:
-    """Returns actions `shape` int32, each of those allowed with equal probability."""
+    """Returns actions `shape` int32, drawn from the allowed ones with equal probability."""
     if allowed is None:
         return jax.random.randint(key, shape, 0, num_actions, jnp.int32)
     return jax.random.categorical(key, masked(jnp.zeros(allowed.shape, jnp.float32), allowed)).astype(jnp.int32)
 
 
 def pack_mask(allowed: Array | None) -> Array | None:
-    """Returns masks `[..., A]` bool as bits, `[..., bytes]` uint8: what rollouts and replay buffers keep."""
+    """Returns masks `[..., A]` bool as bits, `[..., bytes]` uint8, for rollouts and replay buffers."""
     return None if allowed is None else jnp.packbits(allowed, axis=-1)
 
 
 def unpack_mask(packed: Array | None, num_actions: int) -> Array | None:
-    """Returns what was packed."""
+    """Returns the masks that `pack_mask` packed."""
     return None if packed is None else jnp.unpackbits(packed, axis=-1, count=num_actions).astype(bool)

@@ -13,7 +13,7 @@ from .metrics_files import Row
 def flatten_metrics(metrics: dict[str, Any]) -> Row:
     """Returns metrics as flat numbers: `{"event": {"eaten": [3, 4]}}` becomes `event_eaten_agent_0` and `…_1`.
 
-    Raw and shaped returns are per agent; their means over agents are `return` and `shaped_return`. What has no value is NaN.
+    Raw and shaped returns are per agent; their means over agents are `return` and `shaped_return`. A missing value is NaN.
     """
     row: Row = {}
     absent = without_value(metrics)
@@ -41,7 +41,7 @@ def _per_agent(name: str, value: Any) -> Row:
 
 
 def mean_row(rows: Sequence[Row]) -> Row:
-    """Returns the mean of the rows of several seeds, leaving out what a seed has not."""
+    """Returns the mean of the rows of several seeds, without missing values."""
     means = {}
     for name in rows[0]:
         known = [row[name] for row in rows if row[name] == row[name]]

@@ -1,6 +1,6 @@
 """The metrics files of a run: one line an update, written at once, and truncated to the checkpoint when a run resumes.
 
-A run of many small updates has more rows than fit into memory: nothing here holds them all.
+A run of many small updates has more rows than fit into memory, so nothing here holds them all.
 """
 
 import csv
@@ -22,7 +22,7 @@ METRICS_JSONL = "metrics.jsonl"
 METRICS_CSV = "metrics.csv"
 EVALUATIONS = "evaluations.jsonl"
 
-Row = dict[str, Any]  # one line of the metrics: column -> number; NaN where there is none
+Row = dict[str, Any]  # one line of the metrics: column -> number; NaN if missing
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Metrics:
     table: TextIO
 
     def append(self, row: Row) -> None:
-        """Writes one row to both files, past the buffers of this process."""
+        """Writes one row to both files and flushes them."""
         known = plain(row)
         writer = csv.writer(self.table)
         if self.table.tell() == 0:
@@ -45,7 +45,7 @@ class Metrics:
                 file.flush()
 
     def to_disk(self) -> None:
-        """Has the system write what was appended: nothing of it is lost even if the machine stops."""
+        """Makes the system write what was appended, so that nothing is lost even if the machine stops."""
         for file in (self.lines, self.table):
             os.fsync(file.fileno())
 
@@ -61,9 +61,9 @@ def open_metrics(folder: Path) -> Iterator[Metrics]:
 
 
 def cut_metrics(folder: Path, update: int) -> Iterator[Row]:
-    """Drops what was written after an update, half a line included; yields the rows of the metrics that stay, one at a time.
+    """Drops what was written after an update, including half a line; yields the remaining rows of the metrics, one at a time.
 
-    Nothing is dropped before the last row was taken.
+    Nothing is dropped before the last row has been taken.
     """
     size = kept = 0
     for line, row in _whole_lines(folder / METRICS_JSONL):
@@ -82,21 +82,21 @@ def cut_metrics(folder: Path, update: int) -> Iterator[Row]:
 
 
 def read_rows(path: Path) -> Iterator[Row]:
-    """Yields the rows of a file of JSON lines, one at a time; half a line at its end, of a process that was killed, is none.
+    """Yields the rows of a file of JSON lines, one at a time, without half a line at the end, which a killed process leaves.
 
     Raises:
-      RunError: a line cannot be read.
+      RunError: a line can't be read.
     """
     return (known_row(row) for _, row in _whole_lines(path))
 
 
 def known_row(row: Row) -> Row:
-    """Returns a row as it was before it became JSON: NaN where there is nothing."""
+    """Returns a row as it was before it became JSON: NaN for missing values."""
     return {name: math.nan if value is None else value for name, value in row.items()}
 
 
 def thinned_rows(folder: Path, most: int) -> list[Row]:
-    """Returns the rows in which episodes finished, averaged to at most `most`: neighbours together, and as they are if they are few."""
+    """Returns the rows in which episodes finished; if there are more than `most`, neighbours are averaged."""
     number = sum(row["episodes"] > 0 for row in read_rows(folder / METRICS_JSONL))
     together = max(1, math.ceil(number / most))
     thinned: list[Row] = []
@@ -122,7 +122,7 @@ def append_line(path: Path, row: Row) -> None:
 
 
 def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
-    """Yields the lines of a file of JSON lines and what they say, up to one that was cut off when the process was killed."""
+    """Yields the lines of a file of JSON lines and their rows, up to one that was cut off when the process was killed."""
     if not path.exists():
         return
     with open(path, "rb") as file:
@@ -134,7 +134,7 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
             except ValueError:
                 row = None
             if not isinstance(row, dict):
-                raise RunError(f"{path} is damaged: its line {number} cannot be read. Put it back as it was")
+                raise RunError(f"{path} is damaged: its line {number} can't be read. Restore the file")
             yield line, row
 
 

@@ -24,23 +24,23 @@ CRITIC_GAIN = 1.0
 CONVOLUTION_SIDES = (5, 3, 3)
 CONVOLUTION_CHANNELS = 32
 
-Memory = Any  # what a network with memory hands from step to step: arrays `[M, ...]`; `()` without
+Memory = Any  # recurrent state passed from step to step: arrays `[M, ...]`; `()` without memory
 
 
 class Torso(nn.Module):
     """Features of windows of tokens, or of vectors.
 
-    Tokens become channels inside the network, so that a rollout stores bytes. `mlp` reads a window flat; `cnn` passes it through
-    convolutions first. Vectors, which have no planes, go to the dense layer at once. Source of the three convolutions: SocialJax.
+    Tokens become channels inside the network, so that rollouts store bytes. `mlp` flattens a window; `cnn` applies convolutions first. Vectors,
+    which have no planes, go straight to the dense layer. Source of the three convolutions: SocialJax.
     """
 
     planes: tuple[TokenPlane, ...]
-    kind: str  # mlp, cnn, or the name of a user's own
+    kind: str  # mlp, cnn, or the name of a custom network
     width: int
     dtype: Any
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
-    own: tuple[tuple[str, Any], ...] = ()  # settings that a network of one's own may take
+    own: tuple[tuple[str, Any], ...] = ()  # settings that a custom network may take
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
@@ -53,7 +53,7 @@ class Torso(nn.Module):
         if self.kind == "mlp":
             return nn.relu(WindowLayer(self.width, self.planes, HIDDEN_GAIN, self.dtype, name="Dense_0")(observation))
         features = to_channels(observation, self.planes, self.dtype, scale_numbers=True)
-        features = jnp.moveaxis(features.reshape(-1, *features.shape[-3:]), 1, -1)  # convolutions want channels last
+        features = jnp.moveaxis(features.reshape(-1, *features.shape[-3:]), 1, -1)  # convolutions expect channels last
         for index, side in enumerate(self.sides):
             shape = (side, side, features.shape[-1], self.channels)
             kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
@@ -62,20 +62,20 @@ class Torso(nn.Module):
         return self._dense(features.reshape(*lead, -1))
 
     def _own(self, tokens: Array) -> Array:
-        """Returns the features `[M, K]` that a user's module makes of tokens `[M, P, V, V]` uint8.
+        """Returns the features `[M, K]` of tokens `[M, P, V, V]` uint8 from a custom module.
 
-        It is made with those of `planes`, `width`, `dtype` and `own` that it has fields, or arguments, for.
+        It is created with those of `planes`, `width`, `dtype` and `own` for which it has fields or arguments.
         """
         make = filled("network", self.kind, self.own)
         fields = inspect.signature(make).parameters
         known = {"planes": self.planes, "width": self.width, "dtype": self.dtype}
         module = make(**{name: value for name, value in known.items() if name in fields})
-        if module.scope is None:  # it was made before, by whoever registered it
+        if module.scope is None:  # created beforehand and registered
             module = module.clone(parent=self, name="own")
         features = module(tokens)
         if features.ndim != 2 or features.shape[0] != tokens.shape[0]:
             raise ConfigError(
-                f"the network `{self.kind}` must make features [M, K] of tokens [M, planes, rows, columns], here {tokens.shape}; it made "
+                f"the network `{self.kind}` must return features [M, K] for tokens [M, planes, rows, columns], here {tokens.shape}; it returned "
                 f"{features.shape}"
             )
         result: Array = features
@@ -86,9 +86,9 @@ class Torso(nn.Module):
 
 
 def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
-    """Returns features `[..., S, K]` and beside them, one-hot, the numbers `[S]` of the agents they are of: `[..., S, K + number]`.
+    """Returns features `[..., S, K]` with the one-hot numbers `[S]` of their agents appended: `[..., S, K + number]`.
 
-    They join behind the torso: the layers after it, memory included, can do another thing for each agent. 0 leaves them out.
+    They are appended after the torso, so that the later layers, memory included, can differ by agent. With `number` 0 nothing is appended.
     """
     if number == 0:
         return features
@@ -97,7 +97,7 @@ def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
 
 
 class Recurrence(nn.Module):
-    """A gated recurrent unit along the first axis; its memory is emptied where an episode begins."""
+    """A gated recurrent unit along the first axis; its memory is reset at the start of an episode."""
 
     width: int
     dtype: Any
@@ -113,7 +113,7 @@ class Recurrence(nn.Module):
 
 
 class Head(nn.Module):
-    """A hidden layer and a linear one; float32 comes out."""
+    """A hidden layer and a linear layer with float32 outputs."""
 
     outputs: int
     width: int
@@ -127,11 +127,10 @@ class Head(nn.Module):
 
 
 class ActorCritic(nn.Module):
-    """The network of S agents that share it: a policy of what an agent sees, and a value.
+    """The network that S agents share: a policy given an agent's window, and a value.
 
-    With a local critic, policy and value have one torso and a value is one of the agent's own window. With a central one,
-    the critic is a network of its own that sees `joint`, the same for all agents, and says all S values at once: it needs no numbers
-    to tell agents apart.
+    With a local critic, policy and value share one torso, and the value depends on the agent's own window. With a central one, the critic is
+    a separate network that sees `joint`, the same for all agents, and returns all S values at once, so it doesn't need agents' numbers.
     """
 
     num_actions: int
@@ -142,7 +141,7 @@ class ActorCritic(nn.Module):
     width: int
     recurrent: bool = False
     dtype: Any = jnp.float32
-    numbers: int = 0  # N of the game, where what agents are is an input; 0: it is none
+    numbers: int = 0  # N if the agents' numbers are an input, else 0
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
     own: tuple[tuple[str, Any], ...] = ()
@@ -154,11 +153,11 @@ class ActorCritic(nn.Module):
         """Reads L steps of M environments.
 
         Args:
-          memory: from the step before; of `start_memory` at first.
+          memory: from the previous step; initially from `start_memory`.
           observation: `[L, M, S, P, V, V]` uint8.
-          joint: `[L, M, ...]` what a central critic sees; None for a local one.
-          fresh: `[L, M]` bool, the episode begins with this step.
-          agents: `[S]` int32, the numbers of the agents in the game; read where they are an input.
+          joint: `[L, M, ...]`, the input of a central critic; None for a local one.
+          fresh: `[L, M]` bool, whether the episode starts with this step.
+          agents: `[S]` int32, the numbers of the agents; used only if they are an input.
         Returns:
           the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
         """
@@ -190,11 +189,11 @@ class ActorCritic(nn.Module):
         return memory
 
 
-INDIVIDUAL, TEAM = 0, 1  # of two policies of an agent
+INDIVIDUAL, TEAM = 0, 1  # indices of the two policies of an agent
 
 
 class ActorCriticPair(nn.Module):
-    """Two networks of the same S agents that share no layer: of their individual policies, with a local critic, and of team policies."""
+    """Two separate networks of the same S agents: individual policies with a local critic, and team policies."""
 
     individual: ActorCritic
     team: ActorCritic
@@ -214,14 +213,14 @@ class ActorCriticPair(nn.Module):
 
 
 class ActionValues(nn.Module):
-    """The value of each action to an agent that sees a window; all agents of the game share the network."""
+    """The value of each action given an agent's window; all agents share the network."""
 
     num_actions: int
     planes: tuple[TokenPlane, ...]
     kind: str
     width: int
     dtype: Any = jnp.float32
-    numbers: int = 0  # N, where what agents are is an input; 0: it is none
+    numbers: int = 0  # N if the agents' numbers are an input, else 0
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
     own: tuple[tuple[str, Any], ...] = ()

@@ -1,4 +1,4 @@
-"""The optimisers of PPO (optax): one for all that share layers."""
+"""The optimisers of PPO (optax): one for all parameters that share layers."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ def learning_rate_schedule(config: PPOConfig) -> optax.Schedule:
 def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
     """Returns Adam on gradients whose global norm is clipped: for all parameters, or for each part of them.
 
-    Apart, a critic whose errors are large, as those of summed rewards are, does not take the actor's share of the clipped norm.
+    With separate optimisers, a critic with large errors (as with summed rewards) doesn't take the actor's share of the clipped norm.
     """
     if not parts(config):
         return _clipped_adam(config)
@@ -29,7 +29,7 @@ def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
 
 
 def parts(config: PPOConfig) -> tuple[str, ...]:
-    """Returns the parts that have an optimiser each: a central critic shares no layer with its actor, nor does an individual policy."""
+    """Returns the parts with an optimiser each: a central critic shares no layer with its actor, nor does an individual policy."""
     if config.algorithm == "irat":
         return ("individual", "actor", "critic")
     return ("actor", "critic") if config.algorithm == "mappo" and not config.joint_optimiser else ()
@@ -42,7 +42,7 @@ def part_of_each(parameters: Any) -> Any:
 
 
 def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
-    """Returns the global norm of the gradients before they are clipped; where that is done apart, also the norm of each part."""
+    """Returns the global norm of the gradients before clipping, and that of each part that has an optimiser of its own."""
     norms = {"gradient_norm": optax.tree.norm(gradients)}
     of_leaf = jax.tree.leaves(part_of_each(gradients))
     for part in parts(config):

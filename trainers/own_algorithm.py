@@ -1,4 +1,4 @@
-"""Algorithms of one's own: functions of an environment and a configuration that make a `Train`."""
+"""Users' own algorithms: functions of an environment and a configuration that return a `Train`."""
 
 from dataclasses import replace
 from typing import Any
@@ -8,17 +8,17 @@ from .environment import Environment
 from .own_settings import filled
 from .training_functions import Metrics, Train, TrainState
 
-NEEDED = ("loss", "episodes", "collective_return", "agent_return")  # metrics that files and curves of a run are made of
+NEEDED = ("loss", "episodes", "collective_return", "agent_return")  # metrics that the files and curves of a run need
 
 
 def make_own(env: Environment, config: PPOConfig) -> Train:
     """Returns the run that a user's function makes.
 
-    It is given the configuration with `ippo` as its algorithm, so that `make_train(env, config)` is a run to begin with, and without the
-    policy to start from, which a run adopts afterwards.
+    The function gets the configuration with `ippo` as its algorithm, so that it can build on `make_train(env, config)`, and without the
+    policy to start from, which the run adopts afterwards.
 
     Raises:
-      ConfigError: the function makes something else, or a run whose metrics lack what is needed; the latter while it is traced.
+      ConfigError: the function returns something else, or (while it is traced) a run that lacks a needed metric.
     """
     name = config.algorithm
     program = filled("algorithm", name, config.own)(env, config.model_copy(update={"algorithm": "ippo", "init_from": ""}))

@@ -38,7 +38,7 @@ class Packing:
         return jnp.stack(packed, axis=-2)
 
     def unpack(self, packed: Array) -> Array:
-        """Returns what was packed."""
+        """Returns the observation that `pack` packed."""
         planes = [(packed[..., byte, :] >> jnp.uint8(low)) & jnp.uint8(2**bits - 1) for byte, low, bits in self.places]
         cells = jnp.stack(planes, axis=-2)
         return cells.reshape(*cells.shape[:-1], *self.window)

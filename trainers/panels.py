@@ -39,16 +39,17 @@ class Panel:
 
 
 def split_lines(lines: Sequence[Line], y_title: str) -> list[Panel]:
-    """Returns the fewest plots that have at most five lines each, as evenly filled as can be."""
+    """Returns the fewest plots with at most five lines each, filled as evenly as possible."""
     count = -(-len(lines) // MOST)
     bounds = [round(number * len(lines) / count) for number in range(count + 1)]
     return [Panel("", y_title, tuple(lines[first:last])) for first, last in pairwise(bounds)]
 
 
 def draw_panels(panels: Sequence[Panel], title: str = "") -> "Figure":
-    """Returns a figure with the plots in rows; those of the same y title have the same range."""
+    """Returns a figure with the plots in rows; plots with the same y title have the same range."""
     with needs("plots"):
         from matplotlib.figure import Figure  # here: importing it costs as much as a short test
+        from matplotlib.ticker import EngFormatter
 
     columns = min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)
@@ -57,22 +58,16 @@ def draw_panels(panels: Sequence[Panel], title: str = "") -> "Figure":
     for number, panel in enumerate(panels, 1):
         like = next((axes for axes, other in zip(drawn, panels, strict=False) if other.y_title == panel.y_title), None)
         axes = figure.add_subplot(rows, columns, number, sharey=like, sharex=drawn[0] if drawn else None)
-        _draw(axes, panel)
+        for line in panel.lines:
+            marker = "o" if len(line.steps) == 1 else ""  # a single point would be invisible without a marker
+            (shown,) = axes.plot(line.steps, line.values, marker=marker, label=line.label)
+            if line.low is not None and line.high is not None:
+                axes.fill_between(line.steps, line.low, line.high, color=shown.get_color(), alpha=0.25, linewidth=0)
+        axes.set(xlabel="environment steps", ylabel=panel.y_title, title=panel.title)
+        axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize="small")
         drawn.append(axes)
     if title:
         figure.suptitle(title)
     return figure
-
-
-def _draw(axes: "Axes", panel: Panel) -> None:
-    from matplotlib.ticker import EngFormatter
-
-    for line in panel.lines:
-        marker = "o" if len(line.steps) == 1 else ""  # one point is no line: without a marker nothing is seen
-        (shown,) = axes.plot(line.steps, line.values, marker=marker, label=line.label)
-        if line.low is not None and line.high is not None:
-            axes.fill_between(line.steps, line.low, line.high, color=shown.get_color(), alpha=0.25, linewidth=0)
-    axes.set(xlabel="environment steps", ylabel=panel.y_title, title=panel.title)
-    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")

@@ -1,8 +1,8 @@
-"""Finds policies by name and loads them: random, constant, trained or stored in a file."""
+"""Finds and loads policies by name: random, constant, scripted or stored in a file."""
 
 import inspect
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -42,7 +42,7 @@ __all__ = [
     "with_memory",
 ]
 
-# What two runs must have alike for one to start with the parameters of the other.
+# Settings that two runs must share for one to start with the parameters of the other.
 SHAPING_NETWORKS = (
     "algorithm",
     "own",
@@ -60,15 +60,16 @@ SHAPING_NETWORKS = (
 
 
 def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | None = None) -> Policy:
-    """Returns a policy by its name, or what is one already.
+    """Returns a policy by name; a policy is returned unchanged.
 
     Args:
-      policy: `random`, `stay`, the name of a policy that the game's file declares, the folder of a run, `RUN@best`, `RUN@UPDATE`, `RUN/seed_N`, a `.safetensors` file, `FILE.py:FUNCTION`, a
-        name that was registered; or a function `(key, observation [N, P, V, V]) -> actions [N]`, or a `MemoryPolicy`.
-      env: environment to act in.
-      greedy: of a trained policy, as in `trained_policy`.
+      policy: `random`, `stay`, the name of a policy in the game's file, the folder of a run, `RUN@best`, `RUN@UPDATE`, `RUN/seed_N`, a
+        `.safetensors` file, `FILE.py:FUNCTION`, or a registered name; or a function `(key, observation [N, P, V, V]) -> actions [N]`,
+        or a `MemoryPolicy`.
+      env: the environment to act in.
+      greedy: for a trained policy, as in `trained_policy`.
     Raises:
-      PolicyError: there is none of that name, or it does not fit `env`.
+      PolicyError: there is no such policy, or it doesn't fit `env`.
     """
     if not isinstance(policy, str | Path):
         return policy
@@ -83,7 +84,9 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
         try:
             return scripted_policy(env, name)
         except NotSupported as refused:
-            raise PolicyError(_not_compiled(name, refused)) from None
+            place = f" ({refused.origin.file}, line {refused.origin.line})" if refused.origin is not None else ""
+            instead = f"; {refused.instead}" if refused.instead else ""
+            raise PolicyError(f"the policy `{name}` can't be compiled: {refused.what} is not supported yet{place}{instead}") from None
     path, which = split_name(name)
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy=greedy, which=which)
@@ -98,36 +101,30 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
 
 
 def _check_arguments(name: str, policy: Any) -> None:
-    """Raises PolicyError for a function that cannot be called as a policy is, which JAX would say in a hundred lines."""
+    """Raises PolicyError for a function that can't be called as a policy, for which JAX would print a long traceback."""
     if hasattr(policy, "act"):
         return
     if not callable(policy):
-        raise PolicyError(f"the policy `{name}` is no function, but {policy!r}")
+        raise PolicyError(f"the policy `{name}` must be a function, not {policy!r}")
     try:
         arguments = inspect.signature(policy)
-    except ValueError:  # some functions of extensions do not tell what they take
+    except ValueError:  # some functions of C extensions have no signature
         return
     try:
         arguments.bind(None, None)
     except TypeError:
-        raise PolicyError(f"the policy `{name}` is called with a key and an observation, and takes {arguments}") from None
-
-
-def _not_compiled(name: str, refused: NotSupported) -> str:
-    place = f" ({refused.origin.file}, line {refused.origin.line})" if refused.origin is not None else ""
-    instead = f"; {refused.instead}" if refused.instead else ""
-    return f"the policy `{name}` cannot be compiled: {refused.what} is not supported yet{place}{instead}"
+        raise PolicyError(f"the policy `{name}` is called with a key and an observation, but takes {arguments}") from None
 
 
 def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool | None = None) -> Policy:
-    """Returns the policy of `parameters`.
+    """Returns the policy with the given parameters.
 
     Args:
       config: of the run; agents that it held fixed act by their own policies.
-      greedy: take the best action instead of drawing one. None: as what was learnt is meant to act: actors, which learn probabilities,
-        draw their actions; action values have none, and the best is taken. Values with `greedy=False` explore as the run did at its end.
+      greedy: whether to take the best action instead of drawing one. None: as the algorithm intends, that is, actors draw their actions, and
+        action values take the best. Action values with `greedy=False` explore as the run did at its end.
     """
-    parameters = jax.tree.map(jnp.asarray, parameters)  # those of a file are NumPy's, which some transformations do not take
+    parameters = jax.tree.map(jnp.asarray, parameters)  # parameters from a file are NumPy arrays, which some transformations reject
     match config:
         case PPOConfig() if "algorithm" in config.hooks:
             make_policy = _own_program(env, config).policy
@@ -143,17 +140,17 @@ def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bo
 
 
 def _own_program(env: Environment, config: PPOConfig) -> Train:
-    """Returns the run of an algorithm of one's own, for its policy alone: no reward or loss is looked for, which may be code of one's own, too."""
+    """Returns the run of a custom algorithm, just for its policy: a custom reward or loss isn't imported."""
     return make_own(env, config.model_copy(update={"reward": "individual", "loss": "ppo"}))
 
 
 def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
     networks = make_actor_critics(env, config)
-    # a critic is not asked; one that sees the state gets zeros
+    # The critic isn't used, so one that sees the state gets zeros.
     state = jnp.zeros((1, 1, *networks.joint_shape), jnp.float32) if networks.joint_shape and networks.from_state else None
 
     def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
-        never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with `start`
+        never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with the memory `start`
         memory, logits, _ = networks.apply(parameters, memory, observation[None, None], state, never_fresh)
         likes = masked(networks.of_result(logits)[0, 0], allowed)
         action = jnp.argmax(likes, axis=-1) if greedy else jax.random.categorical(key, likes)
@@ -173,7 +170,7 @@ def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: 
 
 
 def _policy(start: Any, act: Callable[[Any, Array, Array, Array | None], tuple[Any, Array]], reads_allowed: bool) -> Policy:
-    """Returns the simplest form of a policy: a function of key and observation if it neither remembers nor reads what is allowed."""
+    """Returns a policy in its simplest form: a function of key and observation if it has no memory and needs no masks."""
     if reads_allowed:
         return MemoryPolicy(start, act, reads_allowed=True)
     if jax.tree.leaves(start):
@@ -182,7 +179,7 @@ def _policy(start: Any, act: Callable[[Any, Array, Array, Array | None], tuple[A
 
 
 def parameter_shapes(env: Environment, config: Config) -> Any:
-    """Returns the shapes and dtypes of the parameters that a configuration's policy has."""
+    """Returns the shapes and dtypes of the parameters of a configuration's policy."""
     match config:
         case PPOConfig() if "algorithm" in config.hooks:
             program = _own_program(env, config)
@@ -202,14 +199,14 @@ def load_policy(
 
     Args:
       source: the folder of a run, or one of the `.safetensors` files in its `policies`, with the `.json` file beside it.
-      env: environment to act in; it must have the actions and observation planes of the one trained on. Another
-        variant or other parameters are allowed, with a warning.
-      update: of a folder, one of its policies stored by number.
-      greedy: take the best action, or draw one; None: as the algorithm is meant to act, see `trained_policy`.
-      which: of a folder, `last` or `best`, by its evaluations, or the number of an update.
+      env: the environment to act in, with the same actions and observation planes as in training. Another variant or other parameters are
+        allowed, with a warning.
+      update: for a folder, the number of a stored policy.
+      greedy: whether to take the best action or draw one; None: as the algorithm intends, see `trained_policy`.
+      which: for a folder, `last`, `best` (by its evaluations), or the number of an update.
     Raises:
-      PolicyError: no such policy, or it cannot be read, or it does not fit `env`; or it needs code of one's own, a network or a partner's
-        policy, which `allow_code` has not been told of.
+      PolicyError: there is no such policy, or it can't be read, or it doesn't fit `env`; or it needs custom code, a network or a partner's
+        policy, that `allow_code` has not allowed.
     """
     path = policy_path(Path(source), which if update is None else update)
     parameters, described = read_parameters(path, env)
@@ -222,9 +219,9 @@ _LOADING: ContextVar[frozenset[Path]] = ContextVar("_LOADING", default=frozenset
 
 @contextmanager
 def _once(path: Path) -> Iterator[None]:
-    """Raises PolicyError where the partners of a policy act by that policy, by themselves or by their own partners."""
+    """Raises PolicyError if a policy is among its own partners, directly or through their partners."""
     if path in _LOADING.get():
-        raise PolicyError(f"{path} is its own partner, directly or through others, so it cannot be loaded")
+        raise PolicyError(f"{path} is its own partner, directly or through others, so it can't be loaded")
     before = _LOADING.set(_LOADING.get() | {path})
     try:
         yield
@@ -236,7 +233,7 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
     """Returns the parameters of the policy that a run with `config` starts from.
 
     Raises:
-      ConfigError: it is no stored policy, or of other networks than the run has. PolicyError: it cannot be read.
+      ConfigError: it isn't a stored policy, or its networks differ from the run's. PolicyError: it can't be read.
     """
     path, which = split_name(name)
     if not path.exists():
@@ -249,12 +246,12 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
         if getattr(described.config, key, None) != getattr(config, key, None)
     ]
     if jax.tree.map(jnp.shape, parameters) != jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(env, config)):
-        raise ConfigError(f"a run cannot start from {file}, whose networks are others: {'; '.join(differs) or 'the game is another'}")
+        raise ConfigError(f"a run can't start from {file}, whose networks differ: {'; '.join(differs) or 'it is for another game'}")
     return parameters
 
 
 def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
-    """Returns the parameters of a stored policy and what they are of. Raises PolicyError, also where it does not fit `env`."""
+    """Returns the parameters and the description of a stored policy. Raises PolicyError if it can't be read or doesn't fit `env`."""
     parameters, described = read_policy(path, lambda config: parameter_shapes(env, config))
     game = described.game
     if game["hash"] != env.hash:
@@ -262,29 +259,23 @@ def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
             f"{path} was trained on another form of the game: {game['name']} {game['hash']}, not {env.name} {env.hash}", stacklevel=2
         )
     if parameters is None:
-        raise PolicyError(f"{path} does not fit {env.name}: {_unfit(game, env)}")
+        there, here = (len(game["action_names"]), game["observation_shape"]), (env.num_actions, list(reset_shapes(env)[0].shape))
+        if there != here:
+            reason = f"with {there[0]} actions and observations {there[1]}; here are {here[0]} actions and observations {here[1]}"
+        else:
+            reason = (
+                f"{game['hash']}, whose windows have the same size but show other things than those of {env.name} {env.hash}; "
+                "name the variant, map and observation that it was trained with"
+            )
+        raise PolicyError(f"{path} doesn't fit {env.name}: it was trained on {game['name']} {reason}")
     return parameters, described
 
 
-def _unfit(game: Mapping[str, Any], env: Environment) -> str:
-    """Returns why the networks of a policy are not those of `env`: other actions or windows, else other things that windows show."""
-    there, here = (len(game["action_names"]), game["observation_shape"]), (env.num_actions, list(reset_shapes(env)[0].shape))
-    if there != here:
-        return (
-            f"it was trained on {game['name']} with {there[0]} actions and observations {there[1]}; "
-            f"here are {here[0]} actions and observations {here[1]}"
-        )
-    return (
-        f"it was trained on {game['name']} {game['hash']}, whose windows are as large and show other things than those of "
-        f"{env.name} {env.hash}; name the variant, map and observation that it was trained with"
-    )
-
-
 def make_partners(env: Environment, config: Config) -> Partners:
-    """Returns the agents that are held fixed, and how they act.
+    """Returns the agents that are held fixed, and their policies.
 
     Raises:
-      ConfigError: they are not agents of the game. PolicyError: a policy cannot be found, or does not fit.
+      ConfigError: they are not agents of the game. PolicyError: a policy can't be found, or doesn't fit.
     """
     if not config.partners:
         return NOBODY
@@ -293,7 +284,7 @@ def make_partners(env: Environment, config: Config) -> Partners:
 
 
 def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:
-    """Returns a policy of the agents that learn, with the partners that they learnt with."""
+    """Returns a policy of all agents: the learning ones act by `policy`, and their partners as in training."""
     if not config.partners:
         return policy
     own = (learning_agents(env.num_agents, config), with_memory(policy))

@@ -1,4 +1,4 @@
-"""Stored policies: parameters as safetensors, and a JSON file that says what they belong to."""
+"""Stored policies: parameters as safetensors, and a JSON file that describes them."""
 
 import hashlib
 import warnings
@@ -23,21 +23,21 @@ from .policy_names import LARGEST_DESCRIPTION, split_name
 from .run_files import json_text
 
 POLICIES = "policies"
-START = "start.safetensors"  # in the folder of a run that started from another's policy: a copy of it
+START = "start.safetensors"  # in the folder of a run that started from a stored policy: its copy
 SUFFIX = ".safetensors"
 # In the metadata of the file, two digests: of its tensors, with their names, dtypes and shapes, and of the bytes of the `.json` beside it.
-# They have one key, for safetensors writes several in no order, and files that are equal have to have the same bytes.
+# They share a key, because safetensors writes several keys in no fixed order, and equal files must have equal bytes.
 DIGEST = "sha256"
 UNREADABLE = (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError, SafetensorError, ConfigError)
 
 
 class PolicyError(Exception):
-    """A stored policy cannot be read, or does not fit the environment."""
+    """A stored policy can't be read, or doesn't fit the environment."""
 
 
 @dataclass(frozen=True)
 class Described:
-    """What a stored policy is one of."""
+    """The description of a stored policy."""
 
     game: Mapping[str, Any]  # name, hash, action_names, observation_shape
     config: Config
@@ -47,7 +47,7 @@ class Described:
 
 
 def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> None:
-    """Writes `path` (.safetensors) and the `.json` beside it; each is there whole or not at all."""
+    """Writes `path` (.safetensors) and the `.json` beside it, each whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     leaves, _ = tree_flatten_with_path(jax.device_get(parameters))
     tensors = {keystr(place): np.ascontiguousarray(leaf) for place, leaf in leaves}
@@ -57,7 +57,7 @@ def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> N
 
 
 def copy_policy(name: str, path: Path) -> None:
-    """Copies the policy of a name to `path`, with the `.json` beside it; the tensors last, for they make it one."""
+    """Copies the policy of a name to `path`, with the `.json` beside it; the tensors last, as they make it a policy."""
     folder, which = split_name(name)
     source = policy_path(folder, which)
     for suffix in (".json", SUFFIX):
@@ -65,10 +65,10 @@ def copy_policy(name: str, path: Path) -> None:
 
 
 def remove_policies(folder: Path, kept: int) -> None:
-    """Removes the policies stored by number, but for the last; 0 keeps all."""
+    """Removes the policies stored by number, except the last `kept`; 0 keeps all."""
     numbered = sorted(path.stem for path in folder.glob(f"*{SUFFIX}") if path.stem.isdecimal())
     for stem in numbered[:-kept] if kept else ():
-        for suffix in (SUFFIX, ".json"):  # the tensors first: a description alone is no policy
+        for suffix in (SUFFIX, ".json"):  # the tensors first: a description alone isn't a policy
             (folder / stem).with_suffix(suffix).unlink(missing_ok=True)
 
 
@@ -85,8 +85,8 @@ def policy_path(source: Path, which: str | int) -> Path:
         if not source.is_file():
             raise PolicyError(f"{source} does not exist")
         return source
-    if not (source / "manifest.json").is_file() and not (source / POLICIES).is_dir():  # the folder of one seed has no manifest
-        raise PolicyError(f"{source} is not the folder of a training run: there is no manifest.json in it")
+    if not (source / "manifest.json").is_file() and not (source / POLICIES).is_dir():  # the folder of a single seed has no manifest
+        raise PolicyError(f"{source} is not the folder of a training run: it has no manifest.json")
     stored = sorted(path.stem for path in (source / POLICIES).glob(f"*{SUFFIX}"))
     name = f"{which:08d}" if isinstance(which, int) else which
     if name in stored:
@@ -102,14 +102,14 @@ def policy_path(source: Path, which: str | int) -> Path:
 
 
 def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, Described]:
-    """Returns the parameters and what they are of; None for parameters that have not the shapes wanted.
+    """Returns the parameters and their description; None for parameters that don't have the wanted shapes.
 
     Args:
       path: the `.safetensors` file.
-      shapes_of: the tree of shapes that a configuration's parameters have.
+      shapes_of: the tree of shapes of a configuration's parameters.
     Raises:
-      PolicyError: a file is missing, damaged, or of no configuration this version knows; or a number in it is not finite; or it leads to
-      code that the caller has not named (`allow_code`). A reward of one's own is no part of acting, and is not imported.
+      PolicyError: a file is missing, damaged, or of a configuration that this version doesn't know; a number in it isn't finite; or it
+      leads to code that the caller hasn't allowed (`allow_code`). A user's own reward isn't needed to act, and isn't imported.
     """
     try:
         with safe_open(path, "np") as file:
@@ -119,8 +119,8 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
             require_code(described.config, str(path.with_suffix(".json")), to_act=True)
             leaves, structure = tree_flatten_with_path(shapes_of(described.config))
             wanted = {keystr(place): leaf.shape for place, leaf in leaves}
-            found = {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}  # noqa: SIM118 (it is no mapping)
-            if found != wanted:  # and nothing of the file, however large, has to be read
+            found = {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}  # noqa: SIM118 (it isn't a mapping)
+            if found != wanted:  # before any of the file, which may be large, is read
                 return None, described
             tensors = {name: file.get_tensor(name) for name in wanted}
     except NotAllowed as error:
@@ -128,35 +128,31 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     except UNREADABLE as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
     if metadata.keys() - {DIGEST} or (of_tensors and digest_of(tensors) != of_tensors):
-        raise PolicyError(f"{path} is damaged: its tensors are not those that were written; take another policy of the run")
+        raise PolicyError(f"{path} is damaged: its tensors aren't those that were written; use another policy of the run")
     if not of_json:
         lacking = "digest of its description" if of_tensors else "digest"
-        warnings.warn(f"{path} has no {lacking}, as files of earlier versions: damage cannot be detected", stacklevel=2)
-    _require_finite(path, tensors)
+        warnings.warn(f"{path} has no {lacking}, like files of earlier versions: damage can't be detected", stacklevel=2)
+    bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
+    if bad:
+        raise PolicyError(f"{path} holds non-finite numbers, in {', '.join(bad)}: no agent can act by it; use another policy")
     return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
 
 
 def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
-    """Returns what the metadata of a policy hold of its tensors and of the file beside it."""
+    """Returns the digests of a policy's tensors and of its description, for the metadata."""
     return f"{digest_of(tensors)} {hashlib.sha256(description).hexdigest()}"
 
 
 def _read_description(path: Path, digest: str) -> Described:
-    """Returns what stands in the file beside the tensors; with a digest, only if it is the one that was written."""
+    """Returns the description of a policy, which must have the digest if there is one."""
     written = read_bytes(path, LARGEST_DESCRIPTION)
     if digest and hashlib.sha256(written).hexdigest() != digest:
-        raise ValueError(f"{path} is damaged: it is not the one that was written; take another policy of the run")
+        raise ValueError(f"{path} is damaged: it isn't the one that was written; use another policy of the run")
     content = parse_json(written)
     game, update, env_steps = content["game"], content["update"], content["env_steps"]
     texts, numbers = (game["name"], game["hash"], *game["action_names"]), (update, env_steps, *game["observation_shape"])
     if not all(isinstance(text, str) for text in texts) or not all(isinstance(number, int) for number in numbers):
-        raise ValueError(f"{path} does not describe a policy")
+        raise ValueError(f"{path} doesn't describe a policy")
     config = stored_config(content["config"])
     game["hash"] = current_hash(game["hash"])
     return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))
-
-
-def _require_finite(path: Path, tensors: Mapping[str, np.ndarray]) -> None:
-    bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
-    if bad:
-        raise PolicyError(f"{path} holds numbers that are not finite, in {', '.join(bad)}: no agent can act by it; take another policy")

@@ -17,13 +17,13 @@ from sjdsl.near_names import meant
 
 from .extensions import is_own, lasting, name_of
 
-UNTRAINED = ("random", "stay")  # what needs no file: `sjdsl.runtime.policy.UNTRAINED`
+UNTRAINED = ("random", "stay")  # they need no file: `sjdsl.runtime.policy.UNTRAINED`
 LARGEST_DESCRIPTION = 2**20  # bytes of the .json beside a stored policy
 KNOWN = "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
 
 
 def split_name(name: str) -> tuple[Path, str | int]:
-    """Returns the folder or file of a name, and which policy of a folder is meant: `last`, `best` or an update."""
+    """Returns the folder or file of a name, and which policy of the folder: `last`, `best` or an update."""
     before, at, which = name.rpartition("@")
     if not at or Path(name).exists():
         return Path(name), "last"
@@ -31,7 +31,7 @@ def split_name(name: str) -> tuple[Path, str | int]:
 
 
 def lasting_name(policy: Any) -> str:
-    """Returns the name of a policy as it holds in every folder; a function that is passed gets one."""
+    """Returns a policy's name as it works from every folder; a function that is passed gets a name."""
     if not isinstance(policy, str | Path):
         return name_of("policy", policy)
     path, _ = split_name(str(policy))
@@ -41,7 +41,7 @@ def lasting_name(policy: Any) -> str:
 
 
 def might_be_named(name: str, declared: Sequence[str] = ()) -> bool:
-    """Whether a text can be the name of a policy: a word, something that exists, or something of a user's own, found or not.
+    """Whether a text can be the name of a policy: a known word, an existing path, or a user's own, found or not.
 
     Args:
       declared: names of the policies that the game's file declares.
@@ -51,6 +51,6 @@ def might_be_named(name: str, declared: Sequence[str] = ()) -> bool:
 
 
 def unknown_policy(name: str, declared: Sequence[str] = ()) -> str:
-    """Returns what is said of a text that is the name of no policy."""
+    """Returns the message about a text that names no policy."""
     near = meant(name, (*UNTRAINED, *declared), "")
     return f"there is no policy `{name}`{near or ';'} {'A' if near else 'a'} policy is {KNOWN}"

@@ -34,19 +34,19 @@ from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 @flax.struct.dataclass
 class Acting:
-    """What is kept of acting. Of two policies, the log probabilities are those of both and of all actions, `[..., B, N, 2, A]`, the values both."""
+    """What a rollout stores of acting. For paired policies, log probabilities of all actions, `[..., B, N, 2, A]`, and values of both."""
 
-    log_probability: Array  # [..., B, N] float32, of the action when it was drawn
+    log_probability: Array  # [..., B, N] float32, of the drawn action
     value: Array  # [..., B, N] float32, of the observation
-    allowed: Array | None = None  # [..., B, N, bytes] uint8, the actions that were allowed, packed; None: all
+    allowed: Array | None = None  # [..., B, N, bytes] uint8, the allowed actions, packed; None: all
 
 
 @flax.struct.dataclass
 class Played:
-    """What one rollout of an update was."""
+    """One rollout of an update."""
 
     rollout: Rollout
-    memory: Memory  # of the agents before it
+    memory: Memory  # of the agents before the rollout
     finished: FinishedEpisodes  # total over the episodes that ended
     measured: dict[str, Array]  # the game's metrics, name -> [] float32, averaged over its steps
 
@@ -55,7 +55,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     """Returns the pure functions of a run.
 
     Raises:
-      ConfigError: the rollout does not divide into minibatches, or the configuration does not fit the environment.
+      ConfigError: the rollout doesn't divide into minibatches, or the configuration doesn't fit the environment.
     """
     check_minibatches(config)
     if config.scale_clip_epsilon:
@@ -117,7 +117,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
 
 
 def check_minibatches(config: PPOConfig) -> None:
-    """Raises ConfigError where a rollout does not divide into minibatches, or a minibatch not into devices."""
+    """Raises ConfigError if the rollout doesn't divide into minibatches, or a minibatch into devices."""
     if config.memory == "none":
         if config.steps_per_update % config.num_minibatches:
             raise ConfigError(
@@ -138,19 +138,19 @@ def check_minibatches(config: PPOConfig) -> None:
 
 
 def minibatch_size(config: PPOConfig) -> int:
-    """Returns how many sequences a minibatch has: steps, or whole rollouts for networks with memory."""
+    """Returns the number of sequences in a minibatch: steps, or whole rollouts for networks with memory."""
     return (config.steps_per_update if config.memory == "none" else config.num_envs) // config.num_minibatches
 
 
 def start_learner(parameters: Any, config: PPOConfig) -> Learner:
-    """Returns G learners in one: parameters `[G, ...]`, and an optimiser each."""
+    """Returns G learners in one: parameters `[G, ...]`, each with an optimiser."""
     optimiser = make_optimiser(config)
     result: Learner = jax.vmap(lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser).replace(step=jnp.int32(0)))(parameters)
     return result
 
 
 def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
-    """Returns how agents with these parameters act: every agent draws its action on its own."""
+    """Returns how agents with these parameters act: each draws its action independently."""
 
     def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Memory, Array, Acting]:
         seen = jax.tree.map(lambda leaf: leaf[None], (worlds.observation, joint, worlds.fresh))
@@ -169,7 +169,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         truncated = info["truncated"]
         joint = _joint(env, networks, info.get("terminal_state"))
 
-        # most steps end no episode: then the second forward pass is skipped
+        # Most steps end no episode, and then the second forward pass is skipped.
         result: Array = jax.lax.cond(
             truncated.any(),
             lambda memory, last, joint: _value(networks, parameters, memory, last, joint, jnp.zeros_like(truncated)),
@@ -184,9 +184,9 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
 
 
 def draw_actions(key: Array, logits: Array) -> Array:
-    """Returns actions `[B, N]` int32, each drawn on its own, of logits `[B, N, A]`: the first whose share, with those before, exceeds a number.
+    """Returns actions `[B, N]` int32 drawn independently from logits `[B, N, A]`, by inverting the cumulative distribution.
 
-    One random number an action, where `jax.random.categorical` draws one for each that there is.
+    It needs one random number for each drawn action; `jax.random.categorical` draws one for each possible action.
     """
     number, agents, _ = logits.shape
     drawn = jax.vmap(lambda own: jax.random.uniform(own, (agents,)))(own_keys(key, number))
@@ -198,7 +198,7 @@ def draw_actions(key: Array, logits: Array) -> Array:
 
 
 def _joint(env: Environment, networks: ActorCritics, state: Any) -> Any:
-    """Returns what critics of the state see of states `[B, ...]`; None if they see windows."""
+    """Returns the input of critics of the state for states `[B, ...]`; None if critics see windows."""
     return jax.vmap(cast(ObservableEnvironment, env).state_vector)(state) if networks.from_state else None
 
 
@@ -213,8 +213,8 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
 
     Args:
       rollout: T steps of B environments.
-      memory: the agents' before its first step.
-      last_value: `[B, N]` of the observations after its last.
+      memory: of the agents before its first step.
+      last_value: `[B, N]`, values of the observations after its last step.
     """
     acting: Acting = rollout.acting
 
@@ -246,7 +246,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
 def learn_teams(
     learners: tuple[Learner, ...], batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
 ) -> tuple[tuple[Learner, ...], Metrics]:
-    """Returns the learners after their epochs; teams learn apart, and losses are means over teams, weighted by their agents."""
+    """Returns the learners after their epochs; teams learn separately, and losses are means over teams, weighted by their numbers of agents."""
     after, losses, weights = [], [], []
     keys = jax.random.split(key, len(networks.bundles))
     for bundle, network, learner, bundle_key, memory in zip(networks.bundles, networks.networks, learners, keys, batch.memory, strict=True):
@@ -262,7 +262,7 @@ def learn_teams(
 def _learn_bundle(
     learner: Learner, batch: Batch, key: Array, bundle: Bundle, apply: Apply, networks: ActorCritics, config: PPOConfig
 ) -> tuple[Learner, Metrics]:
-    """Takes the epochs of all teams of a bundle side by side; `batch.memory` is `[G, M, ...]`."""
+    """Trains all teams of a bundle side by side; `batch.memory` is `[G, M, ...]`."""
     number = len(bundle.agents)
 
     orders = draw_orders(key, number, config)
@@ -270,7 +270,7 @@ def _learn_bundle(
     def learn_team(learner: Learner, orders: Array, agents: Array, memory: Memory) -> tuple[Learner, Metrics]:
         return take_epochs(learner, replace(batch, memory=memory), orders, agents, apply, networks, config)
 
-    if number == 1:  # as in acting, a batch of one would cost a loop
+    if number == 1:  # vmap over a single network would turn its convolutions into a loop
         first = jax.tree.map(lambda leaf: leaf[0], (learner, batch.memory))
         after, losses = learn_team(first[0], orders[0], bundle.indices[0], first[1])
         return jax.tree.map(lambda leaf: leaf[None], after), losses
@@ -279,17 +279,19 @@ def _learn_bundle(
 
 
 def draw_orders(key: Array, number: int, config: PPOConfig) -> Array:
-    """Returns which sequences are in which minibatch, `[G, epochs, minibatches, m]` int32: all once an epoch, in a new order.
+    """Returns the sequences of each minibatch, `[G, epochs, minibatches, m]` int32: all of them once an epoch, in a new order.
 
-    Environments are in as many groups as divide both them and a minibatch, and a minibatch has as many sequences of each group. So the
-    order does not depend on the number of devices. Where there are more, the sequences are those of this device's environments.
+    Environments are divided into the most groups that divide a minibatch too, and a minibatch has equally many sequences of each group, so
+    the order doesn't depend on the number of devices. On several devices, the sequences are those of this device's environments.
     """
     groups = math.gcd(config.num_envs, minibatch_size(config))
     keys = jax.vmap(lambda own: jax.random.split(own, (number, config.num_epochs)))(own_keys(key, own_share(groups)))
     envs, sequences = config.num_envs // groups, minibatch_size(config) * config.num_minibatches // groups  # of a group
     draw = partial(jax.random.permutation, x=jnp.arange(sequences, dtype=jnp.int32))
     step, env = jnp.divmod(jax.vmap(jax.vmap(jax.vmap(draw)))(keys), envs)
-    orders = (step * len(keys) + jnp.arange(len(keys))[:, None, None, None]) * envs + env  # a step of all environments after the other
+    orders = (
+        step * len(keys) + jnp.arange(len(keys))[:, None, None, None]
+    ) * envs + env  # steps one after another, each of all environments
     orders = orders.reshape(*keys.shape, config.num_minibatches, -1)
     return jnp.moveaxis(orders, 0, 3).reshape(number, config.num_epochs, config.num_minibatches, -1)
 
@@ -300,11 +302,11 @@ def take_epochs(
     """Takes `num_epochs * num_minibatches` gradient steps of one team.
 
     Args:
-      learner: the team's.
+      learner: the learner of the team.
       batch: the rollout of all agents, with the team's memory `[M, ...]`.
       orders: `[epochs, minibatches, m]` of `draw_orders`.
       agents: `[S]` numbers of the team's agents.
-      apply: its network.
+      apply: the network of the team.
     """
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
@@ -319,11 +321,11 @@ def take_epochs(
 
 
 def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) -> Batch:
-    """Returns the sequences `[m]` of a team's agents `[S]`, and beside them what its critic sees of everybody.
+    """Returns the sequences `[m]` of a team's agents `[S]`, and the input of its critic.
 
-    Only indices are shuffled: what is not in the minibatch is not copied.
+    Only indices are shuffled, so nothing outside the minibatch is copied.
     """
-    # Unsorted, XLA makes the shuffle part of the loop that unpacks bytes, which is then slow on a CPU. The order within a minibatch is free.
+    # Unsorted, XLA fuses the shuffle into the loop that unpacks bytes, which is slow on a CPU. The order within a minibatch doesn't matter.
     indices = jnp.sort(indices)
     everybody = agents.shape[0] == batch.action.shape[AGENTS_AXIS]
 
@@ -352,7 +354,7 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
 
 
 def loss_of(config: PPOConfig) -> Loss:
-    """Returns what a minibatch's gradient step makes smaller."""
+    """Returns the loss that gradient steps minimise."""
     if config.algorithm == "irat":
         return irat_loss
     if config.loss == "ppo":
@@ -396,6 +398,6 @@ def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> 
 
 
 def explained_variance(value: Array, target: Array) -> Array:
-    """Returns the share of the targets' variance that the values explained; 0 where targets do not vary."""
+    """Returns the share of the targets' variance that the values explain; 0 if the targets don't vary."""
     variance = target.var()
     return jnp.where(variance > 0, 1.0 - (target - value).var() / jnp.maximum(variance, 1e-12), 0.0)

@@ -1,25 +1,25 @@
 """Presets: TOML files that say which game to train and how, some of them in this package.
 
-extends = "paper"       # optional: all that another preset has, or a file beside this one; what stands here wins, value by value
-game = "coins"          # optional: what is trained if no game is named
-only_listed = true      # optional: games without a table are refused
+extends = "paper"       # optional: another preset, or a file beside this one; values here win over its values
+game = "coins"          # optional: the game to train in if none is named
+only_listed = true      # optional: refuse games without a table
 
-[environment]           # further arguments of sjdsl.make: for the preset's game if it names one, else for any
+[environment]           # further arguments of sjdsl.make, for the preset's game if it names one, else for any
 num_agents = 2
 
 [config]                # keys of the configuration
 learning_rate = 1e-3
 
-[config.own]            # settings that an algorithm, loss, network or reward of one's own takes by name
+[config.own]            # settings for the user's own algorithm, loss, network or reward
 bonus = 0.1
 
-[algorithm.mappo]       # as [config], for one algorithm; one's own has the settings of ippo
+[algorithm.mappo]       # as [config], for one algorithm; a user's own has the settings of ippo
 [reward.svo]            # for one reward
 [algorithm.ippo.reward.common]  # for one algorithm with one reward
 [games.coins.config]    # for one game, by the name in its file; and so .environment, .algorithm.NAME, .reward.NAME
 
-Later tables win over earlier ones, what is asked for on the command line over all. A preset may have settings that some rewards, networks
-or algorithms do not read: with those they are left out.
+Later tables win over earlier ones, and the command line over all. A preset may have settings that some rewards, networks or algorithms
+don't read: with those, they are left out.
 """
 
 import tomllib
@@ -43,12 +43,12 @@ MEANS = {str: "text", int: "a whole number", bool: "true or false", dict: "a tab
 
 @dataclass(frozen=True)
 class Preset:
-    """What to train, and how."""
+    """A game and how to train in it."""
 
     game: str | None  # first argument of `sjdsl.make`; None: any
     environment: Mapping[str, Any]  # its other arguments
     config: Config
-    left_out: tuple[str, ...]  # settings of its own that nothing reads in `config`
+    left_out: tuple[str, ...]  # its settings that nothing reads in `config`
 
 
 def load_preset(
@@ -60,16 +60,16 @@ def load_preset(
       name: of a preset in this package, such as `two_cores`, or the path of a `.toml` file.
       changes: configuration keys and their new values; text such as `"3e-4"` is read as a number.
       game: name of a game, or the path of its file, instead of the preset's own.
-      asked: those of `changes` that are refused where nothing reads them, as in `make_config`; None: all.
+      asked: those of `changes` that are refused if nothing reads them, as in `make_config`; None: all.
     Raises:
-      ConfigError: no such preset, a wrong key or value, a change that nothing reads, or a game that the preset has nothing for.
+      ConfigError: no such preset, a wrong key or value, a change that nothing reads, or a game that the preset has no table for.
     """
     content = _content(name)
     chosen = game or content.get("game")
     stem = Path(chosen).stem if chosen else None
     own = content.get("games", {}).get(stem, {})
     if content.get("only_listed") and stem is not None and not own:
-        raise ConfigError(f"the preset `{name}` has nothing for `{stem}`; it has {', '.join(content.get('games', {}))}")
+        raise ConfigError(f"the preset `{name}` has no table for `{stem}`; it has {', '.join(content.get('games', {}))}")
     kept = content.get("environment", {}) if content.get("game") is None or stem == Path(content["game"]).stem else {}
     changes = spread(changes or {})
     values = _layered(content, own, changes)
@@ -80,7 +80,7 @@ def load_preset(
 
 
 def _content(name: str | Path, extended_by: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Returns the tables of a preset, with those of the presets that it extends under its own."""
+    """Returns the tables of a preset, merged with those of the presets that it extends."""
     if str(name) in extended_by:
         raise ConfigError(f"{extended_by[0]}: presets extend each other in a circle: {' -> '.join([*extended_by, str(name)])}")
     try:
@@ -101,7 +101,7 @@ def _content(name: str | Path, extended_by: tuple[str, ...] = ()) -> dict[str, A
 
 
 def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns two trees of tables as one, with the values of `above` where both have some."""
+    """Returns two trees of tables merged; values of `above` win."""
     both = {name: _over(under[name], above[name]) for name in under.keys() & above.keys() if isinstance(above[name], dict)}
     return {**under, **above, **both}
 
@@ -110,7 +110,7 @@ def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mappin
     """Returns the values of the configuration: for all, the algorithm, the reward, both together; the same for the game; changes."""
     first = {**content.get("config", {}), **own.get("config", {}), **changes}
     algorithm = first.get("algorithm", "ippo")
-    algorithm = algorithm if algorithm in KEYS_OF else "ippo"  # one's own has the settings of ippo
+    algorithm = algorithm if algorithm in KEYS_OF else "ippo"  # a user's own has the settings of ippo
     reward = first.get("reward", KEYS_OF[algorithm]["reward"].default)
     values: dict[str, Any] = {}
     for tables in (content, own):
@@ -130,7 +130,7 @@ def _of_rewards(algorithm: Mapping[str, Any]) -> dict[Any, Any]:
 
 
 def _check_named(tables: Mapping[str, Any], where: str) -> None:
-    """Raises ConfigError for an argument of the environment, an algorithm or a reward that there is not."""
+    """Raises ConfigError for an unknown argument of the environment, algorithm or reward."""
     _check(tables.get("environment", {}), ENVIRONMENT, f"{where}: environment")
     for section, names in NAMES.items():
         _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
@@ -139,7 +139,7 @@ def _check_named(tables: Mapping[str, Any], where: str) -> None:
 
 
 def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> None:
-    """Raises ConfigError for a key that is not known, or a value of another type."""
+    """Raises ConfigError for an unknown key, or a value of the wrong type."""
     for key, value in tables.items():
         if key not in known:
             raise ConfigError(f"{where}: unknown key `{key}`{meant(key, known, 'the keys are')}")

@@ -5,12 +5,12 @@ import numpy as np
 
 
 def is_first() -> bool:
-    """Whether this process writes metrics, policies and the manifest; checkpoints are written by all, each its part."""
+    """Whether this process writes metrics, policies and the manifest; every process writes its part of the checkpoints."""
     return jax.process_index() == 0
 
 
-def any_says(value: bool) -> bool:
-    """Whether it is so in some process; they wait for each other."""
+def any_process(value: bool) -> bool:
+    """Whether the value is true in some process; they wait for each other."""
     if jax.process_count() == 1:
         return value
     from jax.experimental.multihost_utils import process_allgather

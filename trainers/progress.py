@@ -25,10 +25,10 @@ class Show(Protocol):
 
 @contextmanager
 def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int = 1) -> Iterator[Show]:
-    """Yields a function that shows the row of each update and warnings; until the first one, that the run is being compiled.
+    """Yields a function that shows the row of each update and warnings; until the first update, shows that the run is being compiled.
 
     Args:
-      seeds: of the run: the steps of all of them are counted.
+      seeds: of the run, whose steps are added up.
     """
     if style == "auto":
         style = "bar" if Console().is_terminal else "lines"
@@ -56,17 +56,14 @@ def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Show]:
         TimeRemainingColumn(compact=True),
         TextColumn("{task.fields[outcome]}"),
     )
-    outcome = NO_EPISODE
     with Progress(*columns) as display:
         task = display.add_task(title, total=num_updates, speed="", outcome=COMPILING)
 
         def show(row: Row, warnings: Sequence[str] = ()) -> None:
-            nonlocal outcome
             for warning in warnings:
                 display.console.print(f"warning: {warning}", markup=False, highlight=False)
-            outcome = _outcome(row) or outcome
-            speed = f"{rate(row, seeds):,.0f} steps/s, {_share(row)}"
-            display.update(task, completed=row["update"], speed=speed, outcome=outcome)
+            outcome = _outcome(row) or display.tasks[task].fields["outcome"].replace(COMPILING, NO_EPISODE)
+            display.update(task, completed=row["update"], speed=f"{rate(row, seeds):,.0f} steps/s, {_share(row)}", outcome=outcome)
 
         yield show
 
@@ -85,9 +82,10 @@ def _lines(num_updates: int, seeds: int) -> Show:
             return
         printed = now
         left = row["seconds"] / row["update"] * (num_updates - row["update"])
+        learning = "".join(f", {label} {row[name]:.3g}" for name, label in FIGURES.items() if name in row)
         print(
             f"update {row['update']:>{len(str(num_updates))}}/{num_updates}  {row['env_steps']:>11,} steps  "
-            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{_learning(row)}",
+            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{learning}",
             flush=True,
         )
 
@@ -95,21 +93,16 @@ def _lines(num_updates: int, seeds: int) -> Show:
 
 
 def rate(row: Row, seeds: int) -> float:
-    """Returns environment steps a second, of all seeds, from the first update to this one, with all that was done between them."""
+    """Returns environment steps a second of all seeds, from the first update to this one, everything included."""
     return float(row["env_steps"] * seeds / row["seconds"])
 
 
 def _share(row: Row) -> str:
-    """Returns how an update's time was spent: acting and environments, and the rest learning."""
+    """Returns how an update's time was spent: on acting and environments, and on learning."""
     playing = round(100 * row["rollout_share"])
     return f"acting {playing} % of the time, learning {100 - playing} %"
 
 
 def _outcome(row: Row) -> str:
-    """Returns the return of the episodes that finished in an update, beside that before learning, or "" if none did."""
+    """Returns the return of the episodes that ended in an update and that before learning, or "" if none ended."""
     return f"collective return {row['collective_return']:.1f} (before learning {row['before_learning']:.1f})" if row["episodes"] > 0 else ""
-
-
-def _learning(row: Row) -> str:
-    """Returns how learning goes, of an algorithm that says so."""
-    return "".join(f", {label} {row[name]:.3g}" for name, label in FIGURES.items() if name in row)

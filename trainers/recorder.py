@@ -1,7 +1,7 @@
 """Records one seed while it learns: rows of metrics, evaluations, policies and its learning curve."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -28,7 +28,7 @@ POINTS = 1000  # of a learning curve, at most
 
 @dataclass
 class Earned:
-    """What the finished episodes earned between two stored policies, and what they earned at best between any two before."""
+    """What the finished episodes earned since the last stored policy, and the best between any two before."""
 
     total: float = 0.0  # collective return
     episodes: float = 0.0
@@ -41,7 +41,7 @@ class Earned:
             self.episodes += row["episodes"]
 
     def close(self) -> bool:
-        """Begins anew after a stored policy; returns whether more was earned than between any two before."""
+        """Starts again after a stored policy; returns whether more was earned than between any two before."""
         mean = self.total / self.episodes if self.episodes else math.nan
         is_best = mean > self.best
         self.best = mean if is_best else self.best
@@ -50,15 +50,15 @@ class Earned:
 
 
 class History:
-    """What is kept in memory of the rows written so far, which are not."""
+    """What is kept in memory of the rows written so far; the rows themselves aren't."""
 
     def __init__(self, config: Config) -> None:
         self.updates = 0
         self.seconds = 0.0  # that they took
         self.earned = Earned()
         self.signs = Signs()
-        self.warnings: list[str] = []  # that nothing is learnt
-        self.is_judged = False  # whether that is so of the last row
+        self.warnings: list[str] = []  # signs that nothing is learnt
+        self.is_judged = False  # whether these were looked for at the last row
         self._config = config
 
     def count(self, row: Row) -> None:
@@ -81,74 +81,50 @@ class History:
         return update % self._config.policy_updates == 0 or update == self._config.num_updates
 
 
+@dataclass
 class Recorder:
     """The open files of one seed."""
 
-    def __init__(
-        self,
-        folder: Path,
-        env: Environment,
-        config: Config,
-        seed: int,
-        metrics: Metrics,
-        history: History,
-        loggers: Loggers,
-        evaluator: Evaluator,
-    ) -> None:
-        self.folder = folder
-        self.history = history
-        self._best_evaluated = max((row["collective return"]["mean"] for row in read_rows(folder / EVALUATIONS)), default=-math.inf)
-        self._config = config
-        self._seed = seed
-        self._metrics = metrics
-        self._loggers = loggers
-        self._evaluator = evaluator
-        self._of = {"game": describe_game(env), "config": config.record(), "seed": seed}
+    folder: Path
+    about: Mapping[str, Any]  # what stored policies say of their run
+    config: Config
+    seed: int
+    metrics: Metrics
+    history: History
+    loggers: Loggers
+    evaluator: Evaluator
+    best_evaluated: float  # the best collective return of the evaluations so far
 
     def append(self, row: Row) -> None:
         """Writes the row of an update."""
-        self._metrics.append(row)
+        self.metrics.append(row)
         self.history.count(row)
-        self._loggers.log(row)
+        self.loggers.log(row)
 
     def mark(self, parameters: Any, update: int) -> None:
-        """Stores the policy of an update by its number, as `last`, and, where nothing is evaluated, as `best` if it is."""
+        """Stores the policy of an update by its number, as `last`, and also as `best` if it is and nothing is evaluated."""
         is_best = self.history.earned.close()
-        best = ("best",) if is_best and not self._config.evaluate_every else ()
-        self._store(parameters, update, f"{update:08d}", "last", *best)
-        remove_policies(self.folder / POLICIES, self._config.keep_policies)
+        best = ("best",) if is_best and not self.config.evaluate_every else ()
+        self.store(parameters, update, f"{update:08d}", "last", *best)
+        remove_policies(self.folder / POLICIES, self.config.keep_policies)
 
-    def keep(self, parameters: Any, update: int) -> None:
-        """Stores the policy of an update as `last`."""
-        self._store(parameters, update, "last")
-
-    def keep_good(self, parameters: Any, update: int) -> None:
-        """Stores the policy of the update before the one that diverged."""
-        self._store(parameters, update, f"{update:08d}", "last")
-
-    def _store(self, parameters: Any, update: int, *names: str) -> None:
-        self._metrics.to_disk()
+    def store(self, parameters: Any, update: int, *names: str) -> None:
+        """Stores the policy of an update under some names, after the metrics."""
+        self.metrics.to_disk()
+        described = {**self.about, "update": update, "env_steps": update * self.config.steps_per_update}
         for name in names:
-            self._write(name, parameters, update)
+            write_policy(self.folder / POLICIES / f"{name}{SUFFIX}", parameters, described)
 
     def evaluate(self, parameters: Any, update: int) -> None:
-        """Plays episodes with the policy of an update, writes what they came to, and stores the policy as `best` if it is."""
-        figures = summarise(self._evaluator(evaluation_key(self._seed, update), parameters))
-        start = {"update": update, "env_steps": update * self._config.steps_per_update}
+        """Plays episodes with the policy of an update, writes their figures, and stores the policy as `best` if it is."""
+        figures = summarise(self.evaluator(evaluation_key(self.seed, update), parameters))
+        start = {"update": update, "env_steps": update * self.config.steps_per_update}
         earned = figures["collective return"].mean
         append_line(self.folder / EVALUATIONS, start | {name: asdict(figure) for name, figure in figures.items()})
-        self._loggers.log(start | {"evaluation_collective_return": earned})
-        if earned > self._best_evaluated:
-            self._best_evaluated = earned
-            self._write("best", parameters, update)
-
-    def draw(self, title: str) -> None:
-        """Draws the learning curve so far."""
-        draw_learning_curve(self.folder, thinned_rows(self.folder, POINTS), f"{title}, seed {self._seed}")
-
-    def _write(self, name: str, parameters: Any, update: int) -> None:
-        described = self._of | {"update": update, "env_steps": update * self._config.steps_per_update}
-        write_policy(self.folder / POLICIES / f"{name}{SUFFIX}", parameters, described)
+        self.loggers.log(start | {"evaluation_collective_return": earned})
+        if earned > self.best_evaluated:
+            self.best_evaluated = earned
+            self.store(parameters, update, "best")
 
 
 @contextmanager
@@ -157,11 +133,15 @@ def open_recorders(
 ) -> Iterator[list[Recorder]]:
     """Opens the files of each seed, without what was written after update `done`; draws the learning curves at the end.
 
-    Only the first of several processes writes: the others have no recorders.
+    Only the first of several processes has recorders: the others don't write.
     """
     evaluator = make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), config.evaluation_episodes)
     with ExitStack() as stack:
         recorders: list[Recorder] = []
+
+        def draw(folder: Path, seed: int) -> None:
+            draw_learning_curve(folder, thinned_rows(folder, POINTS), f"{title}, seed {seed}")
+
         for folder, seed in zip(folders, config.seed_numbers, strict=True) if is_first() else ():
             folder.mkdir(parents=True, exist_ok=True)
             mend_metrics(folder, done, config.evaluate_every)
@@ -171,6 +151,8 @@ def open_recorders(
             steps = done * config.steps_per_update
             opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config, steps))
             metrics = stack.enter_context(open_metrics(folder))
-            recorders.append(Recorder(folder, env, config, seed, metrics, history, opened, evaluator))
-            stack.callback(recorders[-1].draw, title)
+            about = {"game": describe_game(env), "config": config.record(), "seed": seed}
+            best = max((row["collective return"]["mean"] for row in read_rows(folder / EVALUATIONS)), default=-math.inf)
+            recorders.append(Recorder(folder, about, config, seed, metrics, history, opened, evaluator, best))
+            stack.callback(draw, folder, seed)
         yield recorders

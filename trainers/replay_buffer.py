@@ -18,7 +18,7 @@ class ReplayBuffer:
 
 
 def empty_replay(entry: Any, capacity: int) -> ReplayBuffer:
-    """Returns a buffer without entries; `entry` is a tree of shapes and dtypes of one."""
+    """Returns an empty buffer; `entry` is a tree with the shapes and dtypes of an entry."""
     entries = jax.tree.map(lambda leaf: jnp.zeros((capacity, *leaf.shape), leaf.dtype), entry)
     return ReplayBuffer(entries, jnp.int32(0), jnp.int32(0))
 

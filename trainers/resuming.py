@@ -1,11 +1,8 @@
-"""Resumes a stopped run from its latest readable checkpoint, and refuses if the run would differ."""
+"""Checks that a stopped run can be resumed, and refuses if it would continue differently."""
 
-import warnings
 from pathlib import Path
 from typing import Any
 
-from .checkpoints import CheckpointError, Checkpoints
-from .compiled import Compiled
 from .config import ConfigError, require_code, stored_config
 from .environment import Environment
 from .extensions import NotAllowed
@@ -13,22 +10,21 @@ from .manifest import MANIFEST, read_manifest
 from .own_settings import unread_own
 from .run_errors import RunError
 from .run_folder import describe_game, own_files, versions
-from .training_functions import TrainState
 
 
 def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
-    """Returns the manifest of a run that can be gone on with in `env`.
+    """Returns the manifest of a run that can be resumed in `env`.
 
     Raises:
       RunError: there is no such run; its game had other rules or numbers; it was made by other versions, whose figures differ; it needs
-        code that the caller has not named (`allow_code`).
+        code that the caller hasn't allowed (`allow_code`).
     """
     manifest = read_manifest(run_dir)
     then, now = manifest["game"], describe_game(env)
     if then.get("hash") != now["hash"]:
         raise RunError(
             f"{run_dir} is a run of {then.get('name')} with the rules {then.get('hash')}, and they are {now['hash']} now; "
-            "go on with the file as it was, or start a new run"
+            "restore the file, or start a new run"
         )
     params = then.get("params", {})
     if params != now["params"]:
@@ -38,40 +34,40 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
     other = {name: version for name, version in manifest["versions"].items() if known.get(name) != version}
     if other:
         listed = ", ".join(f"{name} {version} (here {known.get(name)})" for name, version in other.items())
-        raise RunError(f"{run_dir} was made with {listed}; its figures would not go on alike: install those, or start a new run")
+        raise RunError(f"{run_dir} was made with {listed}; its figures would come out differently: install those, or start a new run")
     try:
         config = stored_config(manifest["config"], strict=True)
         require_code(config, str(run_dir / MANIFEST), to_act=False)
+        files = own_files(config)
+        changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
+        if changed:
+            raise RunError(f"{', '.join(changed)} has changed since {run_dir} was started: restore the file, or start a new run")
+        for message in unread_own(config).values():
+            raise ConfigError(message)
     except NotAllowed as error:
         raise RunError(str(error)) from None
-    except (ConfigError, OSError, ValueError) as error:  # the name of a partner may be no path
-        raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
-    files = own_files(config)
-    changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
-    if changed:
-        raise RunError(f"{', '.join(changed)} has changed since {run_dir} was started: go on with the file as it was, or start a new run")
-    try:
-        unread = unread_own(config)
-    except ConfigError as error:  # a hook that is not registered, or not in its file
-        raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {error}") from None
-    for said in unread.values():
-        raise RunError(f"{run_dir / MANIFEST} has a configuration that is none: {said}")
+    except (
+        ConfigError,
+        OSError,
+        ValueError,
+    ) as error:  # a hook that isn't registered, or isn't in its file; a partner's name that isn't a path
+        raise RunError(f"{run_dir / MANIFEST} has an invalid configuration: {error}") from None
     return manifest
 
 
 def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> dict[str, Any]:
-    """Returns the manifest of a run that is to take so many environment steps in all.
+    """Returns the manifest of a run that takes so many environment steps in all.
 
     Raises:
-      RunError: it has done them already.
+      RunError: it has done more already.
     """
     before = stored_config(manifest["config"]).total_timesteps
     longer = stored_config({**manifest["config"], "total_timesteps": total_timesteps})
     done = manifest.get("updates", 0)
     if longer.num_updates < done or longer.total_timesteps < before:
         raise RunError(
-            f"{run_dir} is a run of {before:,} steps that has done {done * longer.steps_per_update:,}; a run can be "
-            f"made longer, not shorter: total_timesteps must be more, not {longer.total_timesteps:,}"
+            f"{run_dir} is a run of {before:,} steps that has done {done * longer.steps_per_update:,}; a run can only be made longer: "
+            f"total_timesteps must be more, not {longer.total_timesteps:,}"
         )
     note = {"from": before, "to": longer.total_timesteps, "updates": done}
     return manifest | {
@@ -79,18 +75,3 @@ def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> d
         "derived": manifest.get("derived", {}) | {"updates": longer.num_updates},
         "extended": [*manifest.get("extended", []), note],
     }
-
-
-def restore_last(checkpoints: Checkpoints, compiled: Compiled) -> tuple[TrainState, int]:
-    """Returns the state to go on from and the updates done until then: the first state where there is no checkpoint.
-
-    A checkpoint that cannot be read is told of and removed, for the run, which comes to the same figures again, to write it anew.
-    """
-    start = compiled.start()
-    for update in checkpoints.updates():
-        try:
-            return checkpoints.restore(update, start)[0], update
-        except CheckpointError as error:
-            warnings.warn(f"{error}; going on from the one before", stacklevel=2)
-            checkpoints.drop(update)
-    return start, 0

@@ -25,17 +25,17 @@ class Worlds:
     observation: Array  # [B, N, P, V, V] uint8
     fresh: Array  # [B] bool, an episode begins with the next step
     trace: Array  # [B, N] float32, smoothed raw rewards of the episode under way
-    memory: Any  # of the agents, as the algorithm has it
+    memory: Any  # of the agents; depends on the algorithm
     sums: EpisodeSums  # [B, ...] of the episodes under way
     partners: Any = ()  # [B, ...] memory of the agents that are held fixed
 
 
 @flax.struct.dataclass
 class Rollout:
-    """What T steps leave behind to learn from."""
+    """T steps to learn from."""
 
     observation: Array  # [T, B, N, bytes, V * V] uint8, acted on, packed
-    joint: Any  # [T, B, ...] what a central critic sees besides; None if nothing
+    joint: Any  # [T, B, ...] what a central critic also sees; None if nothing
     fresh: Array  # [T, B] bool, the episode began with this step
     action: Array  # [T, B, N] int32
     reward: Array  # [T, B, N] float32, raw
@@ -48,12 +48,12 @@ class Rollout:
 
 @dataclass(frozen=True)
 class Actor:
-    """How agents act in B environments, and what they keep of it for learning.
+    """How agents act in B environments, and what they keep for learning.
 
     act: `(worlds, joint, key) -> memory, action [B, N], kept`.
-    pack: an observation to what is kept of it.
+    pack: packs an observation for the rollout.
     follow: `(memory, observation, info) -> kept` after the step: `observation` `[B, N, ...]` is the next one, `info` as the step gave it.
-    joint: states `[B, ...]` to what a central critic sees besides the observations, or None.
+    joint: from states `[B, ...]` to what a central critic sees in addition to the observations, or None.
     """
 
     act: Callable[[Worlds, Any, Array], tuple[Any, Array, Any]]
@@ -87,13 +87,13 @@ def collect_rollout(
     """Plays `num_steps` steps in every environment.
 
     Args:
-      env: one environment; its `step` resets an ended episode by itself.
+      env: one environment; its `step` starts a new episode when one ends.
       actor: how agents act.
       worlds: where the last rollout left off.
       key: consumed.
       num_steps: T.
       shaping: how raw rewards become shaped ones.
-      partners: agents that act by a given policy, whatever the actor has them do.
+      partners: agents that act by a given policy, instead of the actor's actions.
     Returns:
       the worlds afterwards, the rollout, the total over the episodes that finished in it, and the game's metrics
       averaged over all its steps.

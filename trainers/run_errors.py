@@ -1,8 +1,8 @@
-"""Why a run cannot start, or cannot go on."""
+"""The errors of a run."""
 
 
 class RunError(Exception):
-    """A run cannot start, or cannot go on."""
+    """A run can't start, or can't continue."""
 
 
 class TooLargeError(RunError):
@@ -10,4 +10,4 @@ class TooLargeError(RunError):
 
 
 class DiskError(RunError):
-    """A file of a run could not be written; what was saved before is whole."""
+    """A file of a run couldn't be written; what was saved before is whole."""

@@ -23,7 +23,7 @@ def json_text(content: Mapping[str, Any]) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Returns a value as JSON has it: arrays as lists, and what is not finite as None."""
+    """Returns a JSON value: arrays as lists, and what isn't finite as None."""
     match value:
         case Mapping():
             return {key: plain(entry) for key, entry in value.items()}

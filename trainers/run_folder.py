@@ -22,7 +22,7 @@ PACKAGES = ("sjdsl", "jax", "jaxlib", "flax", "optax", "numpy")
 
 
 def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the manifest of a run that starts now; `provenance` is the caller's account of how `env` was made."""
+    """Returns the manifest of a run that starts now. provenance: how `env` was made."""
     device = jax.devices()[0]
     return {
         "status": "running",
@@ -39,7 +39,7 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
 
 
 def derived_figures(config: Config, num_agents: int) -> dict[str, float]:
-    """Returns what a configuration comes to: updates, and the share of its reward an agent keeps where it is exchanged."""
+    """Returns figures derived from a configuration: updates, and the share that an agent keeps of an exchanged reward."""
     figures: dict[str, float] = {"updates": config.num_updates, "steps_per_update": config.steps_per_update}
     if config.reward == "exchange":
         figures["kept_share"] = kept_share(config.exchange_ratio, num_agents)
@@ -47,14 +47,14 @@ def derived_figures(config: Config, num_agents: int) -> dict[str, float]:
 
 
 def own_files(config: Config) -> dict[str, str | None]:
-    """Returns the files of the user's own that a run is made of, with their SHA-256; None for one that is gone."""
+    """Returns the user's own files that a run uses, with their SHA-256; None for one that is gone."""
     names = (*config.hooks.values(), *(policy for _, policy in config.partners))
     files = {str(file): file for file in map(file_of, names) if file is not None}
     return {name: sha256(file.read_bytes()).hexdigest() if file.is_file() else None for name, file in files.items()}
 
 
 def describe_game(env: Environment) -> dict[str, Any]:
-    """Returns what a run and a policy have to know of their game."""
+    """Returns what the files of a run and of a policy say of their game."""
     observation, _ = reset_shapes(env)
     return {
         "name": env.name,
@@ -79,7 +79,7 @@ def _version(package: str) -> str | None:
 
 
 def seed_folders(run_dir: Path, config: Config) -> tuple[Path, ...]:
-    """Returns the folder of each seed's figures and policies: the run's own for one seed, `seed_N` in it for several."""
+    """Returns the folder of each seed's figures and policies: the run's own for a single seed, `seed_N` in it for several."""
     if config.seeds == 1:
         return (run_dir,)
     return tuple(run_dir / f"seed_{number}" for number in config.seed_numbers)

@@ -1,4 +1,4 @@
-"""The lock of a run's folder: only one process trains there. The system takes it back when the process ends, however that is."""
+"""The lock of a run's folder: only one process trains there. The system releases it however the process ends."""
 
 import fcntl
 import os
@@ -16,13 +16,13 @@ LOCK = ".lock"  # stays in the folder: a lock is held by a process, not by the f
 
 
 def is_unused(run_dir: Path) -> bool:
-    """Whether a run may begin in a folder: it is not there, or holds nothing, or but the lock of a run that never began."""
+    """Whether a run may start in a folder: it is missing, or empty but for the lock of a run that never started."""
     return not run_dir.exists() or (run_dir.is_dir() and all(path.name == LOCK for path in run_dir.iterdir()))
 
 
 @contextmanager
 def locked(run_dir: Path) -> Iterator[None]:
-    """Holds the folder of a run, which is made if it is not there.
+    """Locks the folder of a run, which is made if it is missing.
 
     Raises:
       RunError: another process trains there. OSError: the lock is a link.
@@ -36,8 +36,8 @@ def locked(run_dir: Path) -> Iterator[None]:
             holder = file.read().strip() or "another process"
             raise RunError(f"{run_dir} is in use: {holder} trains there. Wait until it has ended, or name another folder") from None
         except OSError as error:
-            warnings.warn(f"{run_dir} cannot be locked ({error.strerror}): see to it that no other process trains there", stacklevel=3)
-        with suppress(OSError):  # who it is only helps a message
+            warnings.warn(f"{run_dir} can't be locked ({error.strerror}): make sure that no other process trains there", stacklevel=3)
+        with suppress(OSError):  # the holder only matters to the message above
             file.truncate(0)
             file.write(f"process {os.getpid()} of {socket.gethostname()}")
             file.flush()

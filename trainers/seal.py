@@ -1,4 +1,4 @@
-"""Seals a finished folder with the digest of each of its files, so that damage is found before anybody reads what it holds."""
+"""Seals a finished folder with the digest of each file, so that damage is found before anything is read from it."""
 
 import hashlib
 from pathlib import Path
@@ -11,12 +11,12 @@ SEAL = "files.json"
 
 
 def seal(folder: Path) -> None:
-    """Writes the SHA-256 of every file of a folder beside them. Raises OSError when there is no room."""
+    """Writes the SHA-256 of every file of a folder into the folder. Raises OSError if the disk is full."""
     write_json(folder / SEAL, {"sha256": _digests(folder)})
 
 
 def damage_of(folder: Path) -> str | None:
-    """Returns the first file that is not as it was when the folder was sealed; None if all are, or the folder was never sealed."""
+    """Returns the first file that has changed since the folder was sealed; None if none has, or the folder was never sealed."""
     path = folder / SEAL
     if not path.exists():
         return None

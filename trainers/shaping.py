@@ -31,7 +31,7 @@ class Shaping:
 
 
 def make_shaping(config: Config, num_agents: int) -> Shaping:
-    """Returns the shaping that a configuration asks for.
+    """Returns the shaping of a configuration.
 
     Raises:
       ConfigError: `svo_angle` has neither one angle nor one for each agent.
@@ -53,24 +53,15 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
                 penalty = svo_deviation(trace, angles, config.svo_at_rest, config.svo_quadrant)
                 return scale * (reward - config.svo_weight * penalty)
             case _:
-                raise AssertionError(config.reward)  # one's own is not shaped
+                raise AssertionError(config.reward)  # a user's own reward isn't shaped
 
-    angles = _angle_of_each(config, num_agents)
+    degrees = config.svo_angle * num_agents if len(config.svo_angle) == 1 else config.svo_angle
+    if len(degrees) != num_agents:
+        raise ConfigError(f"`svo_angle` must be one angle, or one for each of the {num_agents} agents, not {len(degrees)}")
+    angles = jnp.asarray([angle * (math.pi / 180) for angle in degrees], jnp.float32)  # not math.radians: angles may be traced
+    smoothing = config.gamma * config.inequity_smoothing if config.reward == "inequity" else config.reward_smoothing
     own = None if config.reward in get_args(RewardMode) else filled("reward", config.reward, config.own)
-    return Shaping(shape, _smoothing(config), own)
-
-
-def _smoothing(config: Config) -> float:
-    """Returns by how much traces fall in a step."""
-    return config.gamma * config.inequity_smoothing if config.reward == "inequity" else config.reward_smoothing
-
-
-def _angle_of_each(config: Config, num_agents: int) -> Array:
-    """Returns the sought angle of each agent, `[N]` float32 radians."""
-    angles = config.svo_angle * num_agents if len(config.svo_angle) == 1 else config.svo_angle
-    if len(angles) != num_agents:
-        raise ConfigError(f"`svo_angle` must be one angle, or one for each of the {num_agents} agents, not {len(angles)}")
-    return jnp.asarray([angle * (math.pi / 180) for angle in angles], jnp.float32)  # not math.radians: angles may be traced
+    return Shaping(shape, smoothing, own)
 
 
 def common_sum(reward: Array) -> Array:
@@ -96,7 +87,7 @@ def exchanged(reward: Array, kept: float | Array) -> Array:
 
     Args:
       reward: `[..., N]`.
-      kept: s; nothing is exchanged by an agent that is alone.
+      kept: s; an agent that is alone exchanges nothing.
     Source: Willis et al. 2023, "Resolving social dilemmas through reward transfer commitments".
     """
     number = reward.shape[-1]
@@ -112,7 +103,7 @@ def inequity_averse(reward: Array, trace: Array, envy: float, guilt: float) -> A
     Args:
       reward: `[..., N]`, raw.
       trace: `[..., N]`, temporally smoothed rewards, e_t = gamma * lambda * e_{t-1} + r_t: agents that are paid at different steps are
-        compared by what they had lately, as people would.
+        compared by what they got lately, as people would.
       envy: weight of disadvantageous inequity, alpha; guilt: of advantageous, beta.
     Source: Hughes et al. 2018, "Inequity aversion improves cooperation in intertemporal social dilemmas", equation 3 and the smoothed
     rewards that it is of; alpha 5 and beta 0.05 are theirs, the value of lambda is ours.
@@ -128,7 +119,7 @@ def svo_deviation(trace: Array, sought: Array, at_rest: str, quadrant: bool) -> 
     The orientation is the angle between an agent's own reward and the mean of the others', theta_i = atan2(mean of the
     others, own). Where all are 0 there is no angle: `selfish` takes 0, as atan2 does; `content` takes the one sought, so that
     nothing is deducted while nobody is rewarded. A negative reward leads out of the quadrant 0 .. 90 degrees for which the
-    theory defines the angle; `quadrant` cuts it back.
+    theory defines the angle; `quadrant` clips it.
 
     Args:
       trace: `[..., N]`.

@@ -1,6 +1,6 @@
 """Data-parallel training: shards environments over all devices, and replicates everything else.
 
-PPO plays and learns on every device apart (`data_parallel`). What is left, and all of other algorithms, JAX's partitioner divides: sums over
+PPO plays and learns on each device separately (`data_parallel`). JAX's partitioner divides the rest, and all of other algorithms: sums over
 environments become sums over devices.
 """
 
@@ -20,7 +20,7 @@ class Placement:
     """Where the arrays of a run are."""
 
     mesh: Mesh
-    seeds: int  # runs side by side: then their axis comes first
+    seeds: int  # runs side by side; if there are several, their axis comes first
 
     @property
     def everywhere(self) -> NamedSharding:
@@ -28,7 +28,7 @@ class Placement:
 
     @property
     def spread(self) -> NamedSharding:
-        """Environments, the first axis but for seeds, over devices."""
+        """Environments, the first axis after seeds, over devices."""
         return NamedSharding(self.mesh, PartitionSpec(*([None] if self.seeds > 1 else []), ENVS))
 
     def of_state(self, state: TrainState) -> TrainState:
@@ -42,7 +42,7 @@ def make_placement(config: Config) -> Placement:
     """Returns the placement on all devices of all processes.
 
     Raises:
-      ConfigError: the environments do not divide into them.
+      ConfigError: the environments don't divide into the devices.
     """
     devices = jax.devices()
     if config.num_envs % len(devices):

@@ -17,10 +17,10 @@ class Step:
     """One step of one environment."""
 
     reward: Array  # [N] float32, the game's
-    trace: Array  # [N] float32, rewards of the episode so far, decayed by `reward_smoothing` a step; with 0 this step's
+    trace: Array  # [N] float32, rewards of the episode so far, decayed by `reward_smoothing` a step; with 0, this step's only
     action: Array  # [N] int32
     observation: Array  # [N, P, V, V] uint8, acted on
-    state: Any  # the environment's, acted in
+    state: Any  # the environment's, before the action
     events: dict[str, Array]  # name -> [N] or [] int32, counts of this step
     metrics: dict[str, Array]  # name -> [] float32, at the end of the step
     done: Array  # [] bool, the episode ends with this step

@@ -36,7 +36,7 @@ def bundle_teams(env: Environment, config: PPOConfig) -> tuple[Bundle, ...]:
     """Returns the teams that `sharing` makes of the agents that learn, those of one size together.
 
     Raises:
-      ConfigError: `partners` or `roles` do not fit the agents, or are wanted of a game that has none.
+      ConfigError: `partners` or `roles` don't fit the agents, or the game has no roles.
     """
     role_of_agent: Sequence[int]
     match config.sharing:
@@ -45,7 +45,9 @@ def bundle_teams(env: Environment, config: PPOConfig) -> tuple[Bundle, ...]:
         case "per_agent":
             role_of_agent = range(env.num_agents)
         case "by_role":
-            role_of_agent = config.roles or _roles_of(env)
+            role_of_agent = config.roles or getattr(env, "roles", None) or ()
+            if not role_of_agent:
+                raise ConfigError(f"`{env.name}` gives its agents no lasting roles; list them, one number an agent, such as roles=0,0,1,1")
     if len(role_of_agent) != env.num_agents:
         raise ConfigError(
             f"`roles` must be a number for each of the {env.num_agents} agents of `{env.name}`, not {len(role_of_agent)} numbers"
@@ -57,14 +59,6 @@ def bundle_teams(env: Environment, config: PPOConfig) -> tuple[Bundle, ...]:
     return tuple(Bundle(tuple(group)) for _, group in by_size)
 
 
-def _roles_of(env: Environment) -> Sequence[int]:
-    roles = getattr(env, "roles", None)
-    if roles is None:
-        raise ConfigError(f"`{env.name}` gives its agents no lasting roles; say them, one number an agent, such as roles=0,0,1,1")
-    result: Sequence[int] = roles
-    return result
-
-
 def over_teams(bundle: Bundle, apply: Callable[..., Any], agents_axis: int) -> Callable[..., Any]:
     """Returns `apply(parameters, memory, observation, joint, fresh, agents)` for all G teams of a bundle.
 
@@ -72,8 +66,8 @@ def over_teams(bundle: Bundle, apply: Callable[..., Any], agents_axis: int) -> C
       apply: of one team's network; its results have the team's agents on `agents_axis`.
       agents_axis: of observations and results.
     Returns:
-      a function of stacked parameters `[G, ...]`, stacked memory, the observations of all N agents, and the rest but the agents, who
-      are the bundle's; its logits and values have G * S agents, team by team.
+      a function of stacked parameters `[G, ...]`, stacked memory, the observations of all N agents, joint and fresh; the agents are the
+      bundle's. Its logits and values have G * S agents, team by team.
     """
     number = len(bundle.agents)
 
@@ -104,7 +98,7 @@ def _side_by_side(leaf: Array, axis: int) -> Array:
 
 
 def in_order(bundles: Sequence[Bundle], parts: Sequence[Array], axis: int, num_agents: int) -> Array:
-    """Returns the results of all bundles with agents in their own order on `axis`; zeros for those in none, who do not learn."""
+    """Returns the results of all bundles with the agents in order on `axis`; zeros for agents in no bundle, which don't learn."""
     together = jnp.concatenate(parts, axis=axis) if len(parts) > 1 else parts[0]
     agents = np.concatenate([bundle.indices.ravel() for bundle in bundles])
     if agents.size < num_agents:

@@ -18,29 +18,27 @@ Metrics = dict[str, Any]
 
 @flax.struct.dataclass
 class TrainState:
-    """All that one update hands to the next: what a checkpoint holds."""
+    """What one update hands to the next, and a checkpoint holds."""
 
     key: Array  # [] typed key, consumed by the next update
-    learner: Any  # parameters, optimiser state, replayed steps: as the algorithm has it
+    learner: Any  # parameters, optimiser state, replayed steps: depends on the algorithm
     worlds: Worlds  # the B environments
     updates: Array  # [] int32, updates done
-    diverged: Array  # [] bool, the loss or a parameter was not finite in some update: since then nothing is learnt
-    own: Any = ()  # what an algorithm of one's own keeps besides; the bundled ones hand it on
+    diverged: Array  # [] bool, the loss or a parameter was not finite in some update; since then nothing is learnt
+    own: Any = ()  # what a user's own algorithm also keeps; the bundled ones pass it on
 
 
 @dataclass(frozen=True)
 class Train:
-    """A training run as pure functions: all can be jitted, and vmapped or mapped over seeds."""
+    """A training run as pure functions, which can be jitted, and vmapped or mapped over seeds."""
 
     init: Callable[[Array], TrainState]  # key -> state before the first update
     collect: Callable[[TrainState], tuple[TrainState, Any]]  # plays; what was played goes to `learn`
     learn: Callable[[TrainState, Any], tuple[TrainState, Metrics]]  # gradient steps on what was played
     parameters: Callable[[TrainState], Any]  # of the agents' networks, from a state
-    adopt: Callable[[TrainState, Any], TrainState] | None = None  # a state that goes on from other parameters, of a policy trained before
-    policy: Callable[[Any, bool | None], Policy] | None = (
-        None  # parameters, and whether to act greedily, to how agents act: `trained_policy`
-    )
-    loops: bool = True  # whether a loop over seeds may be faster than `vmap`; not where a state is large: the loop would copy it
+    adopt: Callable[[TrainState, Any], TrainState] | None = None  # a state with other parameters, of a policy trained before
+    policy: Callable[[Any, bool | None], Policy] | None = None  # from parameters, and whether to act greedily: as `trained_policy`
+    loops: bool = True  # whether a loop over seeds may be faster than `vmap`; not if a state is large, as the loop would copy it
 
     def update(self, state: TrainState) -> tuple[TrainState, Metrics]:
         """Plays and learns."""
@@ -48,7 +46,7 @@ class Train:
 
 
 def keep_if_finite(loss: Array, new: Any, old: Any, diverged: Array) -> tuple[Any, Array]:
-    """Returns `new` and the loss; or `old` and NaN if the loss or an entry of `new` is not finite, or was not before.
+    """Returns `new` and the loss; or `old` and NaN if the loss or an entry of `new` isn't finite, or the run has diverged before.
 
     So the last good parameters survive a run that diverges, even if the memory of `old` is reused. If one of several parallel seeds
     diverges, it keeps its parameters while the others continue.

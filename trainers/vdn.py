@@ -29,19 +29,19 @@ from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 @flax.struct.dataclass
 class Transition:
-    """One step of one environment, as it is replayed."""
+    """One step of one environment in the replay buffer."""
 
     observation: Array  # [N, bytes, V * V] uint8, acted on, packed
     action: Array  # [N] int32
     reward: Array  # [] float32, the team's
-    following: Array  # [N, bytes, V * V] uint8, packed, where the step led: before a reset
+    following: Array  # [N, bytes, V * V] uint8, packed, after the step, before a reset
     ended: Array  # [] bool, a termination, not a truncation
-    allowed: Array | None = None  # [N, bytes] uint8, the actions allowed where the step led, packed; in a batch [N, A] bool; None: all
+    allowed: Array | None = None  # [N, bytes] uint8, actions allowed after the step, packed; in a batch [N, A] bool; None: all
 
 
 @flax.struct.dataclass
 class ValueLearner:
-    """What is learnt and what it is learnt from."""
+    """Networks and replay buffer."""
 
     online: Learner  # parameters, optimiser state and `step`, the gradient steps taken
     target: Any  # parameters of the target network
@@ -52,7 +52,7 @@ def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
     """Returns the network, which all agents share.
 
     Raises:
-      ConfigError: the environment gives no token observations.
+      ConfigError: the environment has no token observations.
     """
     return ActionValues(
         num_actions=env.num_actions,
@@ -71,7 +71,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     """Returns the pure functions of a run.
 
     Raises:
-      ConfigError: the configuration does not fit itself or the environment.
+      ConfigError: the configuration is inconsistent or doesn't fit the environment.
     """
     if config.buffer_size % config.steps_per_update:
         raise ConfigError(
@@ -109,7 +109,9 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         before, target, replay = state.learner.online, state.learner.target, state.learner.replay
         after, losses = take_gradient_steps(network, packing, before, target, replay, learn_key, config)
         begun = replay.filled >= config.learning_starts
-        after, losses = jax.tree.map(lambda new, old: jnp.where(begun, new, old), (after, losses), (before, _no_losses(losses)))
+        after, losses = jax.tree.map(
+            lambda new, old: jnp.where(begun, new, old), (after, losses), (before, jax.tree.map(jnp.zeros_like, losses))
+        )
         after, losses["loss"] = keep_if_finite(losses["loss"], after, before, state.diverged)
         updates = state.updates + 1
         target = follow_target(target, after.params, updates, config)
@@ -130,7 +132,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
 
 
 def adopt(state: TrainState, parameters: Any) -> TrainState:
-    """Returns a state that goes on from other parameters, of the network and of its target."""
+    """Returns a state with other parameters, for the network and its target."""
     online = replace(state.learner.online, params=parameters)
     return replace(state, learner=replace(state.learner, online=online, target=jax.tree.map(jnp.copy, parameters)))
 
@@ -164,13 +166,8 @@ def _entries(rollout: Rollout) -> Transition:
     return result
 
 
-def _no_losses(losses: Metrics) -> Metrics:
-    result: Metrics = jax.tree.map(jnp.zeros_like, losses)
-    return result
-
-
 def make_actor(env: Environment, network: ActionValues, packing: Packing, masks: bool, parameters: Any, epsilon: Array) -> Actor:
-    """Returns agents that take their best action, or with probability `epsilon`, each on its own, any."""
+    """Returns agents that take their best action, or with probability `epsilon`, independently, a random one."""
 
     def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Any, Array, None]:
         del joint
@@ -186,7 +183,7 @@ def make_actor(env: Environment, network: ActionValues, packing: Packing, masks:
 
 
 def explore(key: Array, values: Array, allowed: Array | None, epsilon: Array | float) -> Array:
-    """Returns the best action of values `[..., A]`, or with probability `epsilon` any, of those that are allowed."""
+    """Returns the best action of values `[..., A]`, or with probability `epsilon` a random one, among those allowed."""
     explore_key, action_key = jax.random.split(key)
     best = best_action(values, allowed)
     explores = jax.random.bernoulli(explore_key, epsilon, best.shape)
@@ -194,12 +191,12 @@ def explore(key: Array, values: Array, allowed: Array | None, epsilon: Array | f
 
 
 def best_action(values: Array, allowed: Array | None) -> Array:
-    """Returns the action `[...]` int32 of the highest value of `[..., A]` that is allowed."""
+    """Returns the allowed action `[...]` int32 with the highest value of `[..., A]`."""
     return jnp.argmax(masked(values, allowed), axis=-1).astype(jnp.int32)
 
 
 def exploration(config: VDNConfig, updates: Array) -> Array:
-    """Returns the probability of exploring in the rollout after so many updates: linear, then constant."""
+    """Returns the probability of exploring in the rollout after `updates` updates: linear, then constant."""
     gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)
     return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(jnp.float32)
 
@@ -219,7 +216,7 @@ def make_optimiser(config: VDNConfig) -> optax.GradientTransformation:
 def take_gradient_steps(
     network: ActionValues, packing: Packing, online: Learner, target: Any, replay: ReplayBuffer, key: Array, config: VDNConfig
 ) -> tuple[Learner, Metrics]:
-    """Takes `gradient_steps` steps, each on a batch of its own; losses are their means."""
+    """Takes `gradient_steps` steps, each on a new batch; losses are means over them."""
 
     def take_step(online: Learner, key: Array) -> tuple[Learner, Metrics]:
         drawn = draw_entries(replay, key, config.batch_size)
@@ -241,8 +238,8 @@ def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transit
     """Returns the mean squared error of the team's value, and its parts.
 
     y = r + gamma * sum over i of max_a Q'_i(s', a), with the target network Q', over the actions allowed in s'. After a termination y = r.
-    With `double_q` the action is the best of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
-    Sums are over the agents that learn.
+    With `double_q`, a is the best action of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
+    Sums are over the learning agents.
     """
     values = cast(Array, network.apply(parameters, batch.observation))
     learning = jnp.asarray(learning_agents(values.shape[-2], config))
@@ -260,6 +257,6 @@ def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transit
 
 
 def follow_target(target: Any, online: Any, updates: Array, config: VDNConfig) -> Any:
-    """Returns the target's parameters: every `target_update_every` updates they go `target_rate` of the way to the online ones."""
+    """Returns the target's parameters: every `target_update_every` updates they move by `target_rate` towards the online ones."""
     rate = jnp.where(updates % config.target_update_every == 0, config.target_rate, 0.0)
     return jax.tree.map(lambda kept, new: (1.0 - rate) * kept + rate * new, target, online)

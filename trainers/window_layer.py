@@ -1,8 +1,8 @@
 """The first dense layer of a network that reads windows of tokens flat: a sum of looked-up rows on a CPU, a product elsewhere.
 
-Its input has a channel for each value that a token can have, and almost all of it is zero. On a CPU a loop over the cells of a
-window looks up the rows of the kernel that belong to what is in the cell, of all windows at once, and adds them. That is several
-times as fast as the product (docs/performance.md). GPUs are made for products.
+Its input has a channel for each value that a token can have, and is almost all zeros. On a CPU, a loop over the cells of a window looks up
+the rows of the kernel for the cell's content, in all windows at once, and adds them. That is several times as fast as the product
+(docs/performance.md). GPUs are better at products.
 """
 
 import math
@@ -20,11 +20,11 @@ from sjdsl.runtime.tokens import to_channels
 from .initialisation import orthogonal
 from .window_rows import Planes, channels_of, groups_of, make_tables, row_numbers, rows_of
 
-CELLS = 4  # whose rows are added in one pass over the windows; measured (docs/performance.md)
+CELLS = 4  # cells whose rows are added in one pass over the windows; measured (docs/performance.md)
 
 
 class WindowLayer(nn.Module):
-    """A dense layer on the channels of windows, as `nn.Dense` would be on them, with its parameters and their names."""
+    """A dense layer on the channels of windows, with the parameters, and their names, of `nn.Dense` on those channels."""
 
     width: int
     planes: Planes
@@ -33,7 +33,7 @@ class WindowLayer(nn.Module):
 
     @nn.compact
     def __call__(self, tokens: Array) -> Array:
-        """Returns `[..., width]` of windows `[..., P, V, V]` uint8, of values that their planes have."""
+        """Returns `[..., width]` of windows `[..., P, V, V]` uint8, with values of their planes."""
         lead, window = tokens.shape[:-3], tokens.shape[-3:]
         inputs = sum(len(plane.channels) for plane in self.planes) * math.prod(window[1:])
         kernel = self.param("kernel", orthogonal(self.gain), (inputs, self.width))
@@ -65,7 +65,7 @@ weigh.defvjp(_forward, _backward)
 
 @partial(jax.custom_vjp, nondiff_argnums=(2,))
 def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
-    """Returns the kernel's gradient `[C * V * V, K]` float32 of that of the result `[M, K]`: the transpose of `weigh`, as that is of this."""
+    """Returns the kernel's gradient `[C * V * V, K]` float32 from the result's `[M, K]`: the transpose of `weigh`, and vice versa."""
     result: Array = jax.lax.platform_dependent(
         tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes)
     )
@@ -83,7 +83,7 @@ def _multiply(kernel: Array, tokens: Array, planes: Planes) -> Array:
 
 
 def _multiply_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
-    """Returns the kernel's gradient `[C * V * V, K]` float32; its transpose is faster to make."""
+    """Returns the kernel's gradient `[C * V * V, K]` float32; computing its transpose is faster."""
     return jnp.matmul(gradient.T, _channels(tokens, planes, gradient.dtype), preferred_element_type=jnp.float32).T
 
 
@@ -94,13 +94,13 @@ def _channels(tokens: Array, planes: Planes, dtype: Any) -> Array:
 
 
 def look_up(kernel: Array, tokens: Array, planes: Planes) -> Array:
-    """Returns what `weigh` does. Sums are made in float32."""
+    """Computes `weigh` by lookups, with sums in float32."""
     result: Array = _look_up(planes)(kernel[None], tokens[None])[0]
     return result
 
 
 def look_up_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
-    """Returns the gradient of the kernel `[C * V * V, K]` float32, of that of the result `[M, K]`."""
+    """Computes `weigh_gradient` by lookups."""
     result: Array = _look_up_gradient(planes)(tokens[None], gradient[None])[0]
     return result
 
@@ -109,7 +109,7 @@ def look_up_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
 def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
     """Returns the lookups of G networks: of kernels `[G, C * V * V, K]` and windows `[G, M, P, V, V]`, `[G, M, K]`.
 
-    A `vmap` makes more networks of them: XLA would give tables with an axis in front another layout, and copy them in every step.
+    Under `vmap` the new axis becomes more networks: XLA would give tables with a leading axis another layout, and copy them in every step.
     """
 
     @jax.custom_batching.custom_vmap
@@ -192,7 +192,7 @@ def _by_cell(tokens: Array) -> Array:
 
 
 def _number_planes(planes: Planes) -> list[int]:
-    """Returns the places of the planes that are numbers: each is one channel, and no table could have a row for every value."""
+    """Returns the indices of the number planes: each is one channel, as a table can't have a row for every value."""
     return [place for place, plane in enumerate(planes) if plane.encoding == "number"]
 
 

@@ -1,4 +1,4 @@
-"""Which rows of a dense layer's kernel the tokens of a window choose: planes of words and bits as numbers of rows in tables."""
+"""Which rows of a dense layer's kernel the tokens of a window select: planes of words and bits as row numbers in tables."""
 
 import math
 
@@ -7,31 +7,30 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 
-ROW_WORK = 4  # of making a row of a table and adding up its gradient, in lookups of a row; measured (docs/performance.md)
-LIMITS = tuple(2**power for power in range(9))  # of the rows of a cell's table, which are tried
-INTEGERS = ((2**8, jnp.uint8), (2**16, jnp.uint16), (2**31, jnp.int32))  # how many rows each can number
+ROW_WORK = 4  # cost of making a row of a table and summing its gradient, in lookups of a row; measured (docs/performance.md)
+LIMITS = tuple(2**power for power in range(9))  # the limits to try for the rows of a cell's table
+INTEGERS = ((2**8, jnp.uint8), (2**16, jnp.uint16), (2**31, jnp.int32))  # how many rows each type can number
 
 Planes = tuple[TokenPlane, ...]
-Group = tuple[int, ...]  # planes that are looked up together, by their places among all
+Group = tuple[int, ...]  # planes that are looked up together, by their positions among all
 
 
 def groups_of(planes: Planes, windows: int) -> tuple[Group, ...]:
-    """Returns the planes of words and of bits in groups, for so many windows: with the least work to make tables and to look rows up.
+    """Returns the planes of words and bits in the groups that take the least work, for a number of windows, to make tables and look rows up.
 
-    A table for several planes has as many rows as they have combinations of values, and saves lookups in every window.
+    A table for several planes has a row for each combination of their values, and saves lookups in every window.
     """
     found = [_groups_within(limit, planes) for limit in LIMITS]
     return min(found, key=lambda groups: sum(ROW_WORK * rows_of(group, planes) + windows for group in groups))
 
 
 def _groups_within(limit: int, planes: Planes) -> tuple[Group, ...]:
-    """Returns each plane in the first group whose table keeps to so many rows with it; a group of one plane may have more."""
+    """Returns the planes in groups, each in the first whose table stays within the limit; a group of one plane may exceed it."""
     groups: list[Group] = []
     for place, plane in enumerate(planes):
         if plane.encoding == "number":
             continue
-        fits = (at for at, group in enumerate(groups) if rows_of((*group, place), planes) <= limit)
-        at = next(fits, None)
+        at = next((at for at, group in enumerate(groups) if rows_of((*group, place), planes) <= limit), None)
         if at is None:
             groups.append((place,))
         else:
@@ -40,14 +39,14 @@ def _groups_within(limit: int, planes: Planes) -> tuple[Group, ...]:
 
 
 def rows_of(group: Group, planes: Planes) -> int:
-    """Returns how many combinations of values the planes of a group have."""
+    """Returns the number of combinations of values of the planes of a group."""
     return math.prod(_values(planes[place]) for place in group)
 
 
 def row_numbers(tokens: Array, group: Group, planes: Planes) -> Array:
-    """Returns which row of its cell's tables each window chooses, `[cells, G * M]`, of tokens `[G, M, P, cells]` uint8.
+    """Returns which row of its cell's tables each window selects, `[cells, G * M]`, for tokens `[G, M, P, cells]` uint8.
 
-    The tables of G networks are one behind the other. The result is of the smallest type of integers that holds it.
+    The tables of G networks follow each other. The result has the smallest integer type that holds it.
     """
     number, windows, _, cells = tokens.shape
     rows = rows_of(group, planes)

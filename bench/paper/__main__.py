@@ -1,8 +1,8 @@
-"""Writes docs/results.md and its files from docs/results/data, with more results taken into the data where some are named.
+"""Writes docs/results.md and its files from docs/results/data, after adding new results to the data if some are named.
 
-python -m bench.paper                        # what the data say
-python -m bench.paper runs/new speed.json    # takes in folders of results, files of `sjdsl bench --json` and docs/games.json
-python -m bench.paper --check                # writes nothing; says what is not up to date
+python -m bench.paper                        # from the data as they are
+python -m bench.paper runs/new speed.json    # adds folders of results, files of `sjdsl bench --json` and docs/games.json
+python -m bench.paper --check                # writes nothing; lists what is out of date
 """
 
 import sys
@@ -25,16 +25,16 @@ from sjdsl.results.sections import cross_play, learning_curves
 from sjdsl.stored_hashes import current_hash
 
 DATA, PAGE = Path("docs/results/data"), Path("docs/results.md")
-RANDOM = "return, summed over agents"  # a figure's name in docs/games.json
+RANDOM = "return, summed over agents"  # the name of a figure in docs/games.json
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Writes the page, or checks it; returns 1 where it is not up to date."""
+    """Writes the page, or checks it; returns 1 if it is out of date."""
     check = "--check" in arguments
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
         data = read_data([Path(name) for name in arguments if name != "--check"])
-    _tell([f"note: {warning.message}" for warning in caught if issubclass(warning.category, ResultsWarning)])  # of folders of this machine
+    _tell([f"note: {warning.message}" for warning in caught if issubclass(warning.category, ResultsWarning)])  # about the named folders
     notes: list[str] = []
     made = sections_of(data, notes)
     texts = {f"{PAGE.stem}/data/{name}": write_frame(frame) for name, frame in data.items()}
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def read_data(sources: Sequence[Path]) -> dict[str, pd.DataFrame]:
-    """Returns the tables of the data by the name of their file, those of more sources taken in."""
+    """Returns the tables of the data, with more sources added, by the name of their file."""
     files = [path for path in sources if path.suffix == ".json"]
     catalogues = [path for path in files if "sort" not in read_json(path)]
     random = [row for path in catalogues for row in random_of(path)]
@@ -66,7 +66,7 @@ def read_data(sources: Sequence[Path]) -> dict[str, pd.DataFrame]:
 
 
 def random_of(catalogue: Path) -> list[dict[str, Any]]:
-    """Returns what a random policy earns in the bundled games, by the file that the catalogue keeps it in."""
+    """Returns the returns of a random policy in the bundled games, from docs/games.json."""
     rows = []
     for game, entry in read_json(catalogue).items():
         figure = entry["values"][RANDOM]
@@ -76,7 +76,7 @@ def random_of(catalogue: Path) -> list[dict[str, Any]]:
 
 
 def sections_of(data: dict[str, pd.DataFrame], notes: list[str]) -> list[Section]:
-    """Returns the sections of the page, and adds what is to be noted of them."""
+    """Returns the sections of the page, and appends notes on them."""
     frame = under_the_papers_rules(data[RESULTS])
     games = games_of(frame)
     notes += rivals(games)
@@ -101,20 +101,20 @@ def made_page(data: dict[str, pd.DataFrame], made: Sequence[Section], notes: Seq
     seen = f"{PAGE.stem}/data"
     how = [
         METHOD[0],
-        "How many seeds stand behind a published figure is not known. So nothing is tested against one: "
-        "the difference is given, and whether theirs lies in our interval.",
+        "The paper reports no seed counts, so we run no tests against its figures: "
+        "we give the difference, and whether the published figure lies in our interval.",
         *method(games_of(under_the_papers_rules(data[RESULTS]))),
-        f"All that the page is made of is in [{seen}]({seen}): more rows there, and the same command, make it again.",
+        f"The data behind the page are in [{seen}]({seen}): add rows there and run the same command to update it.",
     ]
-    by = "Written by `make results`; what is changed here by hand is lost when it is written again."
+    by = "Written by `make results`, which overwrites changes made by hand."
     return page_text("Results", by, made, how, notes, f"{PAGE.stem}/")
 
 
 def _other(texts: dict[str, str]) -> list[str]:
-    """Returns the files that are not as they would be written."""
+    """Returns the files that are out of date."""
     paths = {name: PAGE.parent / name for name in texts}
     return [
-        f"{path}: {'not what its results say' if path.is_file() else 'missing'}"
+        f"{path}: {'out of date' if path.is_file() else 'missing'}"
         for name, path in paths.items()
         if not path.is_file() or path.read_text(encoding="utf-8") != texts[name]
     ]

@@ -1,4 +1,4 @@
-"""What the page of results is about: the games of the paper and others, as they were played, with the rows of each."""
+"""The games on the page of results: those of the paper and others, as they were played, with the rows of each."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -13,7 +13,7 @@ from sjdsl.results.bundled import rules_now
 from sjdsl.results.figures import Cell, short
 from sjdsl.results.selecting import NAMES, SHARED, Setting, cell_of, games, in_words, select
 
-# Ways of training, by the columns that make them.
+# Ways of training, by the columns that define them.
 Way = Mapping[str, Any]
 IPPO: Way = {"algorithm": "ippo", "sharing": SHARED}
 INDIVIDUAL: Way = {**IPPO, "reward": "individual"}
@@ -27,7 +27,7 @@ PROSOCIAL = 90.0  # degrees, at which weights of SVO are compared
 
 @dataclass(frozen=True)
 class Game:
-    """A game of the page, and the rows of its seeds; none of a game of the paper in which nothing was trained under its rules."""
+    """A game of the page and the rows of its seeds: no rows if nothing was trained in it under the paper's rules."""
 
     name: str
     label: str
@@ -37,23 +37,23 @@ class Game:
 
     @property
     def published(self) -> str:
-        """The name under which the paper has figures of it: of its own rules, numbers and map only."""
+        """The name under which the paper has figures for it; empty unless it has the paper's rules, numbers and map."""
         plain = self.setting is None or not (self.setting.params or self.setting.map)
         return self.name if plain and self.name in published.suite() and self.variant == published.variant(self.name) else ""
 
     def cell(self, way: Way, figure: str = "collective_return") -> Cell | None:
-        """Returns what a way of training earned, or another figure of it; None where there is nothing."""
+        """Returns the return of a way of training, or another figure; None if there is none."""
         return cell_of(select(self.rows, **way), figure)
 
     @property
     def by_weight(self) -> dict[float, Cell]:
-        """The cells of SVO at 90 degrees by weight: those of a sweep's first stage, or of runs outside sweeps."""
+        """The cells of SVO at 90 degrees by weight, from the first stage of sweeps or runs outside sweeps."""
         rows = select(self.rows, **SVO, svo_angle=PROSOCIAL)
         return _cells(rows[rows.stage != 2], "svo_weight")
 
     @property
     def by_angle(self) -> tuple[float, dict[float, Cell]]:
-        """The weight of SVO of which there are most angles, and its cells: those of a sweep's second stage, or of runs outside sweeps."""
+        """The SVO weight with the most angles, and its cells by angle, from the second stage of sweeps or runs outside sweeps."""
         rows = select(self.rows, **SVO)
         rows = rows[(rows.stage != 1) & rows.svo_angle.notna()]
         if rows.empty:
@@ -81,9 +81,9 @@ def exchanged(ratio: float) -> Way:
 
 
 def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
-    """Returns the results with what is of the paper's rules named so: experiments by their hash, and runs with numbers of the released code.
+    """Returns the results with those under the paper's rules marked: experiments by their hash, runs by the numbers of the released code.
 
-    Numbers that the released configurations set for one way of training in a game are part of its rules, not numbers of one's own.
+    Numbers that the released configurations set for one way of training in a game count as its rules, not as changes.
     """
     frame = frame.copy()
     for place, row in frame.iterrows():
@@ -96,7 +96,7 @@ def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _numbers(params: str) -> dict[str, float] | None:
-    """Returns the numbers of `a=1 b=2e-3` by name; None where a value is no number."""
+    """Returns the numbers of `a=1 b=2e-3` by name; None if a value isn't a number."""
     try:
         return {name: float(value) for name, value in (entry.split("=", 1) for entry in params.split())}
     except ValueError:
@@ -104,7 +104,7 @@ def _numbers(params: str) -> dict[str, float] | None:
 
 
 def games_of(frame: pd.DataFrame) -> list[Game]:
-    """Returns the games that were trained in and those of the paper, in its order, then others by name."""
+    """Returns the trained games and those of the paper, in its order, then others by name."""
     found = [Game(setting.game, setting.label, setting.variant, setting, rows) for setting, rows in games(frame)]
     there = {game.published for game in found}
     none = frame.iloc[:0]
@@ -114,13 +114,13 @@ def games_of(frame: pd.DataFrame) -> list[Game]:
 
 
 def in_order(name: str) -> tuple[int, str]:
-    """Returns the place of a game: those of the paper in its order, then others by name."""
+    """Returns the sort key of a game: those of the paper in its order, then others by name."""
     suite = published.suite()
     return suite.index(name) if name in suite else len(suite), name
 
 
 def rivals(found: Iterable[Game]) -> list[str]:
-    """Returns where runs of one way of training differ in their settings or their length, so that one of them stands in the tables."""
+    """Returns notes on ways of training with several runs that differ in settings or length, of which the tables show one."""
     notes = []
     for game in found:
         for way, rows in game.rows.assign(way=[f"{in_words(row)}" for row in game.rows.itertuples()]).groupby("way"):
@@ -128,19 +128,19 @@ def rivals(found: Iterable[Game]) -> list[str]:
             others = [cell_of(own) for run, own in rows.groupby("run") if shown is not None and run != shown.run]
             said = [f"{other.origin} ({other.settings})" for other in others if other is not None]
             if said and shown is not None:
-                notes.append(f"of {game.label}, {way}, tables show {shown.origin} ({shown.settings}), and not {'; '.join(said)}")
+                notes.append(f"for {game.label}, {way}, tables show {shown.origin} ({shown.settings}), not {'; '.join(said)}")
     return notes
 
 
 def called(names: Iterable[str], variant: str = "") -> str:
-    """Returns games as a command names them, each once: bundled and installed ones by name, others by their file; and their variant."""
+    """Returns games as arguments of a command, each once: bundled and installed ones by name, others by their file; and their variant."""
     known = set(game_names())
     named = [name if name in known else f"{name}.sj" for name in dict.fromkeys(names)]
     return " ".join([*named, *(("--variant", variant) if variant else ())])
 
 
 def sweeps_of(wanted: Iterable[tuple[str, str]], options: str, run: str) -> tuple[str, ...]:
-    """Returns the commands that train in games, each with its variant: one for all of the same. run: the folder, without the variant."""
+    """Returns commands that train in the games, one for each variant. run: the folder, without the variant."""
     by_variant: dict[str, list[str]] = {}
     for name, variant in wanted:
         by_variant.setdefault(variant, []).append(name)
@@ -156,15 +156,15 @@ def in_folder(run: str, variant: str) -> str:
 
 
 def method(found: Iterable[Game]) -> list[str]:
-    """Returns how long was trained here and in the paper, and what common reward is made of."""
+    """Returns paragraphs on the length of training here and in the paper, and on what common reward is."""
     seeds = pd.concat([game.rows for game in found])
     suite = seeds[seeds.game.isin(published.suite())]
     paragraphs = []
     if not suite.empty:
         ours = " to ".join(dict.fromkeys((short(suite.steps.min()), short(suite.steps.max()))))
         paragraphs.append(
-            f"A seed here has learnt from {ours} environment steps, one of the paper from {published.length()}. "
-            "So a difference from a published figure can be one of the length of training as well as of anything else."
+            f"A seed here was trained for {ours} environment steps, one of the paper for {published.length()}. "
+            "So any difference from a published figure may be due to the length of training."
         )
     common = seeds[seeds.reward == "common"]
     kinds = ["sum" if row.algorithm == "vdn" else json.loads(row.settings).get("common_reward", "sum") for row in common.itertuples()]
@@ -177,9 +177,9 @@ def method(found: Iterable[Game]) -> list[str]:
     begun = suite[suite.settings.str.contains('"init_from"')]
     if not begun.empty:
         paragraphs.append(
-            f"In {', '.join(dict.fromkeys(begun.game))}, runs began with a policy that had learnt on a smaller map of the same rules "
-            "(`bench/small_maps`), another for each seed; those steps come on top. All that is counted was played on the game's own map."
+            f"In {', '.join(dict.fromkeys(begun.game))}, each seed started from a policy of its own, trained on a smaller map with the same rules "
+            "(`bench/small_maps`); the steps of that training are not counted. All results are from the game's own map."
         )
     if said:
-        paragraphs.append(f"Common reward is made of all agents' rewards: {'; '.join(said)}; in the paper their sum.")
+        paragraphs.append(f"Common reward combines all agents' rewards: {'; '.join(said)}; in the paper, their sum.")
     return paragraphs

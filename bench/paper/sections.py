@@ -1,4 +1,4 @@
-"""The sections of docs/results.md that the paper has something to say of: its tables beside ours, each a function of the results."""
+"""The sections of docs/results.md that compare our results with the paper's: each is a function of the results."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -33,23 +33,23 @@ from sjdsl.results.sections import BEHIND, compared_table, diagram_row, of_recor
 from sjdsl.results.selecting import APART, SHARED, cell_of, in_words, select, setting_of
 from sjdsl.results.statistics import compare
 
-TRAINED = "training seed"  # the unit of diagrams of pools
-OF_COMMON = ("common_reward",)  # what common reward alone reads
+TRAINED = "training seed"  # the sampling unit of diagrams of trained pools
+OF_COMMON = ("common_reward",)  # a setting that only common reward uses
 AXIS = "--axis reward=individual,common"
-REWARDS = "runs/rewards"  # where the sweep that is named for empty cells puts its runs
+REWARDS = "runs/rewards"  # the folder of the sweep that fills empty cells
 HOLDS, FAILS, UNDECIDED, UNKNOWN = "holds", "does not hold", "undecided", "not run"
 SURE = 0.05  # p below which a difference counts
-ALIKE = 0.1  # of the return: ways whose difference is smaller, at 95 %, count as alike
+ALIKE = 0.1  # share of the return: a smaller difference, at 95 %, counts as none
 WEIGHTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # of SVO
 ANGLES = (0.0, 22.5, 45.0, 67.5, 90.0)  # degrees
 
 
-# Findings: which claims of the paper hold for runs under its rules. The claims are orders in its tables and its diagrams.
+# Findings: which claims of the paper hold for runs under its rules. The claims are orderings in its tables, and its diagrams.
 
 
 @dataclass(frozen=True)
 class Compared:
-    """A way of training that is compared with another: its name, what it earned here and in the paper."""
+    """A way of training that is compared with another: its name, and its results here and in the paper."""
 
     name: str
     ours: Callable[[Game], Cell | None]
@@ -69,29 +69,31 @@ PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (_angle(90.0), OWN), (_angle(67.5
 
 
 def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
-    """Returns the section with which the page begins: a line a claim."""
+    """Returns the first section of the page: one line for each claim."""
     suite = {game.published: game for game in games if game.published}
     found = [_order(suite, more, less) for more, less in PAIRS]
-    found.append(("The trained diagram is a dilemma, with the fear or the greed that it names", "in 9 games", _dilemmas(suite, frame)))
+    found.append(
+        ("The diagram of trained agents is a dilemma, with the fear or greed that the paper names", "in 9 games", _dilemmas(suite, frame))
+    )
     alike = {name: _alike(game) for name, game in suite.items()}
-    found.append(("IPPO with shared and with separate parameters converge alike", "said, without figures", alike))
+    found.append(("IPPO with shared and with separate parameters converge alike", "stated, without figures", alike))
     rows = []
     for claim, theirs, verdicts in found:
         by_verdict = {verdict: [game for game, one in verdicts.items() if one == verdict] for verdict in (HOLDS, FAILS, UNDECIDED, UNKNOWN)}
         said = [f"{name}: {'all' if len(own) == len(verdicts) else ', '.join(own)}" for name, own in by_verdict.items() if own]
         rows.append((claim, theirs, Figure("; ".join(said), verdicts), f"{len(by_verdict[HOLDS])} of {len(verdicts)}"))
     text = (
-        "Each claim was tried with runs under the rules that the paper played. A claim about returns is decided in a game if p is below "
-        f"{SURE} (Welch, over seeds): it holds if the difference has the paper's sign. Else it is undecided. The paper claims an order "
-        "where its means differ by more than what it prints after ±, or by 5 % where it prints none.",
+        "Each claim was tested with runs under the paper's rules. In each game, a claim about returns is decided if p is below "
+        f"{SURE} (Welch's test over seeds): it holds if the difference has the paper's sign. Otherwise it is undecided. We take the paper to "
+        "claim an ordering if its means differ by more than the numbers it prints after ±, or by 5 % if it prints none.",
         "A claim about a diagram holds if the verdict over training seeds is a dilemma with the paper's fear or greed. "
-        f"Ways converge alike if the 95 % interval of the difference lies within {ALIKE:.0%} of the return.",
+        f"Two ways of training converge alike if the 95 % interval of their difference lies within {ALIKE:.0%} of the return.",
     )
     return Section("Findings", text, (Table("findings", "Claims of the paper", ("claim", "the paper", "ours", "holds in"), rows, 3),))
 
 
 def _order(suite: Mapping[str, Game], more: Compared, less: Compared) -> tuple[str, str, dict[str, str]]:
-    """Returns what was found of the order of two ways of training, in the games in which the paper has one."""
+    """Returns the claim that one way of training earns more than another, the games in which the paper claims it, and verdicts by game."""
     signs: dict[str, int] = {}
     for name in suite:
         first, second = more.theirs(name), less.theirs(name)
@@ -145,7 +147,7 @@ def _alike(game: Game) -> str:
     return FAILS if found.p < SURE else UNDECIDED
 
 
-# What is trained with two rewards, or with shared and separate parameters.
+# Individual and common reward; shared and separate parameters.
 
 
 def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
@@ -163,13 +165,13 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     words = ("game", "the paper calls it", "random policy, over episodes")
     table = compared_table("own_and_common", "Collective return of IPPO", words, ("individual", "common"), lines)
     text = [
-        "Where common reward earns the group more, agents that learnt from their own reward ended worse for the group, after so many steps. "
-        "Whether the game is a dilemma is asked below, by Schelling diagrams. p is of each game alone, and not corrected for their number."
+        "If common reward earns the group more, agents that learnt from their own reward ended up worse for the group after this many steps. "
+        "Whether a game is a dilemma is answered by the Schelling diagrams below. p is for each game alone, not corrected for their number."
     ]
     if below:
         text.append(
-            f"Below the return of a random policy are: {'; '.join(below)}. "
-            "Where things grow again, agents that have only learnt to harvest fast can leave less than those that know nothing."
+            f"Returns below those of a random policy: {'; '.join(below)}. "
+            "Where resources regrow, agents that have only learnt to harvest fast can leave less than agents that have learnt nothing."
         )
     for (label, *_), *pair in lines:
         text += [f"* {label}: {said}" for said in unlike_settings(dict(zip(("individual", "common"), pair, strict=True)), OF_COMMON)]
@@ -178,7 +180,7 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
 
 
 def sharing(games: Sequence[Game]) -> Section:
-    """Returns the section of every way of training that was tried with shared and with separate parameters."""
+    """Returns the section on ways of training that were run with both shared and separate parameters."""
     lines, tried = [], set()
     for game in games:
         rows = game.rows.assign(way=[in_words(row, sharing=False) for row in game.rows.itertuples()])
@@ -189,7 +191,7 @@ def sharing(games: Sequence[Game]) -> Section:
                 lines.append(((game.label, way), *cells))
     text = [
         "Agents share one network, or each has its own, with its own initial weights. "
-        "The paper says that both take about the same time and converge alike, and has no figures.",
+        "The paper says that both take about the same time and converge alike, but gives no figures.",
     ]
     for (label, way), shared, apart in lines:
         text += [f"* {label}, {way}: {said}" for said in unlike_settings({"shared": shared, "separate": apart})]
@@ -200,17 +202,17 @@ def sharing(games: Sequence[Game]) -> Section:
     return Section("Shared and separate parameters", tuple(text), (table,) if lines else (), fill=fill)
 
 
-# Tables in which our cells stand beside the published ones: three lines a game. No test is made: how many seeds are behind a published
-# cell is not known.
+# Tables of our cells beside the published ones, three lines for each game. We run no tests against published figures, as the paper reports
+# no seed counts.
 
 
 def beside(
     label: str, cells: Sequence[Cell | None], printed: Sequence[Printed | None], more: Sequence[str] = (), theirs: Sequence[str] = ()
 ) -> list[tuple[str | Figure, ...]]:
-    """Returns the lines of a game: our cells, the published ones, and the difference with whether theirs lies in our interval.
+    """Returns the lines of a game: our cells, the published ones, and the differences with whether the published figure is in our interval.
 
     Args:
-      more: what else is said of ours; theirs: of the published ones, as many.
+      more: further columns of our line; theirs: the same columns of the published line.
     """
     alike, apart = _behind(cells)
     shown = []
@@ -228,7 +230,7 @@ def beside(
 
 
 def _behind(cells: Sequence[Cell | None]) -> tuple[str, list[int]]:
-    """Returns what stands alike behind all cells of a line: seeds, steps, preset, hardware; and which of these differ."""
+    """Returns what the cells of a line have in common (seeds, steps, preset, hardware), and the indices of those that differ."""
     kinds = list(zip(*(cell.origins for cell in cells if cell is not None), strict=True))
     apart = [place for place, found in enumerate(kinds) if len(set(found)) > 1]
     return ", ".join(found[0] for place, found in enumerate(kinds) if place not in apart and found[0]), apart
@@ -245,7 +247,7 @@ def _difference(cell: Cell | None, printed: Printed | None) -> Figure:
 
 
 def exchange(games: Sequence[Game]) -> Section:
-    """Returns the section of IPPO by exchange ratio, the ratio that the 95 % rule chooses, and how sure the choice is."""
+    """Returns the section on IPPO by exchange ratio, the ratio that the 95 % rule chooses, and how certain that choice is."""
     found = {game.label: (game, game.by_ratio) for game in games}
     ratios = sorted({*RATIOS, *(ratio for _, cells in found.values() for ratio in cells)})
     names = {ratio: {0.0: "0: individual", 1.0: "1: common"}.get(ratio, f"{ratio:g}") for ratio in ratios}
@@ -267,7 +269,7 @@ def exchange(games: Sequence[Game]) -> Section:
     tables = [Table("exchange", "Collective return by exchange ratio", headings, lines, 2)]
     text = [
         "Ratio 0 is individual reward, 1 is common reward. The 95 % rule chooses the smallest ratio whose mean is at least 0.95 of the best. "
-        "It chooses none if the best is not above 0. Where all ratios earn alike it chooses the smallest.",
+        "It chooses none if the best is not above 0. If all ratios earn the same, it chooses the smallest.",
         f"Published: {published.source('exchange')}.",
     ]
     for label, (_, cells) in found.items():
@@ -276,7 +278,7 @@ def exchange(games: Sequence[Game]) -> Section:
         title = f"How often the rule chooses each ratio in {RESAMPLES:,} resamplings of seeds"
         tables.append(Table("exchange_choices", title, ("game", *names.values(), "none"), choices))
         text.append(
-            "The seeds that were trained are drawn again to see how often each ratio is chosen. Of few seeds that says little about others."
+            "The trained seeds are resampled to see how often each ratio is chosen. With few seeds, that says little about other seeds."
         )
     pictures = (Picture("exchange", "returns by exchange ratio", partial(draw_series, panels, "exchange ratio", "collective return")),)
     fill = sweeps_of(missing, "--protocol exchange", "runs/exchange")
@@ -284,7 +286,7 @@ def exchange(games: Sequence[Game]) -> Section:
 
 
 def _choice(means: Mapping[float, float]) -> str:
-    """Returns the ratio that the rule chooses, and of how many; nothing of one alone."""
+    """Returns the ratio that the rule chooses, and from how many; empty if there is only one."""
     if len(means) < 2:
         return ""
     ratio = chosen_ratio(means)
@@ -296,20 +298,20 @@ def _series(cells: Mapping[float, Cell]) -> Series:
 
 
 def svo(games: Sequence[Game]) -> Section:
-    """Returns the section of IPPO with social value orientation: returns by weight at 90 degrees, and by angle at the weight chosen."""
+    """Returns the section on IPPO with social value orientation: returns by weight at 90 degrees, and by angle at the chosen weight."""
     tried = {game.label: game.by_weight for game in games}
     found = {game.label: (game, *game.by_angle) for game in games}
     alone = [label for label, (_, weight, cells) in found.items() if cells and not weight]
     text = [
-        "The weight is chosen at 90 degrees, as the best of those in the first table. The angles are trained at that weight, with other seeds: "
-        "the best of several noisy means is too high on average.",
-        "At 90 degrees an agent that alone is rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 on that is "
-        "more than a reward of 1, so that earning does not pay, unless as much is deducted while nobody is rewarded. The released code and "
+        "The weight is the best one at 90 degrees, in the first table. The angles are trained at that weight with other seeds, because the best "
+        "of several noisy means is too high on average.",
+        "At 90 degrees, an agent that is the only one rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 "
+        "that is more than a reward of 1, so earning does not pay unless as much is deducted while nobody is rewarded. The released code and "
         "`svo_at_rest=selfish` do that; `svo_at_rest=content` does not.",
     ]
     if alone:
         text.append(
-            f"In {', '.join(alone)} the chosen weight is 0, which is individual reward. All angles are alike then, and one is trained."
+            f"In {', '.join(alone)}, the chosen weight is 0, which is individual reward. All angles are then the same, so only one is trained."
         )
     text += [f"Published: {published.source('svo')}.", *_remarks(games, "svo")]
     tables = []
@@ -327,7 +329,7 @@ def svo(games: Sequence[Game]) -> Section:
         if cells:
             points = [(angle, one.mean) for angle, one in printed.items()]
             panels.append(panel_of(f"{label}, weight {weight:g}", _series(cells), points))
-        if not ({*ANGLES} <= cells.keys() or (cells and not weight)):  # of weight 0 a sweep trains one angle, for all are alike
+        if not ({*ANGLES} <= cells.keys() or (cells and not weight)):  # at weight 0 all angles are the same, and a sweep trains one
             missing.append((game.name, game.variant))
     headings = ("game", "", *(f"{angle:g}°" for angle in angles), "weight", BEHIND)
     tables.append(Table("svo_angles", "Collective return by SVO angle", headings, lines, 2))
@@ -337,20 +339,20 @@ def svo(games: Sequence[Game]) -> Section:
 
 
 def tried_weights(game: Game) -> str:
-    """Returns of how many weights at 90 degrees one was chosen, in words."""
+    """Returns the number of weights tried at 90 degrees, in words."""
     tried = len(game.by_weight)
     return f"of {tried} tried" if tried > 1 else "no other tried"
 
 
 def _remarks(games: Sequence[Game], table: str) -> list[str]:
-    """Returns what is to be known of the paper's figures of the games shown, in one of its tables: a list, as one paragraph."""
+    """Returns remarks on the paper's figures for the games shown, in one of its tables: a list as one paragraph."""
     shown = {game.published for game in games}
     lines = [f"* {game}: {note}." for game, note in published.remarks(table).items() if game in shown]
-    return ["\n".join(["Of the published figures:", "", *lines])] if lines else []
+    return ["\n".join(["About the published figures:", "", *lines])] if lines else []
 
 
 def metrics(games: Sequence[Game]) -> Section:
-    """Returns the section of how much agents cooperate, on the paper's scale, by the paper's six ways of training."""
+    """Returns the section on how much agents cooperate, on the paper's scale, by the paper's six ways of training."""
     lines: list[tuple[str | Figure, ...]] = []
     empty = []
     for game in games:
@@ -373,16 +375,16 @@ def metrics(games: Sequence[Game]) -> Section:
         printed = [metric.printed[column] for column in published.metric_columns()]
         lines += beside(game.label, cells, printed, (metric.what, "; ".join(chosen)))
     text = [
-        "One figure a game says how much its agents cooperate, as the paper has it. "
-        "The column of exchange has the ratio with the best return, that of SVO 90 degrees at the weight shown. "
-        "Beside each stands of how many: the paper tried four ratios and six weights.",
+        "The paper measures cooperation in each game by one figure. "
+        "The exchange column has the ratio with the best return, and the SVO column has 90 degrees at the weight shown. "
+        "Each says how many were tried here; the paper tried four ratios and six weights.",
         f"Published: {published.source('metrics')}.",
         *_remarks(games, "metrics"),
     ]
     if empty:
         text.append(
-            "The command below trains exchange at the ratio that the paper chose, and SVO at the weight of the configuration. "
-            "The best of several ratios and weights are found by the commands of the sections above."
+            "The command below trains exchange at the paper's ratio, and SVO at the weight of the configuration. "
+            "The commands of the sections above find the best of several ratios and weights."
         )
     headings = ("game", "", *published.metric_columns(), "figure", "chosen", BEHIND)
     table = Table("metrics", "Cooperation metric", headings, lines, 2)
@@ -390,7 +392,7 @@ def metrics(games: Sequence[Game]) -> Section:
 
 
 def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
-    """Returns the figure of the metric on the paper's scale."""
+    """Returns the metric on the paper's scale."""
     cell = game.cell(way, metric.measure)
     if cell is None or game.setting is None:
         return None
@@ -399,7 +401,7 @@ def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
 
 
 def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
-    """Returns the section of scores between a random policy and the best of the paper; the weight of SVO is each game's own choice."""
+    """Returns the section on scores between a random policy and the best of the paper; the weight of SVO is chosen for each game."""
     scores, wanted = {}, []
     for game in games:
         best = published.best_return(game.published)
@@ -417,7 +419,7 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     ]
     what = "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper."
     if any("chosen weight" in way for found in scores.values() for way in found):
-        what += " The chosen weight of SVO is that of each game's own sweep."
+        what += " The chosen weight of SVO is the one chosen in each game's own sweep."
     return section_over_games(scores, what, fill)
 
 
@@ -425,7 +427,7 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
 
 
 def diagrams(frame: pd.DataFrame) -> Section:
-    """Returns the section of Schelling verdicts, beside what the paper found: in each game first under the paper's rules."""
+    """Returns the section on Schelling verdicts beside those of the paper: in each game, those under the paper's rules come first."""
     section = sections.diagrams(frame)
     found = sorted(
         of_record(frame, "diagram"),

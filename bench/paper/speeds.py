@@ -1,7 +1,7 @@
 """Speed of random play and hours of training, beside the published ones: read from files of `sjdsl bench --json`, and as sections."""
 
 import statistics
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,9 @@ def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
     frames = {name: pd.read_csv(data / file) for name, file in FILES.items()}
     for file in files:
         found = read_found(file)
-        hardware = _hardware(found.machine)
+        machine = found.machine  # the processor with its cores, or the accelerator
+        cores = f", {machine['cpu_cores']} cores" if machine["platform"] == "cpu" else ""
+        hardware = f"{machine['device']}{cores}{devices_said(dict(machine))}"
         match found:
             case Report():
                 name, rows = "speeds", [_speed(found, speed) for speed in found.speeds if speed.name != YARDSTICK]
@@ -51,12 +53,6 @@ def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
         more = pd.DataFrame(rows).assign(hardware=hardware)
         frames[name] = pd.concat([frames[name], more]).drop_duplicates(KEYS[name], keep="last")
     return {name: frame.sort_values(KEYS[name], ignore_index=True) for name, frame in frames.items()}
-
-
-def _hardware(machine: Mapping[str, Any]) -> str:
-    """Returns what figures were measured on: the processor with its cores, or the accelerator."""
-    cores = f", {machine['cpu_cores']} cores" if machine["platform"] == "cpu" else ""
-    return f"{machine['device']}{cores}{devices_said(dict(machine))}"
 
 
 def _speed(found: Report, speed: Any) -> dict[str, Any]:
@@ -87,9 +83,9 @@ def speed(frame: pd.DataFrame) -> Section:
     names = _ordered(frame.game)
     lines = [line for name in names for crowd in (False, True) for line in _lines(frame, name, crowd, numbers)]
     text = (
-        "Environment steps a second under random actions: the median of the rounds, from the slowest to the fastest in brackets. "
-        "No seeds stand behind these figures, and no interval.",
-        f"Published: {published.source('speed')}. Other hardware: the ratio is no comparison of programs.",
+        "Environment steps a second under random actions: the median of the rounds, with the slowest and the fastest in brackets. "
+        "These are not intervals over seeds.",
+        f"Published: {published.source('speed')}. The hardware differs, so the ratio does not compare programs.",
     )
     headings = ("game", "", *(f"{number:,}" for number in numbers), "rounds, hardware")
     plots = [plot for name in names if (plot := _plot(frame, name)) is not None]
@@ -134,15 +130,15 @@ def _plot(frame: pd.DataFrame, game: str) -> Multiple | None:
 
 
 def hours(frame: pd.DataFrame) -> Section:
-    """Returns the section of hours of training to 1e9 environment steps, extrapolated from the speed of single updates."""
+    """Returns the section on hours of training for 1e9 environment steps, extrapolated from the speed of single updates."""
     rows = [_hours(row) for name in _ordered(frame.game) for row in frame[frame.game == name].itertuples()]
     headings = (
         *("game", "algorithm", "network", "parameters", "env-steps/s", "hours to 1e9 steps, extrapolated", "published"),
         "environments x steps, rounds, hardware",
     )
     text = (
-        "Hours are extrapolated: 1e9 environment steps at the speed of the updates that were timed, without evaluation and "
-        "checkpoints. In brackets at the fastest and at the slowest round.",
+        "Hours are extrapolated to 1e9 environment steps from the speed of the timed updates, without evaluation and checkpoints. "
+        "In brackets: at the speed of the fastest and of the slowest round.",
         f"Published: {published.source('training')}.",
     )
     there = {name: set(own[["algorithm", "sharing"]].itertuples(index=False, name=None)) for name, own in frame.groupby("game")}

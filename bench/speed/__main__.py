@@ -22,19 +22,15 @@ from bench.speed.outputs import Outputs, Stored, read_all, section_of, speed_sec
 from bench.speed.stored import Found
 from bench.speed.substrates import Substrates, measure_substrates, short_steps, substrate_tasks
 from bench.speed.sweep import measure_sweep, swept_params
-from bench.speed.training import measure_training
-from bench.speed.training_setups import training_setups
+from bench.speed.training import measure_training, training_setups
 from sjdsl.bench import measure
 from sjdsl.bench.loop import steps_for
-from sjdsl.cli.bench_devices import check_devices, divide_cpu
-from sjdsl.cli.bench_games import choose_tasks
-from sjdsl.cli.bench_options import OBSERVATIONS, Agents, Counts, Words
-from sjdsl.cli.bench_output import compile_everything_anew
+from sjdsl.cli.bench import AGENTS, COUNTS, OBSERVATIONS, check_devices, choose_tasks, disable_compilation_cache, divide_cpu, words
 from sjdsl.cli.stages import stages
 from sjdsl.games_folder import main_games
 from sjdsl.substrates import written_substrates
 
-SCALED = (1024, 4096, 16_384, 65_536)  # environments, on a device that wants many
+SCALED = (1024, 4096, 16_384, 65_536)  # numbers of environments, on a device that needs many
 WORKERS = 8  # programs compiled at the same time
 LEAST = click.IntRange(min=1)
 Command = Callable[..., Any]
@@ -76,14 +72,14 @@ def said() -> str:
 @click.group()
 def main() -> None:
     """Measures what docs/performance.md shows, and writes its tables."""
-    compile_everything_anew()
+    disable_compilation_cache()
 
 
 @main.command()
 @click.argument("games", nargs=-1)
-@click.option("--envs", type=Counts(), default="1,128,1024,4096", show_default=True)
-@click.option("--observation", "seen", type=Words(OBSERVATIONS), default="tokens", show_default=True)
-@click.option("--agents", type=Agents(), default="own", show_default=True)
+@click.option("--envs", type=COUNTS, default="1,128,1024,4096", show_default=True)
+@click.option("--observation", "seen", type=words(OBSERVATIONS), default="tokens", show_default=True)
+@click.option("--agents", type=AGENTS, default="own", show_default=True)
 @click.option("--devices", type=LEAST, default=1, show_default=True)
 @click.option("--steps", type=LEAST, help="Steps of one timing.")
 @options
@@ -101,12 +97,12 @@ def race(games: Sequence[str], envs: Any, seen: Any, agents: Any, devices: int, 
 
 @main.command()
 @click.argument("games", nargs=-1)
-@click.option("--networks", type=Words(("mlp", "cnn")), default="mlp", show_default=True)
-@click.option("--algorithms", type=Words(("ippo", "mappo", "vdn")), default="ippo", show_default=True)
-@click.option("--sharings", type=Words(("shared", "per_agent", "by_role")), default="shared", show_default=True)
+@click.option("--networks", type=words(("mlp", "cnn")), default="mlp", show_default=True)
+@click.option("--algorithms", type=words(("ippo", "mappo", "vdn")), default="ippo", show_default=True)
+@click.option("--sharings", type=words(("shared", "per_agent", "by_role")), default="shared", show_default=True)
 @click.option("--envs", type=LEAST, help="Environments: 16, of vdn 32.")
 @click.option("--steps", type=LEAST, help="Steps of a rollout: 128, of vdn 1.")
-@click.option("--hours", type=float, help="Also the hours to so many environment steps, extrapolated: 1e9.")
+@click.option("--hours", type=float, help="Also extrapolate the hours to this many environment steps, such as 1e9.")
 @options
 def training(
     games: Sequence[str],
@@ -150,7 +146,7 @@ def sweep(game: str, param: str, values: int, envs: int, steps: int | None, repe
 
 @main.command()
 @click.argument("names", nargs=-1)
-@click.option("--envs", type=Counts(), default="1,128,1024", show_default=True)
+@click.option("--envs", type=COUNTS, default="1,128,1024", show_default=True)
 @options
 def substrates(names: Sequence[str], envs: Any, repeats: int, outputs: Outputs) -> None:
     """Measures Melting Pot's substrates one after the other; page and file are written after each of them."""
@@ -174,7 +170,7 @@ def substrates(names: Sequence[str], envs: Any, repeats: int, outputs: Outputs) 
 @click.argument("folder")
 @click.argument("games", nargs=-1)
 @click.option("--minutes", type=float, default=9.0, show_default=True)
-@click.option("--envs", type=Counts(), default=",".join(map(str, SCALED)), show_default=True)
+@click.option("--envs", type=COUNTS, default=",".join(map(str, SCALED)), show_default=True)
 @click.option("--repeats", type=LEAST, default=5, show_default=True)
 def everything(folder: str, games: Sequence[str], minutes: float, envs: Any, repeats: int) -> None:
     """Measures what a GPU is needed for within --minutes, most important first, as JSON files in FOLDER."""

@@ -11,8 +11,7 @@ from typing import Any
 from bench.speed.kernels import measure_kernels
 from bench.speed.resuming import measure_resume
 from bench.speed.stored import Found, read_found
-from bench.speed.training import Training, measure_training
-from bench.speed.training_setups import training_setups
+from bench.speed.training import Training, measure_training, training_setups
 from sjdsl.bench.loop import Task, steps_for
 from sjdsl.bench.machine import describe_machine
 from sjdsl.bench.stored import write_found
@@ -72,7 +71,7 @@ def parts_of(plan: Plan, tell: Callable[[str], object]) -> Iterator[Part]:
 
 
 def spread(envs: Sequence[Environment], number: int) -> list[Environment]:
-    """Returns at most so many environments, at even distances from that with the smallest observation of all agents to the largest."""
+    """Returns at most `number` environments, evenly spaced from the smallest to the largest observation of all agents."""
     ordered = sorted(envs, key=lambda env: math.prod(env.observation_shape))
     last = len(ordered) - 1
     chosen = {round(last * index / max(1, number - 1)) for index in range(number)} if ordered else set()
@@ -163,9 +162,7 @@ def joined(before: Found, found: Found) -> Found:
             device_peak_bytes=max(peaks, default=None),
         )
     if isinstance(before, Training) and isinstance(found, Training):
-        return replace(
-            found, splits=before.splits + found.splits, hours=before.hours + found.hours, left_out=before.left_out + found.left_out
-        )
+        return replace(found, splits=before.splits + found.splits, left_out=before.left_out + found.left_out)
     raise TypeError(f"{type(before).__name__} and {type(found).__name__} are not measurements of one sort")
 
 

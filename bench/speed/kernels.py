@@ -1,7 +1,6 @@
 """GPU cost of a step: kernels launched, bytes moved, and the share of the copy bandwidth reached."""
 
 import math
-import re
 import statistics
 import time
 from collections.abc import Callable, Sequence
@@ -10,15 +9,12 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax import Array
-from jax.stages import Compiled
 
+from bench.gpu_cost import count_kernels
 from sjdsl.bench.loop import Task
 from sjdsl.bench.machine import describe_machine
 
 COPIED = {"cpu": 1 << 26, "gpu": 1 << 28}  # float32 numbers of the copy: well beyond the caches (256 MiB, 1 GiB)
-# Instructions of optimised HLO that start no kernel of their own.
-FREE = frozenset({"parameter", "constant", "tuple", "get-tuple-element", "bitcast", "after-all", "partition-id", "replica-id"})
 
 
 @dataclass(frozen=True)
@@ -75,61 +71,8 @@ def _measure_step(task: Task, num_envs: int, repeats: int, steps: int) -> StepKe
         seconds.append((time.perf_counter() - began) / steps)
     least = (_bytes_of((states, actions)) + _bytes_of(found)) / num_envs
     text = compiled.as_text()
-    accessed = accessed_bytes(compiled) / num_envs
+    accessed = float((compiled.cost_analysis() or {}).get("bytes accessed", math.nan)) / num_envs  # not a number if XLA doesn't know
     return StepKernels(task.name, task.num_agents, task.observation, num_envs, count_kernels(text or ""), accessed, least, tuple(seconds))
-
-
-def count_kernels(text: str) -> int:
-    """Returns how many kernels optimised HLO launches: what stands in its entry and in the bodies of loops and branches, each once.
-
-    What stands in a fused computation belongs to the kernel of its fusion, and the combiner of a reduction to the reduction.
-    """
-    bodies = _computations(text)
-    entry = next((name for name, (is_entry, _) in bodies.items() if is_entry), None)
-    if entry is None:
-        raise ValueError("this is no HLO module: it has no ENTRY computation")
-
-    def launched(name: str) -> int:
-        total = 0
-        for operation, called in bodies[name][1]:
-            if operation in ("while", "conditional", "call"):
-                total += sum(launched(other) for other in called if other in bodies)
-            elif operation not in FREE:
-                total += 1
-        return total
-
-    return launched(entry)
-
-
-_OPENING = re.compile(r"^(ENTRY )?%?([\w.\-]+) .*\{$")
-_INSTRUCTION = re.compile(r"^\s+(?:ROOT )?%?[\w.\-]+ = .*?[\]\})] ([a-z][a-z\-]*)\(")
-_CALLED = re.compile(r"(?:body|condition|to_apply|true_computation|false_computation)=%?([\w.\-]+)|branch_computations=\{([^}]*)\}")
-
-
-def _computations(text: str) -> dict[str, tuple[bool, list[tuple[str, list[str]]]]]:
-    """Returns, by name, whether a computation is the entry, and its operations with the computations that each calls."""
-    found: dict[str, tuple[bool, list[tuple[str, list[str]]]]] = {}
-    current: list[tuple[str, list[str]]] | None = None
-    for line in text.splitlines():
-        opening = _OPENING.match(line)
-        if opening:
-            current = []
-            found[opening[2]] = (opening[1] is not None, current)
-            continue
-        if line.startswith("}"):
-            current = None
-        instruction = _INSTRUCTION.match(line)
-        if current is not None and instruction:
-            called = [one or several for one, several in _CALLED.findall(line)]
-            names = [name.strip().lstrip("%") for group in called for name in group.split(",")]
-            current.append((instruction[1], names))
-    return found
-
-
-def accessed_bytes(compiled: Compiled) -> float:
-    """Returns the bytes that XLA says a program's kernels read and write; not a number where it does not say."""
-    analysis = compiled.cost_analysis() or {}
-    return float(analysis.get("bytes accessed", math.nan))
 
 
 def copied_bytes_per_s(repeats: int, numbers: int | None = None) -> float:
@@ -148,8 +91,5 @@ def copied_bytes_per_s(repeats: int, numbers: int | None = None) -> float:
 
 def _bytes_of(tree: Any) -> int:
     """Returns the bytes of all arrays of a tree; a typed key counts as its two words."""
-    return sum(_data(leaf).nbytes for leaf in jax.tree.leaves(tree))
-
-
-def _data(leaf: Array) -> Array:
-    return jax.random.key_data(leaf) if jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key) else leaf
+    keys = jax.dtypes.prng_key
+    return sum((jax.random.key_data(x) if jnp.issubdtype(x.dtype, keys) else x).nbytes for x in jax.tree.leaves(tree))

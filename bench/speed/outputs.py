@@ -20,7 +20,7 @@ from sjdsl.bench import Report
 from sjdsl.bench.machine import machine_line
 from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
 from sjdsl.bench.stored import write_found
-from sjdsl.cli.bench_output import print_tables
+from sjdsl.cli.bench import print_tables
 
 
 class Stored(NamedTuple):

@@ -115,7 +115,7 @@ def _finish(process: "subprocess.Popen[str]") -> None:
 
 
 def _wait_for(process: "subprocess.Popen[str]", run: Path, updates: int) -> None:
-    """Waits until a run has done so many updates, or is over."""
+    """Waits until a run has done `updates` updates, or is over."""
     deadline = time.monotonic() + PATIENCE
     while process.poll() is None and len(_rows(run)) < updates:
         if time.monotonic() > deadline:

@@ -4,13 +4,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from bench.speed.extrapolation import Hours
 from bench.speed.kernels import Kernels, StepKernels
 from bench.speed.resuming import Resume
 from bench.speed.substrates import Substrates
 from bench.speed.sweep import Sweep
-from bench.speed.training import Training
-from bench.speed.training_split import Split
+from bench.speed.training import Split, Training
 from sjdsl.bench.compilation import Compilation
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.files import read_json
@@ -18,7 +16,7 @@ from sjdsl.files import read_json
 Found = Report | Substrates | Sweep | Training | Kernels | Resume
 
 _SORTS = {sort.__name__.lower(): sort for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)}
-_ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits": Split, "steps": StepKernels, "hours": Hours}  # by field
+_ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits": Split, "steps": StepKernels}  # by field
 
 
 def read_found(path: Path) -> Found:

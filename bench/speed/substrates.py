@@ -1,24 +1,19 @@
-"""The speed of Melting Pot's substrates, one after the other: a row is handed over as soon as it is measured."""
+"""The speed of Melting Pot's substrates, one after the other; each row is reported as soon as it is measured."""
 
-import statistics
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-import jax
-from jax.stages import Compiled
-
 from sjdsl.bench.compilation import compile_step
-from sjdsl.bench.loop import Task, game_task, make_loop, yardstick_task
+from sjdsl.bench.loop import Task, game_task, yardstick_task
 from sjdsl.bench.machine import describe_machine, device_peak_bytes
-from sjdsl.bench.timing import Report, Speed, memory_of, race
+from sjdsl.bench.timing import Report, compile_loop, race, speed_of
 from sjdsl.factory import make
 from sjdsl.substrates import Substrate
 
 
 @dataclass(frozen=True)
 class Substrates(Report):
-    """The figures of substrates; there is no row of the yardstick, which takes part in every race."""
+    """The figures of substrates. The yardstick takes part in every race but has no row."""
 
 
 def substrate_tasks(entries: Iterable[Substrate]) -> Iterator[Task]:
@@ -28,7 +23,7 @@ def substrate_tasks(entries: Iterable[Substrate]) -> Iterator[Task]:
 
 
 def short_steps(num_envs: int) -> int:
-    """Returns how many steps one timing takes: a fifth of what a single game has, as there are so many of them."""
+    """Returns the number of steps in one timing: a fifth of that of a single game, as there are many substrates."""
     return max(20, 8000 // num_envs)
 
 
@@ -51,7 +46,7 @@ def measure_substrates(
       tell: called with a line whenever something has begun.
     """
     tell("compiling the yardstick")
-    rulers = {number: _loop(yardstick_task(), number, steps(number))[0] for number in num_envs}
+    yardsticks = {number: compile_loop(yardstick_task(), number, steps(number))[0] for number in num_envs}
     found = Substrates(describe_machine(), repeats, (), (), None)
     for task in tasks:
         assert task.env is not None
@@ -60,23 +55,9 @@ def measure_substrates(
         speeds = []
         for number in num_envs:
             tell(f"{task.name}, {number} environments")
-            speeds.append(_speed(task, number, steps(number), repeats, rulers[number]))
+            compiled = compile_loop(task, number, steps(number))
+            yardstick, rates = race((yardsticks[number], compiled[0]), [number * steps(number)] * 2, repeats, lambda _: None)
+            speeds.append(speed_of(task, number, rates, yardstick, compiled))
         found = Substrates(found.machine, repeats, (*found.speeds, *speeds), (*found.compilations, step), device_peak_bytes())
         keep(found)
     return found
-
-
-def _loop(task: Task, num_envs: int, num_steps: int) -> tuple[Compiled, float]:
-    """Returns the measured loop and the seconds it took to compile."""
-    began = time.perf_counter()
-    loop = jax.jit(make_loop(task, num_envs, num_steps)).lower(jax.random.key(0)).compile()
-    return loop, time.perf_counter() - began
-
-
-def _speed(task: Task, num_envs: int, num_steps: int, repeats: int, ruler: Compiled) -> Speed:
-    """Returns the speed of a task in a race against the yardstick."""
-    loop, seconds = _loop(task, num_envs, num_steps)
-    ruled, rates = race((ruler, loop), [num_envs * num_steps] * 2, repeats, lambda _: None)
-    ratio = statistics.median(ours / its for ours, its in zip(rates, ruled, strict=True))
-    figures = (statistics.median(rates), min(rates), max(rates), ratio, seconds, memory_of(loop))
-    return Speed(task.name, task.num_agents, task.observation, None, num_envs, *figures)

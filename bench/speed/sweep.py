@@ -90,7 +90,7 @@ def measure_sweep(
 
 
 def swept_params(env: Environment, name: str, number: int) -> list[Any]:
-    """Returns `Params` with one parameter at so many values: the game's own times factors at equal distances.
+    """Returns `Params` with `number` values of one parameter: the game's own times evenly spaced factors.
 
     A table is multiplied as a whole; whole numbers are rounded. Raises ValueError: no such
     parameter, or values the game does not admit.

@@ -4,14 +4,12 @@ import math
 import statistics
 from collections.abc import Iterable
 
-from bench.speed.extrapolation import Hours
 from bench.speed.kernels import Kernels
 from bench.speed.resuming import Resume
 from bench.speed.stored import Found
 from bench.speed.substrates import Substrates
 from bench.speed.sweep import Sweep
-from bench.speed.training import Training
-from bench.speed.training_split import Split
+from bench.speed.training import Split, Training
 from sjdsl.bench.tables import FORM, Table, columns, env_numbers, grouped, memory_note, speed_cell, speed_tables, thousands
 from sjdsl.bench.timing import Report
 
@@ -99,18 +97,18 @@ def training_table(training: Training) -> Table:
 
 
 def hours_table(training: Training) -> Table:
-    """Returns the hours that a long run would take at the speed of the updates; without rows unless they were asked for."""
+    """Returns the hours of a long run at the speed of the updates; without rows unless `hours_to` is set."""
     rows = []
-    for run in training.hours:
-        hours = (f"{value:,.0f}" if value >= 100 else f"{value:.3g}" for value in (run.hours, run.shortest, run.longest))
-        rows.append((*_training_labels(run), thousands(run.env_steps_per_s), *hours))
+    for split in training.splits if training.hours_to else ():
+        hours = (f"{value:,.0f}" if value >= 100 else f"{value:.3g}" for value in split.hours_to(training.hours_to or 0))
+        rows.append((*_training_labels(split), thousands(split.env_steps_per_s), *hours))
     headings = (*TRAINED, "env-steps/s", "hours, median round", "fastest round", "slowest round")
     title = f"hours of training for {training.hours_to or 0:,} environment steps of one seed, extrapolated from these updates"
     return Table(title, headings, tuple(rows), len(TRAINED))
 
 
-def _training_labels(trained: Split | Hours) -> tuple[str, ...]:
-    return trained.name, str(trained.num_agents), trained.network, trained.algorithm, trained.sharing
+def _training_labels(split: Split) -> tuple[str, ...]:
+    return split.name, str(split.num_agents), split.network, split.algorithm, split.sharing
 
 
 def _sizes(splits: Iterable[Split]) -> str:

@@ -1,7 +1,7 @@
 """Splits environments over the devices of one machine; on a CPU, each core then plays environments of its own.
 
-As one device, a CPU with several cores shares out the work of every kernel. A step of a fast game has some 200 kernels of a few
-microseconds each, so that the cores wait for one another most of the time (docs/performance.md).
+As one device, a CPU with several cores splits the work of every kernel. A step of a fast game has some 200 kernels of a few
+microseconds each, so the cores spend most of the time waiting for each other (docs/performance.md).
 """
 
 from collections.abc import Callable

@@ -19,7 +19,7 @@ YARDSTICK = "yardstick"
 class Task:
     """Something to be measured: `step(state, actions, key) -> (state, reward, observation)` of one environment.
 
-    `crowd` is the number of agents that was asked for instead of the game's own.
+    `crowd` is the number of agents, if it isn't the game's own.
     """
 
     name: str

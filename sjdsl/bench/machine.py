@@ -37,10 +37,10 @@ def machine_line(machine: dict[str, Any]) -> str:
 
 
 def devices_said(machine: dict[str, Any]) -> str:
-    """Returns `, 2 devices` where environments were split over so many, else nothing. Figures of older files were not split."""
+    """Returns `, 2 devices` if environments were split over several devices, else an empty text, as for older files."""
     return f", {machine['devices']} devices" if machine.get("devices", 1) > 1 else ""
 
 
 def device_peak_bytes() -> int | None:
-    """Returns the most memory the device has held in this process; None where the device does not count (a CPU)."""
+    """Returns the peak memory of the device in this process; None if the device doesn't report it (a CPU)."""
     return (jax.devices()[0].memory_stats() or {}).get("peak_bytes_in_use")

@@ -108,7 +108,7 @@ def _labels(form: Form) -> tuple[str, str, str]:
 
 
 def speed_cell(speed: Speed | None) -> str:
-    """Returns a speed, its spread and its ratio; nothing where there was no time to measure it."""
+    """Returns a speed, its spread and its ratio; empty if there was no time to measure it."""
     return "" if speed is None else f"{thousands(speed.env_steps_per_s)} ±{speed.spread:.0%} x{speed.ratio:.2f}"
 
 

@@ -81,38 +81,51 @@ def measure(
             tell(f"compiling one step of {task.name}")
             compilations.append(compile_step(task.env, task.name))
     speeds: list[Speed] = []
+    everyone = [yardstick_task(), *tasks]
     for number in num_envs:
-        speeds += _race([yardstick_task(), *tasks], number, steps(number), repeats, tell, workers, devices)
+
+        def compile_one(task: Task, number: int = number) -> tuple[Compiled, float]:
+            tell(f"compiling {task.name} for {number} environments")
+            return compile_loop(task, number, steps(number), devices)
+
+        def announce(round_number: int, number: int = number) -> None:
+            tell(f"{number} environments, round {round_number} of {repeats}")
+
+        with ThreadPoolExecutor(workers) as pool:
+            compiled = list(pool.map(compile_one, everyone))
+        rates = race([loop for loop, _ in compiled], [number * steps(number)] * len(compiled), repeats, announce)
+        speeds += [
+            speed_of(task, number, rate, rates[0], made, task.crowd) for task, rate, made in zip(everyone, rates, compiled, strict=True)
+        ]
     return Report(describe_machine(devices), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
-def _race(
-    tasks: Sequence[Task], num_envs: int, num_steps: int, repeats: int, tell: Callable[[str], object], workers: int, devices: int
-) -> list[Speed]:
-    """Measures all tasks at one number of environments; the first of them is the yardstick."""
+def compile_loop(task: Task, num_envs: int, num_steps: int, devices: int = 1) -> tuple[Compiled, float]:
+    """Returns the measured loop and the seconds it took to compile."""
+    began = time.perf_counter()
+    loop = jax.jit(make_loop(task, num_envs, num_steps, devices)).lower(jax.random.key(0)).compile()
+    return loop, time.perf_counter() - began
 
-    def compile_loop(task: Task) -> tuple[Compiled, float]:
-        tell(f"compiling {task.name} for {num_envs} environments")
-        began = time.perf_counter()
-        loop = jax.jit(make_loop(task, num_envs, num_steps, devices)).lower(jax.random.key(0)).compile()
-        return loop, time.perf_counter() - began
 
-    with ThreadPoolExecutor(workers) as pool:
-        loops, compile_s = zip(*pool.map(compile_loop, tasks), strict=True)
-    env_steps = [num_envs * num_steps] * len(loops)
-    rates = race(loops, env_steps, repeats, lambda number: tell(f"{num_envs} environments, round {number} of {repeats}"))
-    speeds = []
-    for task, rate, seconds, loop in zip(tasks, rates, compile_s, loops, strict=True):
-        ratio = statistics.median(a / b for a, b in zip(rate, rates[0], strict=True))
-        figures = (statistics.median(rate), min(rate), max(rate), ratio, seconds, memory_of(loop))
-        speeds.append(Speed(task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures))
-    return speeds
+def speed_of(
+    task: Task,
+    num_envs: int,
+    rates: Sequence[float],
+    yardstick: Sequence[float],
+    compiled: tuple[Compiled, float],
+    crowd: int | None = None,
+) -> Speed:
+    """Returns the speed of a task from the rates of its rounds and of the yardstick's, `[repeats]` env steps a second each."""
+    loop, seconds = compiled
+    ratio = statistics.median(own / its for own, its in zip(rates, yardstick, strict=True))
+    figures = (statistics.median(rates), min(rates), max(rates), ratio, seconds, memory_of(loop))
+    return Speed(task.name, task.num_agents, task.observation, crowd, num_envs, *figures)
 
 
 def race(
     loops: Sequence[Callable[[Array], Array]], env_steps: Sequence[int], repeats: int, tell: Callable[[int], object]
 ) -> list[list[float]]:
-    """Returns environment steps a second by loop and round: in each round every loop runs once, which is so many `env_steps`."""
+    """Returns environment steps a second by loop and round: in each round every loop runs once, for `env_steps` steps."""
     for loop in loops:
         loop(jax.random.key(1)).block_until_ready()  # the first call may be slower
     rates: list[list[float]] = [[] for _ in loops]

@@ -36,12 +36,6 @@ def _in_frame(cells: list[tuple[int, int]]) -> np.ndarray:
     return np.array([(r + PAD) * COLS + c + PAD for r, c in cells], np.int32)
 
 
-def _outside() -> np.ndarray:
-    frame = np.ones((ROWS, COLS), np.uint8)
-    frame[PAD : PAD + HEIGHT, PAD : PAD + WIDTH] = 0
-    return frame.reshape(-1)
-
-
 def _near(cells: list[tuple[int, int]]) -> np.ndarray:
     """Returns which apples are within two cells of which, `[64, 64]` float32."""
     places = np.array(cells)
@@ -50,17 +44,13 @@ def _near(cells: list[tuple[int, int]]) -> np.ndarray:
     return result
 
 
-def _site_numbers(cells: list[tuple[int, int]]) -> np.ndarray:
-    table = np.full(ROWS * COLS, len(cells), np.int32)
-    table[_in_frame(cells)] = np.arange(len(cells))
-    return table
-
-
 APPLES = _apple_cells()
 SITES, SPAWNS = jnp.asarray(_in_frame(APPLES)), jnp.asarray(_in_frame(SPAWN_CELLS))
-OUTSIDE = jnp.asarray(_outside())
+OUTSIDE = jnp.asarray(np.pad(np.zeros((HEIGHT, WIDTH), np.uint8), PAD, constant_values=1).reshape(-1))
 NEAR = jnp.asarray(_near(APPLES))
-SITE_OF = jnp.asarray(_site_numbers(APPLES))
+_SITE_NUMBERS = np.full(ROWS * COLS, len(APPLES), np.int32)
+_SITE_NUMBERS[_in_frame(APPLES)] = np.arange(len(APPLES))
+SITE_OF = jnp.asarray(_SITE_NUMBERS)
 STEP = jnp.asarray(HEADINGS[:, 0] * COLS + HEADINGS[:, 1], jnp.int32)
 NOT_SELF = ~np.eye(NUM_AGENTS, dtype=bool)
 

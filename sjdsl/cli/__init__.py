@@ -1,4 +1,4 @@
-"""The command `sjdsl`: one module a subcommand, imported when it is called, so that `check` never waits for JAX."""
+"""The command `sjdsl`: one module for each subcommand, imported when it is called, so that `check` never waits for JAX."""
 
 import gc
 import os
@@ -45,7 +45,7 @@ GROUPS = {
         "plot": "Plot learning curves of runs.",
     },
     "Experiment": {
-        "sweep": "Train in a grid of configurations and games.",
+        "sweep": "Train over a grid of configurations and games.",
         "crossplay": "Play policies with each other, mixture by mixture.",
         "schelling": "Plot what cooperators and defectors earn, and test for a dilemma.",
         "report": "Make tables and pictures of results.",
@@ -57,13 +57,13 @@ GROUPS = {
 }
 COMMANDS = {name: summary for group in GROUPS.values() for name, summary in group.items()}
 
-# Nearly all that a command makes at first (modules, classes, tables) stays: looking for garbage in it, again when the process
-# ends, takes a fifth of the time of `check`.
+# Nearly everything a command allocates at first (modules, classes, tables) lives until it ends: collecting garbage in it, and again when
+# the process ends, takes a fifth of the time of `check`.
 FEW_COLLECTIONS = 1_000_000
 
 
 class Commands(click.Group):
-    """The subcommands, each imported when first asked for."""
+    """The subcommands, each imported when first used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
@@ -105,7 +105,7 @@ def commands(context: click.Context) -> None:
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Runs one command; returns the exit status: 0 done, 1 something is wrong with the game or files, 2 with the call."""
+    """Runs one command; returns the exit status: 0 done, 1 for a fault in the game or files, 2 for a wrong call."""
     with pointed():
         try:
             result = commands.main(arguments, prog_name="sjdsl", standalone_mode=False)
@@ -118,17 +118,17 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def main() -> NoReturn:
-    """Runs the command line of this process; what JAX compiles in it is kept for the next."""
+    """Runs the command line of this process; programs that JAX compiles are cached for the next."""
     gc.set_threshold(FEW_COLLECTIONS)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses: a tenth of a second
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins reads what every installed package says of itself
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses, in a tenth of a second
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins reads the metadata of every installed package
     keep_programs()
     try:
         status = run()
         sys.stdout.flush()
     except KeyboardInterrupt:  # before or after the command itself
         status = INTERRUPTED
-    except BrokenPipeError:  # whoever reads has enough, as `head` has; what is left is written to nobody
+    except BrokenPipeError:  # the reader has closed, as `head` does; discard the rest
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1
     gc.freeze()

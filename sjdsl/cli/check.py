@@ -22,8 +22,8 @@ Found = dict[tuple[str, ...], list[Diagnostic]]
 def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: bool) -> int:
     """Reports all mistakes in games: FILE is a `.sj` file or the name of a bundled or installed game.
 
-    Without --variant the game itself and each of its variants are checked. The exit status is 1 if there is an error,
-    0 if there are only warnings, unless --strict is given.
+    Without --variant, the game itself and each of its variants are checked. The exit status is 1 if there is an error; warnings
+    count only with --strict.
     """
     everything: list[Diagnostic] = []
     for file in files:
@@ -41,20 +41,16 @@ def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: 
 
 
 def find_problems(source: Source, variant: str | None = None) -> Found:
-    """Returns the diagnostics of a game by variant, in the order of the file; each is listed once, where it first appears."""
+    """Returns the diagnostics of a game by variant, in the order of the file; each is listed once, with the first variant that has it."""
     if variant is not None:
         chosen = split_variants(variant)
         return {chosen: list(check(source, chosen))}
     found: Found = {}
+    known = set()  # by these alone: in each variant a label may point elsewhere
     for name, problems in check_variants(source):
-        known = {_said(d) for problems in found.values() for d in problems}
-        found[name] = [d for d in problems if _said(d) not in known]
+        found[name] = [d for d in problems if (d.code, d.span, d.message) not in known]
+        known |= {(d.code, d.span, d.message) for d in problems}
     return found
-
-
-def _said(d: Diagnostic) -> tuple[object, ...]:
-    """What makes two messages one: in each variant a label may point elsewhere."""
-    return d.code, d.span, d.message
 
 
 def _print_problems(file: str, found: Found) -> None:

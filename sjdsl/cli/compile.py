@@ -36,7 +36,7 @@ class Module:
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a file is not up to date.")
-@click.option("--standalone", "alone", is_flag=True, help="NAME_standalone.py, which needs only jax and numpy.")
+@click.option("--standalone", "alone", is_flag=True, help="Write NAME_standalone.py, which needs only jax and numpy.")
 @variant_option
 @map_option
 def command(
@@ -49,14 +49,16 @@ def command(
 ) -> int:
     """Writes each game as a Python module: generated/NAME.py, a variant as generated/NAME_VARIANT.py.
 
-    FILE is a `.sj` file or the name of a bundled or installed game. The same game gives the same bytes wherever it is compiled.
+    FILE is a `.sj` file or the name of a bundled or installed game. The same game gives the same bytes everywhere.
     """
     if output and only_check:
         raise click.UsageError("--check writes nothing: leave out -o")
     if alone and only_check:
-        raise click.UsageError("--check looks at the modules in generated/ only: leave out --standalone")
+        raise click.UsageError("--check looks only at the modules in generated/: leave out --standalone")
     modules = compile_games(files, variant, map_file, output, alone)
-    _refuse_clashes(modules)
+    paths = [module.path for module in modules]
+    if clash := next((path for path in paths if paths.count(path) > 1), None):
+        raise click.ClickException(f"two of these games would be written to {clash}")
     if only_check:
         return _report_differences(modules)
     if output:
@@ -69,7 +71,7 @@ def command(
 
 
 def compile_games(names: Iterable[str], variant: str | None, map_file: str | None, output: str | None, alone: bool = False) -> list[Module]:
-    """Returns the modules of games. Raises CompileError with what is wrong with any of them."""
+    """Returns the modules of games. Raises CompileError with the faults of all of them."""
     modules: list[Module] = []
     problems: list[Diagnostic] = []
     for name in names:
@@ -101,15 +103,8 @@ def _report_differences(modules: list[Module]) -> int:
         if not module.path.is_file():
             problems.append(f"{module.path} is missing")
         elif module.path.read_bytes() != module.text.encode():
-            problems.append(f"{module.path} is not what compiling its game gives now")
+            problems.append(f"{module.path} differs from what its game compiles to now")
     for problem in problems:
         click.echo(problem)
-    click.echo("compile again to bring them up to date" if problems else f"{len(modules)} generated files are up to date")
+    click.echo("compile again to update them" if problems else f"{len(modules)} generated files are up to date")
     return int(bool(problems))
-
-
-def _refuse_clashes(modules: list[Module]) -> None:
-    paths = [module.path for module in modules]
-    for path in paths:
-        if paths.count(path) > 1:
-            raise click.ClickException(f"two of these games would be written to {path}")

@@ -1,4 +1,4 @@
-"""`sjdsl crossplay`: what policies earn in each other's company."""
+"""`sjdsl crossplay`: what policies earn when they play with each other."""
 
 from pathlib import Path
 from typing import Literal
@@ -27,14 +27,14 @@ class SeveralPolicies(click.Command):
             else:
                 spread += ["--policies", word] if listing else [word]
         if listing and args[-1] == "--policies":
-            spread.append("--policies")  # click says that it wants a value
+            spread.append("--policies")  # click complains about the missing value
         return super().parse_args(ctx, spread)
 
 
 @click.command("crossplay", cls=SeveralPolicies)
 @click.argument("game")
-@click.option("--slots", metavar="P,P,...", help="A policy for each slot, in order: one line-up, played as it is.")
-@click.option("--policies", multiple=True, metavar="P P ...", help=f"Policies whose mixtures are played: {NAMES}")
+@click.option("--slots", metavar="P,P,...", help="A policy for each slot, in order: one fixed line-up.")
+@click.option("--policies", multiple=True, metavar="P P ...", help=f"Play the mixtures of these policies: {NAMES}")
 @click.option(
     "--mix",
     type=click.Choice(["all", "pairs"]),
@@ -53,16 +53,16 @@ def command(
 ) -> None:
     """Plays policies with each other in GAME: in one line-up, or in all mixtures of them.
 
-    Each episode of a mixture draws who has which slot. The folder RUN of several seeds is a pool: seed i of one plays with seed i of the
+    Each episode of a mixture draws which policy gets which slot. A RUN of several seeds is a pool: seed i of one plays with seed i of the
     others, and the intervals are over seeds.
     """
     if (slots is None) == (not policies):
-        raise click.UsageError("name either --slots, a policy for each slot, or --policies, whose mixtures are played")
+        raise click.UsageError("give either --slots, a policy for each slot, or --policies, whose mixtures are played")
     if slots is not None and mix is not None:
-        raise click.UsageError("--mix is for --policies; --slots are one line-up")
+        raise click.UsageError("--mix is for --policies; --slots is one line-up")
     in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
     if "" in (in_slots or policies):
-        raise click.UsageError("a policy has no name; write one between every two commas, as in --slots cooperator,random")
+        raise click.UsageError("a policy has no name; write one between commas, as in --slots cooperator,random")
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_crossplay")
     with experiment(game, in_slots or policies, folder, options) as (env, say):

@@ -13,7 +13,7 @@ from sjdsl.games_folder import origin
 
 
 def outline(name: str) -> dict[str, Any]:
-    """Returns what a line about a game has room for: title, number of agents, map, actions and variants. Raises CompileError."""
+    """Returns what fits on a line about a game: title, number of agents, map, actions and variants. Raises CompileError."""
     composed = compose(open_game(name))
     return _outline(build_composition(composed).game, composed)
 
@@ -30,7 +30,7 @@ def _outline(game: ir.Game, composed: Composition) -> dict[str, Any]:
 
 
 def describe(name: str) -> dict[str, Any]:
-    """Returns all there is to know, numbers with their limits too: how many agents the map holds is found by trying. Raises CompileError."""
+    """Returns everything about a game, and the limits of its numbers; the number of agents the map holds is found by trying. Raises CompileError."""
     source = open_game(name)
     composed = compose(source)
     game = build_composition(composed).game
@@ -50,17 +50,16 @@ def describe(name: str) -> dict[str, Any]:
         "metrics": [{"name": e.name, "sort": "event", "by": list(e.by.keys) if e.by else [], "per_agent": e.per_agent} for e in game.events]
         + [{"name": m.name, "sort": "mean" if m.mean else "final"} for m in game.measures],
         "policies": [{"name": p.name, "title": p.title} for p in game.policies],
-        "scenarios": [{"name": s.name, "title": s.title, "slots": list(map(_slots, s.slots))} for s in game.scenarios],
+        "scenarios": [
+            {"name": s.name, "title": s.title, "slots": [{"number": slots.number, "policy": slots.policy or None} for slots in s.slots]}
+            for s in game.scenarios
+        ],
     }
 
 
 def _view(view: ir.View) -> dict[str, Any]:
-    """Returns how far some agents see, and which agents: None for all others."""
+    """Returns how far some agents see, and when; None: all others."""
     return view.model_dump(exclude={"origin", "condition"}) | {"when": None if view.condition is None else expression(view.condition)}
-
-
-def _slots(slots: ir.Slots) -> dict[str, Any]:
-    return {"number": slots.number, "policy": slots.policy or None}
 
 
 def _number(name: str, type_: ir.Type, value: Any, limits: tuple[Any, Any]) -> dict[str, Any]:
@@ -75,23 +74,20 @@ def _by_word(value: Any, by: tuple[ir.Level, ...]) -> Any:
 
 
 def _limits(agents: tuple[str, int, int] | None, game: Composition, name: str) -> tuple[str | float | None, str | float | None]:
-    """Returns the limits of a size as its file has them (the compiler has narrowed them to its value), of agents as many as the map holds."""
+    """Returns the limits of a size in its file (the compiler narrows them to its value); for agents, how many the map holds."""
     if agents is not None and agents[0] == name:
         return agents[1:]
+
+    def written(bound: ast.Expr | None) -> str | int | None:
+        text = "" if bound is None else game.sources[bound.span.file].text[bound.span.start : bound.span.end]
+        return int(text) if text.isdecimal() else text or None
+
     declared = game.constants[name]
-    low, high = (_written(game, bound) for bound in (declared.low, declared.high))
-    return low, high
-
-
-def _written(game: Composition, bound: ast.Expr | None) -> str | int | None:
-    if bound is None:
-        return None
-    text = game.sources[bound.span.file].text[bound.span.start : bound.span.end]
-    return int(text) if text.isdecimal() else text
+    return written(declared.low), written(declared.high)
 
 
 def _values(type_: ir.Type) -> str | list[str]:
-    """Returns the words of a field, or what else it holds."""
+    """Returns the words of a field, or the kind of its values."""
     match type_.kind:
         case "word":
             return list(type_.words)

@@ -1,4 +1,4 @@
-"""Prints diagnostics with the text they are about, in colour on a terminal."""
+"""Prints diagnostics with the text they point to, in colour on a terminal."""
 
 import os
 import sys
@@ -15,7 +15,7 @@ from sjdsl.compiler.syntax.read import read_source
 
 
 def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False) -> None:
-    """Prints diagnostics as a person reads them; texts that `sources` lacks are read from their files."""
+    """Prints diagnostics for people; texts that `sources` lacks are read from their files."""
     if not found:
         return
 
@@ -26,7 +26,7 @@ def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source]
 
 
 def texts_of(found: Sequence[Diagnostic]) -> dict[str, Source]:
-    """Returns the files that diagnostics are about, by name, as far as they can be read."""
+    """Returns the files that diagnostics point to, by name, as far as they can be read."""
     names = {d.span.file for d in found} | {label.span.file for d in found for label in d.labels}
     texts = {}
     for name in names:

@@ -20,8 +20,8 @@ DEFAULT = "default"
 def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: bool) -> int:
     """Prints in words and numbers what differs between two variants of GAME, or between GAME and OTHER.
 
-    A game is a `.sj` file or the name of a bundled or installed one. The same rule in other words, or at another
-    position in the file, is no difference.
+    A game is a `.sj` file or the name of a bundled or installed one. A rule that is only worded differently, or
+    stands at another place in the file, doesn't count as a difference.
     """
     if len(games) > 2 or (len(games) == 1 and variants is None):
         raise click.UsageError("name two games, or one game and two variants (--variants A B)")
@@ -33,7 +33,7 @@ def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: b
 
 
 def read_variant(source: Source, name: str) -> Written:
-    """Returns a game in a variant (`a+b`: in both). Raises ClickException for one it does not have, CompileError for mistakes."""
+    """Returns a game in a variant (`a+b`: in both). Raises ClickException for one it doesn't have, CompileError for mistakes."""
     chosen = () if name == DEFAULT else split_variants(name)
     plain = read_written(source)
     known = [variant for variant, _ in plain.variants]

@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Encoding, Environment
 
 Command = Callable[..., Any]
-SEED = click.IntRange(0, 2**32 - 1)  # JAX makes a key of the lower 32 bits of a number: another beyond them would be one of these again
+SEED = click.IntRange(0, 2**32 - 1)  # JAX makes keys from the lower 32 bits, so a larger seed would repeat one of these
 
 
 @dataclass(frozen=True)
 class EnvironmentOptions:
-    """What --variant, --map, --agents and --param say: the arguments of `sjdsl.make` besides the game."""
+    """The values of --variant, --map, --agents and --param: the arguments of `sjdsl.make` other than the game."""
 
     variant: str | None = None
     map: str | None = None  # a file
@@ -37,7 +37,7 @@ class EnvironmentOptions:
     params: Mapping[str, Any] = field(default_factory=dict)
 
     def describe(self, game: str) -> dict[str, Any]:
-        """Returns the arguments of `make_environment`, as values that JSON can hold and that mean the same in every folder."""
+        """Returns the arguments of `make_environment` as JSON values that mean the same in every folder."""
         path = game_path(game)
         return {
             "game": game if is_name(game) else str(path.resolve()),
@@ -66,25 +66,25 @@ class EnvironmentOptions:
         return make_environment(self.describe(game))
 
     def or_else(self, preset: Mapping[str, Any]) -> "EnvironmentOptions":
-        """Returns these options, with what a preset says in place of those that weren't given; numbers of the game one by one."""
+        """Returns these options, with a preset's in place of those that weren't given; the game's numbers are merged one by one."""
         given = {name: value for name, value in vars(self).items() if value is not None}
         return EnvironmentOptions(**{**preset, **given, "params": {**preset.get("params", {}), **self.params}})
 
 
 def environment_options(command: Command) -> Command:
-    """Adds --variant, --map, --agents and --param, which arrive together as `options`."""
+    """Adds --variant, --map, --agents and --param; the command gets them together as `options`."""
 
     @functools.wraps(command)
     def with_options(*, variant: str | None, map_file: str | None, agents: int | None, params: tuple[str, ...], **others: Any) -> Any:
         return command(options=EnvironmentOptions(variant, map_file, agents, read_assignments(params)), **others)
 
-    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="Another number of agents.")
+    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="The number of agents.")
     params = click.option("--param", "params", multiple=True, metavar="NAME=VALUE", help="A number of the game: apple=2, regrow[red]=0.1.")
     return variant_option(map_option(number(params(with_options))))
 
 
 def written_options(*but: str) -> list[str]:
-    """Returns the options and arguments that were written on the command line, as they are written; parameters in `but` aren't listed."""
+    """Returns the options and arguments given on the command line, as they are written there, without the parameters in `but`."""
     context = click.get_current_context()
     return [
         max(parameter.opts, key=len) if isinstance(parameter, click.Option) else parameter.make_metavar(context).strip("[]")
@@ -107,7 +107,7 @@ def read_texts(given: tuple[str, ...]) -> dict[str, str]:
 
 
 def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
-    """Returns `name=value` and `name[word]=value` as a mapping, with one level for each bracket; values are JSON, or text."""
+    """Returns `name=value` and `name[word]=value` as a mapping, with a level for each bracket; values are JSON, or text."""
     values: dict[str, Any] = {}
     for text in given:
         ((path, value),) = read_texts((text,)).items()
@@ -116,30 +116,19 @@ def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
         for name in outer:
             inner = inner.setdefault(name, {})
             if not isinstance(inner, dict):
-                raise click.UsageError(f"`{name}` is given as one number and also word by word; give it one way")
+                raise click.UsageError(f"`{name}` is given both as one number and word by word; give it one way")
         if last in inner:
             _refuse_second(path)
-        inner[last] = _read_value(value)
+        try:
+            inner[last] = json.loads(value)
+        except ValueError:
+            inner[last] = value
     return values
 
 
 def _refuse_second(name: str) -> NoReturn:
-    """Raises UsageError for a name that has a value already: there is no telling which one is meant."""
+    """Raises UsageError for a name that has a value already."""
     raise click.UsageError(f"`{name}` is given twice; give it once")
-
-
-def _read_value(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except ValueError:
-        return text
-
-
-def describe_environment(
-    game: str, variant: str | None, map_file: str | None, agents: int | None, params: Mapping[str, Any]
-) -> dict[str, Any]:
-    """Returns the arguments of `make_environment`; see `EnvironmentOptions.describe`."""
-    return EnvironmentOptions(variant, map_file, agents, params).describe(game)
 
 
 def build_game(
@@ -167,7 +156,7 @@ def make_environment(described: Mapping[str, Any], observation: "Encoding" = "to
 
 @contextmanager
 def named_in(file: Path | str) -> Iterator[None]:
-    """Makes what is wrong with a game that a file names a ClickException: nobody has said that its texts, or its map's, may be shown."""
+    """Turns faults of a game that a file names into a ClickException, which shows no text of that game or its map."""
     try:
         yield
     except CompileError as error:
@@ -176,4 +165,4 @@ def named_in(file: Path | str) -> Iterator[None]:
             f"{file} names a game, or a map for it, with errors: {', '.join(found)}; run `sjdsl check` on them to see where"
         ) from None
     except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
-        raise click.ClickException(f"{file} names a game that cannot be built with the settings it gives: {error}") from None
+        raise click.ClickException(f"{file} names a game that can't be built with its settings: {error}") from None

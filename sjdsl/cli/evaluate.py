@@ -1,8 +1,8 @@
-"""`sjdsl evaluate`: prints what a policy earns, compared with a random policy in the same episodes, or as a few agents among scripted ones."""
+"""`sjdsl evaluate`: prints what a policy earns beside a random policy in the same episodes, or as focal agents among scripted ones."""
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.trainers import Estimate, Evaluation
 
-OF_ANY_RUN = ("run", "episodes", "seed", "greedy", "which", "film", "scenario", "allow_code")  # parameters that make sense without --game
+WITHOUT_GAME = ("run", "episodes", "seed", "greedy", "which", "film", "scenario", "allow_code")  # parameters allowed without --game
 STORED = ".safetensors"
 
 
 @click.command("evaluate")
 @click.argument("run", metavar="RUN|POLICY")
 @click.option("--game", metavar="GAME", help="The game in which all agents play POLICY.")
-@click.option("--scenario", metavar="NAME|all", help="Play RUN among the policies of a scenario of the game, or A,B.")
+@click.option("--scenario", metavar="NAME|all", help="Play RUN in a scenario of the game, or in several: A,B.")
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes to play.")
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
 @click.option("--greedy/--drawn", default=None, help="Take the best action, or draw one.  [default: drawn; greedy with vdn]")
-@click.option("--which", type=click.Choice(["last", "best"]), help="The last policy of a run, or its best, as in RUN@best.")
+@click.option("--which", type=click.Choice(["last", "best"]), help="The last or the best policy of a run.")
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif, .mp4 or .html.")
-@click.option("-o", "output", metavar="FILE|DIR", help="Where the figures go: a .json of --game, a folder of --scenario.")
+@click.option("-o", "output", metavar="FILE|DIR", help="Where results go: a .json with --game, a folder with --scenario.")
 @code_option
 @environment_options
 def command(
@@ -50,17 +50,22 @@ def command(
     output: str | None,
     options: EnvironmentOptions,
 ) -> None:
-    """Evaluates the policy of RUN, or any POLICY in a GAME, beside a random one; writes the figures of RUN to a file in it.
+    """Evaluates the policy of RUN, or any POLICY in a GAME, beside a random one; the results of RUN go to a file in its folder.
 
-    RUN is a folder that `sjdsl train` wrote, or one of its policies: RUN@best, RUN@UPDATE; of several seeds each is evaluated. POLICY is
-    random, stay, a policy of the game's file, a .safetensors file, or FILE.py:FUNCTION. With --scenario there is a score between random
-    agents, 0, and the best scripted ones, 1; the same command goes on with a stopped one.
+    RUN is a folder that `sjdsl train` wrote (each of its seeds is evaluated), RUN@best or RUN@UPDATE. POLICY is random, stay, a policy of
+    the game's file, a .safetensors file, or FILE.py:FUNCTION. --scenario gives a score between 0, random agents, and 1, the best scripted
+    ones; the same command resumes a stopped one.
     """
     path, named = split_name(run)
     if game is None:
-        _check_without_game(scenario)
+        given = written_options(*WITHOUT_GAME)
+        if "-o" in given and scenario is None:
+            raise click.UsageError("-o is for --scenario and --game; without them, the results of a run go to its folder")
+        for option in given:
+            if option != "-o":
+                raise click.UsageError(f"{option} is for --game; without it, a run plays in the game it was trained in")
     if which is not None and named not in (which, "last"):
-        raise click.UsageError(f"{run} names one policy and --which {which} another; leave one of them out")
+        raise click.UsageError(f"{run} names one policy and --which {which} another; leave out one of them")
     if scenario is not None:
         if film is not None or greedy is not None:
             raise click.UsageError(f"{'--film' if film is not None else '--greedy' if greedy else '--drawn'} is not for --scenario")
@@ -72,7 +77,7 @@ def command(
         require_folder_of(Path(film))
     if game is not None:
         if which is not None:
-            raise click.UsageError(f"--which is for a run, and `{run}` is to be a policy of its own")
+            raise click.UsageError(f"--which is for runs; with --game, `{run}` must be a single policy")
         env, policy = _evaluate_policy(run, game, episodes, seed, greedy, output, options)
     else:
         provenance = provenance_of(path, OR_A_GAME)
@@ -89,22 +94,12 @@ def command(
         click.echo(done)
 
 
-def _check_without_game(scenario: str | None) -> None:
-    """Raises UsageError for options that mean nothing without --game."""
-    given = written_options(*OF_ANY_RUN)
-    if "-o" in given and scenario is None:
-        raise click.UsageError("-o is for --scenario and --game; without them the figures of a run are written to its folder")
-    for option in given:
-        if option != "-o":
-            raise click.UsageError(f"{option} is for --game; without it a run plays in the game that it was trained in")
-
-
 def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str | int = "last") -> None:
-    """Prints the returns of the trained and of a random policy with their intervals, and stores the trained one's in the run's folder."""
+    """Prints the returns of a trained and of a random policy with their intervals; stores the trained one's in the run's folder."""
     from sjdsl.trainers import save_evaluation
 
     def save(played: "Evaluation") -> None:
-        name = "evaluation.json" if which == "last" else f"evaluation_{which}.json"  # none takes the place of another's
+        name = "evaluation.json" if which == "last" else f"evaluation_{which}.json"  # so that none overwrites another
         save_evaluation(played, path / name, {"policy": which, "seed": seed, "greedy": greedy})
 
     what = {"last": "", "best": ", the best policy"}.get(str(which), f", the policy of update {which}")
@@ -114,7 +109,7 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
 def _evaluate_policy(
     policy: str, game: str, episodes: int, seed: int, greedy: bool | None, output: str | None, options: EnvironmentOptions
 ) -> tuple["Environment", Any]:
-    """Prints what a policy that isn't a run earns; writes the figures to `output`, if given. Returns the environment and the policy."""
+    """Prints what a policy that isn't a run earns, and writes it to `output`, if given. Returns the environment and the policy."""
     _check_policy(policy, options.check(game), greedy, output)
     with stages(LOADING):
         env = options.make(game)
@@ -123,7 +118,7 @@ def _evaluate_policy(
         from sjdsl.trainers.run_folder import describe_game
 
         with warnings_as_notes():
-            (player,) = find_pool(policy, env).players  # which refuses the policy of another game
+            (player,) = find_pool(policy, env).players  # refuses a policy of another game
             found = player.policy_of(player.parameters) if greedy is None else find_policy(policy, env, greedy)
 
     def save(played: "Evaluation") -> None:
@@ -138,27 +133,27 @@ def _evaluate_policy(
 
 
 def _check_policy(policy: str, game: "ir.Game", greedy: bool | None, output: str | None) -> None:
-    """Refuses, before JAX is loaded, what can be refused by then."""
+    """Checks the options as far as possible before JAX loads."""
     path, _ = split_name(policy)
     named = policy in (*UNTRAINED, *(declared.name for declared in game.policies))
     if path.is_dir() and not named:
         raise click.UsageError(
-            f"--game is for a policy that is no run, or for --scenario; {path} is a folder, and a run is evaluated in its own game. "
-            "In another form of it, name the file of a policy, such as RUN/policies/last.safetensors"
+            f"--game is for --scenario, or for a policy that isn't a run; {path} is a folder, and a run is evaluated in its own game. "
+            "To evaluate it in another form of the game, name the file of a policy, such as RUN/policies/last.safetensors"
         )
     check_policy(policy, game)
     if greedy is not None and (named or path.suffix != STORED):
-        raise click.UsageError(f"{'--greedy' if greedy else '--drawn'} is for trained policies, and `{policy}` is none")
+        raise click.UsageError(f"{'--greedy' if greedy else '--drawn'} is for trained policies, and `{policy}` isn't one")
     if output is not None:
         if Path(output).suffix != ".json":
-            raise click.UsageError(f"-o names the file for the figures, which must end in .json; `{output}` does not")
+            raise click.UsageError(f"-o names the file for the results, which must end in .json; `{output}` doesn't")
         require_folder_of(Path(output))
 
 
 def _compare(
     env: "Environment", name: str, policy: Any, episodes: int, seed: int, save: Callable[["Evaluation"], None], what: str = ""
 ) -> None:
-    """Plays episodes with a policy and, in the same episodes, with a random one; prints a table of both. `what`: stands in its title."""
+    """Plays episodes with a policy and the same episodes with a random one; prints a table of both. `what`: a part of its title."""
     from sjdsl.trainers import evaluate, random_policy, summarise
     from sjdsl.trainers.evaluation import evaluation_key
 
@@ -170,43 +165,36 @@ def _compare(
         if name != "random":
             say(f"compiling and playing {episodes} episodes of a random policy")
             columns["random"] = summarise(evaluate(env, random_policy(env), key, episodes))
-    _echo_table(env, columns, episodes, what)
-    earned = [_interval(figures["collective return"]) for figures in columns.values()]
-    click.echo(f"return {earned[0]}" + (f" against {earned[1]} of a random policy" if len(earned) > 1 else ""))
-
-
-def _echo_table(env: "Environment", columns: Mapping[str, "Mapping[str, Estimate]"], episodes: int, what: str) -> None:
-    """Prints the figures of all agents together, a column for each policy."""
     undeclared = {f"{'final' if measure.mean else 'mean'} {measure.name}" for measure in env.game.measures}
-    names = [name for name in next(iter(columns.values())) if name.startswith("return of") or " of agent " not in name]
+    names = [name for name in columns[name] if name.startswith("return of") or " of agent " not in name]
     rows = [(name, *(_interval(figures[name]) for figures in columns.values())) for name in names if name not in undeclared]
     rows = [("", *columns), *rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     click.echo(f"\n{env.title or env.name}{what}: means of {episodes} episodes with their 95 % confidence intervals")
     for row in rows:
         click.echo("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+    earned = [_interval(figures["collective return"]) for figures in columns.values()]
+    click.echo(f"return {earned[0]}" + (f" against {earned[1]} of a random policy" if len(earned) > 1 else ""))
 
 
 def _interval(figure: "Estimate") -> str:
-    """Returns `97.3 [95.1, 99.4]`; what some episode does not define has no mean."""
+    """Returns `97.3 [95.1, 99.4]`; a figure that some episode doesn't define has no mean."""
     if math.isnan(figure.mean):
         return "not defined"
     return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
 
 
 def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last") -> Any:
-    """Returns the policy in the folder of a run or in a file; what is to be said about it is said in a line."""
+    """Returns the policy in the folder of a run or in a file; warnings about it are printed as notes."""
     from sjdsl.trainers import load_policy
     from sjdsl.trainers.run_state import run_state
 
     with warnings_as_notes():
         state = run_state(source) if source.is_dir() and not isinstance(which, int) else None
         for update in state.diverged.values() if state is not None else ():
-            warnings.warn(
-                f"{source} has failed: its loss was not finite in update {update}, and this is its policy of before", stacklevel=2
-            )
+            warnings.warn(f"{source} diverged (non-finite loss) in update {update}; this is its policy from before that", stacklevel=2)
         if state is not None and state.unfinished:
-            warnings.warn(f"{source} is not known to have ended its training: {state.unfinished}", stacklevel=2)
+            warnings.warn(f"{source} may not have finished its training: {state.unfinished}", stacklevel=2)
         return load_policy(source, env, greedy=greedy, which=which)
 
 

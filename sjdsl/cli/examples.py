@@ -1,4 +1,4 @@
-"""The examples under the help of each command: lines to copy, each of which is a call that can be made."""
+"""The examples in the help of each command: calls to copy."""
 
 EXAMPLES = {
     "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --observation onehot --json speed.json"),
@@ -45,5 +45,5 @@ EXAMPLES = {
 
 
 def below(command: str) -> str:
-    """Returns what stands under the options of a command: click keeps the lines of a paragraph that begins so."""
+    """Returns the examples of a command; click keeps the lines of a paragraph that begins with \\b."""
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in EXAMPLES[command])

@@ -19,7 +19,7 @@ Command = Callable[..., Any]
 
 
 def experiment_options(command: Command) -> Command:
-    """Adds --episodes, --seed, -o and --allow-code, besides those of an environment; they arrive as `episodes`, `seed`, `output`."""
+    """Adds --episodes, --seed, -o (as `output`) and --allow-code, and the options of an environment."""
     output = click.option("-o", "output", metavar="DIR", help="Folder of the results; by default GAME_COMMAND.")
     seed = click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
     episodes = click.option(
@@ -30,7 +30,7 @@ def experiment_options(command: Command) -> Command:
 
 @contextmanager
 def experiment(game: str, policies: Sequence[str], folder: Path, options: EnvironmentOptions) -> Iterator[tuple["Environment", Say]]:
-    """Yields the environment of a command and what says its stages; refuses before JAX is loaded what can be refused by then."""
+    """Yields the environment of a command and a function that announces stages; checks what it can before JAX loads."""
     checked = options.check(game)
     for policy in policies:
         check_policy(policy, checked)
@@ -40,7 +40,7 @@ def experiment(game: str, policies: Sequence[str], folder: Path, options: Enviro
 
 @contextmanager
 def playing_in(arguments: Mapping[str, Any], folder: Path) -> Iterator[tuple["Environment", Say]]:
-    """Yields the environment of these arguments, and what says the stages; if interrupted, says where what was played is kept."""
+    """Yields the environment of these arguments and a function that announces stages; if interrupted, says where the results are."""
     require_folder_of(folder)
     with stages(LOADING) as say:
         env = make_environment(arguments)
@@ -48,7 +48,7 @@ def playing_in(arguments: Mapping[str, Any], folder: Path) -> Iterator[tuple["En
             yield env, say
         except KeyboardInterrupt:
             if folder.is_dir():
-                click.echo(f"what was played is kept in {folder}; the same command goes on with it", err=True)
+                click.echo(f"what was played is kept in {folder}; the same command resumes it", err=True)
             raise
 
 

@@ -7,12 +7,20 @@ import click
 from sjdsl.cli.terminal import INTERRUPTED
 from sjdsl.extras import MissingExtra
 
+FAULTS_OF_RUNS = {
+    "sjdsl.trainers.config_errors": "ConfigError",
+    "sjdsl.trainers.policy_file": "PolicyError",
+    "sjdsl.trainers.run_errors": "RunError",
+    "sjdsl.experiments.refusals": "ExperimentError",
+    "sjdsl.results.refusals": "ResultsError",
+}
+
 
 def report_fault(error: Exception, called: str) -> int:
-    """Prints what went wrong and returns the exit status; raises again what isn't a mistake of the user.
+    """Prints what went wrong and returns the exit status; re-raises an error that isn't the user's.
 
     Args:
-      called: the command, whose help is pointed to where it was called in a wrong way.
+      called: the command, whose help a usage error points to.
     """
     match error:
         case click.Abort():
@@ -31,9 +39,11 @@ def report_fault(error: Exception, called: str) -> int:
         case OSError() if error.filename is not None:
             click.echo(f"error: {error.filename}: {(error.strerror or 'cannot be used').lower()}", err=True)
             return 1
-    if _is_fault_of_a_run(error):
-        click.echo(f"error: {error}", err=True)
-        return 1
+    for place, name in FAULTS_OF_RUNS.items():
+        module = sys.modules.get(place)  # if it hasn't been imported, it has raised nothing
+        if module is not None and isinstance(error, getattr(module, name)):
+            click.echo(f"error: {error}", err=True)
+            return 1
     from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
     if isinstance(error, CompileError):
@@ -42,18 +52,3 @@ def report_fault(error: Exception, called: str) -> int:
         print_diagnostics(error.diagnostics, err=True)
         return 1
     raise error
-
-
-FAULTS_OF_RUNS = {
-    "sjdsl.trainers.config_errors": "ConfigError",
-    "sjdsl.trainers.policy_file": "PolicyError",
-    "sjdsl.trainers.run_errors": "RunError",
-    "sjdsl.experiments.refusals": "ExperimentError",
-    "sjdsl.results.refusals": "ResultsError",
-}
-
-
-def _is_fault_of_a_run(error: Exception) -> bool:
-    """Returns whether a trainer or an experiment refuses what it was given; such an error exists only once the module that has it is imported."""
-    modules = {name: sys.modules.get(module) for module, name in FAULTS_OF_RUNS.items()}
-    return any(module is not None and isinstance(error, getattr(module, name)) for name, module in modules.items())

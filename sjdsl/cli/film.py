@@ -19,9 +19,9 @@ FILMS = (".gif", ".mp4", PAGE)
 
 
 def check_film(path: Path) -> None:
-    """Refuses a file that is neither a film nor a page. Raises MissingExtra for one that needs packages that are not installed."""
+    """Checks that a file is a film or a page. Raises UsageError, or MissingExtra if it needs packages that aren't installed."""
     if path.suffix not in FILMS:
-        raise click.UsageError(f"`{path}` must end in .gif, .mp4 or .html, or where one picture is drawn in .png")
+        raise click.UsageError(f"`{path}` must end in .gif, .mp4 or .html (or .png, for a single picture)")
     if path.suffix == ".mp4":
         require("video", "av")
     if path.suffix != PAGE:
@@ -31,14 +31,14 @@ def check_film(path: Path) -> None:
 def save_film(
     env: "Environment", policy: Any, path: Path, steps: int, seed: int, every: int = 1, speed: float = SPEED, say: Say = lambda _: None
 ) -> str:
-    """Plays, draws and writes a film or a page; returns what there is to say about it. `say` is told what is being done."""
+    """Plays an episode and writes it as a film or a page; returns a line about the file. `say` announces the stages."""
     from sjdsl.render import play_moments
 
-    return write_film(env, told(play_moments(env, policy, steps, seed), env, say), path, speed, say, every)
+    return write_film(env, announced(play_moments(env, policy, steps, seed), env, say), path, speed, say, every)
 
 
-def told(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
-    """Yields the moments of an episode as they are played, and says that they are: the first two wait for the compiler."""
+def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
+    """Yields the moments of an episode and announces the stages: the first two moments wait for the compiler."""
     say(f"compiling {env.name}")
     for number, moment in enumerate(moments):
         if number == 1:
@@ -49,9 +49,14 @@ def told(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator
 def write_film(
     env: "Environment", moments: "Iterable[Moment]", path: Path, speed: float = SPEED, say: Say = lambda _: None, every: int = 1
 ) -> str:
-    """Draws and writes a film, or a page, of some moments; returns what there is to say about it. `every`: a film shows one step of so many."""
+    """Writes moments as a film or a page; returns a line about the file. `every`: the number of steps from one frame to the next."""
     if path.suffix == PAGE:
-        return _write_page(env, list(moments), path, speed, say)
+        from sjdsl.render import make_page
+
+        whole = list(moments)
+        say(f"writing {path}")
+        make_page(env.game, whole, speed).save(path)
+        return f"{path}  {len(whole)} moments to look at in a browser, {path.stat().st_size / 1000:.0f} kB"
     from sjdsl.render import make_painter, one_of, save_gif, save_mp4
 
     shots = [moment.snapshot for moment in one_of(every, moments)]
@@ -63,11 +68,3 @@ def write_film(
     save(frames, path, round(1000 / speed))
     width, height = frames[0].size
     return f"{path}  {len(frames)} frames of {width} x {height} pixels, {path.stat().st_size / 1000:.0f} kB"
-
-
-def _write_page(env: "Environment", moments: "list[Moment]", path: Path, speed: float, say: Say) -> str:
-    from sjdsl.render import make_page
-
-    say(f"writing {path}")
-    make_page(env.game, moments, speed).save(path)
-    return f"{path}  {len(moments)} moments to look at in a browser, {path.stat().st_size / 1000:.0f} kB"

@@ -21,14 +21,14 @@ STDIN_NAME = "standard input"
 @click.argument("paths", nargs=-1, required=True, metavar="FILE|FOLDER|-...")
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that would be reformatted.")
 def command(paths: tuple[str, ...], only_check: bool) -> int:
-    """Formats `.sj` files: spaces, line ends and columns. Comments stay, and so do line ends between statements.
+    """Formats `.sj` files: spaces, line breaks and columns. Comments stay, and so do line breaks between statements.
 
-    A FOLDER stands for all `.sj` files in it and below, hidden folders left out. `-` reads a game from standard input and writes it
-    to standard output. A file with syntax errors is left as it is, and they are shown; the exit status is then 1.
+    A FOLDER means all `.sj` files in and below it, except in hidden folders. `-` reads a game from standard input and writes it to
+    standard output. A file with syntax errors stays as it is; the errors are shown, and the exit status is 1.
     """
     if STDIN in paths:
         if len(paths) > 1:
-            raise click.UsageError("`-` reads the standard input: name no files beside it")
+            raise click.UsageError("`-` reads standard input: don't name other files")
         return _format_stdin(only_check)
     changed, unchanged, problems = 0, 0, 0
     for path in files_of(paths):
@@ -47,17 +47,20 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
         else:
             write_whole(path.resolve(), text)  # a link to the file stays
             click.echo(f"{path} was reformatted")
-    click.echo(_summary(changed, unchanged, problems, only_check))
+    counts = {"to be reformatted" if only_check else "reformatted": changed, "unchanged": unchanged, "with errors": problems}
+    number = changed + unchanged + problems
+    click.echo(f"{number} file{'s' * (number != 1)}: {', '.join(f'{count} {what}' for what, count in counts.items() if count)}")
     return int(problems > 0 or (only_check and changed > 0))
 
 
 def files_of(paths: Iterable[str]) -> list[Path]:
-    """Returns the files that are named or lie in named folders, each once. Raises ClickException for what is neither."""
+    """Returns the files that are named, and those in the folders that are named, each once. Raises ClickException if there are none."""
     found: list[Path] = []
     for name in paths:
         path = Path(name)
         if path.is_dir():
-            inside = sorted(p for p in path.rglob("*.sj") if p.is_file() and not _is_hidden(p.relative_to(path)))
+            visible = (p for p in path.rglob("*.sj") if not any(part.startswith(".") for part in p.relative_to(path).parts))
+            inside = sorted(p for p in visible if p.is_file())
             if not inside:
                 raise click.ClickException(f"there are no `.sj` files in the folder {name}")
             found += inside
@@ -66,10 +69,6 @@ def files_of(paths: Iterable[str]) -> list[Path]:
         else:
             raise click.ClickException(f"there is no file or folder `{name}`")
     return list(dict.fromkeys(found))
-
-
-def _is_hidden(path: Path) -> bool:
-    return any(part.startswith(".") for part in path.parts)
 
 
 def _format_stdin(only_check: bool) -> int:
@@ -87,10 +86,3 @@ def _format_stdin(only_check: bool) -> int:
     is_same = data == text.encode()
     click.echo(f"{STDIN_NAME} {'is formatted' if is_same else 'would be reformatted'}")
     return int(not is_same)
-
-
-def _summary(changed: int, unchanged: int, problems: int, only_check: bool) -> str:
-    """Returns `5 files: 2 reformatted, 3 unchanged`, without counts of zero."""
-    counts = {"to be reformatted" if only_check else "reformatted": changed, "unchanged": unchanged, "with errors": problems}
-    number = sum(counts.values())
-    return f"{number} file{'s' * (number != 1)}: {', '.join(f'{count} {what}' for what, count in counts.items() if count)}"

@@ -1,4 +1,4 @@
-"""Checks where output goes: a missing folder is reported, not made, as it may be a typing mistake; work that is stored is not lost."""
+"""Checks where output goes: a missing folder is reported, not made, as it may be a typing mistake; stored work isn't overwritten."""
 
 import shlex
 import sys
@@ -8,20 +8,20 @@ import click
 
 
 def require_folder_of(file: Path) -> None:
-    """Asks whether to make the folder of a file that is to be written; see `require_folder`."""
+    """Asks whether to make the folder of an output file; see `require_folder`."""
     require_folder(file.parent, f" to write {file.name} to")
 
 
 def require_unused(file: Path, what: str) -> None:
-    """Refuses a file that is there, so that earlier work is not lost. Raises ClickException."""
+    """Raises ClickException if a file exists already, so that earlier work isn't lost."""
     if file.exists():
-        raise click.ClickException(f"`{file}` is there already; name another file with -o, or move it away, so that no {what} are lost")
+        raise click.ClickException(f"`{file}` exists already; name another file with -o, or move it away, so that no {what} are lost")
 
 
 def require_folder(folder: Path, purpose: str = "") -> None:
-    """Makes a folder that is not there if the person at the terminal says so.
+    """Makes a missing folder if the person at the terminal agrees.
 
-    Raises ClickException where they say no, or nobody can be asked: before anything has been played or measured.
+    Raises ClickException if they don't, or nobody can be asked.
     """
     if folder.is_dir():
         return

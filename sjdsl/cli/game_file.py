@@ -1,8 +1,6 @@
 """Opens the game that a command line names: a bundled one, one of an installed package, or any `.sj` file."""
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -21,7 +19,7 @@ def open_game(name: str) -> Source:
 
 
 def game_path(name: str) -> Path:
-    """Returns the file of a game, as short as it can be said from here."""
+    """Returns the file of a game, relative to this folder if it is inside it."""
     try:
         path = find_game(name)
     except (FileNotFoundError, GamesClash) as error:
@@ -35,7 +33,7 @@ def split_variants(text: str | None) -> tuple[str, ...]:
 
 
 def read_map(file: str | None, source: Source) -> Overrides:
-    """Returns the rows of a map file as what they override, nothing without a file. Raises CompileError for what is no map."""
+    """Returns the rows of a map file as overrides; none without a file. Raises CompileError for a file that isn't a map."""
     if file is None:
         return Overrides()
     path = Path(file)
@@ -48,9 +46,5 @@ def read_map(file: str | None, source: Source) -> Overrides:
     return Overrides(rows=rows, row_spans=spans)
 
 
-def variant_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    return click.option("--variant", metavar="V", help="A variant of the game; several as a+b.")(command)
-
-
-def map_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    return click.option("--map", "map_file", metavar="FILE", help="Another map, drawn with the game's glyphs.")(command)
+variant_option = click.option("--variant", metavar="V", help="A variant of the game; several as a+b.")
+map_option = click.option("--map", "map_file", metavar="FILE", help="Another map, drawn with the game's glyphs.")

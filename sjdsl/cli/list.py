@@ -15,24 +15,15 @@ from sjdsl.games_folder import OURS, by_release, game_problems, melting_pot_game
 @click.argument("games", nargs=-1, metavar="[GAME...]")
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def command(games: tuple[str, ...], as_json: bool) -> int:
-    """Lists the games in short, or all about the GAMEs named: bundled ones, those of installed packages, and `.sj` files.
+    """Lists all games in short, or everything about GAMEs: bundled ones, those of installed packages, and `.sj` files.
 
-    Each package with games has lines of its own. What is wrong with one of them is said at the end, and the exit status is then 1.
+    Each package with games has a section of its own. Games with errors are reported at the end, and the exit status is then 1.
     """
     problems = [] if games else game_problems()
-    if as_json and games:
-        click.echo(_json([describe(name) for name in games]))
-    elif as_json:
-        click.echo(
-            _json(
-                [
-                    described
-                    for names in by_release().values()
-                    for name in names
-                    if (described := _tried(describe, name, problems)) is not None
-                ]
-            )
-        )
+    if as_json:
+        names = games or [name for names in by_release().values() for name in names]
+        described = [describe(name) if games else _tried(describe, name, problems) for name in names]
+        click.echo(json.dumps([game for game in described if game is not None], indent=2, ensure_ascii=False))
     elif games:
         click.echo("\n\n".join(page(describe(name)) for name in games))
     else:
@@ -44,12 +35,8 @@ def command(games: tuple[str, ...], as_json: bool) -> int:
     return int(bool(problems))
 
 
-def _json(games: list[dict[str, Any]]) -> str:
-    return json.dumps(games, indent=2, ensure_ascii=False)
-
-
 def _tried(describe: Callable[[str], dict[str, Any]], name: str, problems: list[str]) -> dict[str, Any] | None:
-    """Returns what is known of a game; None for one that does not compile, which is added to the problems."""
+    """Returns the description of a game; None for one that doesn't compile, which is added to the problems."""
     try:
         return describe(name)
     except CompileError as error:
@@ -59,26 +46,24 @@ def _tried(describe: Callable[[str], dict[str, Any]], name: str, problems: list[
 
 
 def _groups(problems: list[str]) -> list[str]:
-    """Returns the table of all games, with a line above those of each release; what does not compile is added to the problems."""
+    """Returns the table of all games, with a heading for each release; games that don't compile are added to the problems."""
     own, *others = by_release().items()
     further = set(melting_pot_games())
     groups = {f"of {own[0]}": [name for name in own[1] if name.removeprefix(f"{OURS}:") not in further]}
     groups |= {f"of {own[0]}, further families of Melting Pot": [name for name in own[1] if name.removeprefix(f"{OURS}:") in further]}
     groups |= {f"of {release}": names for release, names in others}
-    rows = {
-        title: [(name, *_row(found)) for name in names if (found := _tried(outline, name, problems)) is not None]
-        for title, names in groups.items()
-    }
+    rows: dict[str, list[tuple[str, ...]]] = {title: [] for title in groups}
+    for title, names in groups.items():
+        for name in names:
+            game = _tried(outline, name, problems)
+            if game is not None:
+                variants = ", ".join(v["name"] for v in game["variants"])
+                rows[title].append((name, game["title"], str(game["agents"]), _map(game), str(len(game["actions"])), variants))
     head, *lines = align([("game", "title", "agents", "map", "actions", "variants"), *(row for found in rows.values() for row in found)])
     table, below = [head], iter(lines)
     for title, lines_below in rows.items():
         table += ["", title, *(next(below) for _ in lines_below)] if lines_below else []
     return table
-
-
-def _row(game: dict[str, Any]) -> tuple[str, ...]:
-    variants = ", ".join(v["name"] for v in game["variants"])
-    return game["title"], str(game["agents"]), _map(game), str(len(game["actions"])), variants
 
 
 def _map(game: dict[str, Any]) -> str:
@@ -91,7 +76,7 @@ def _window(window: dict[str, Any]) -> str:
 
 
 def page(game: dict[str, Any]) -> str:
-    """Returns all about one game, as a person reads it."""
+    """Returns everything about a game, as text."""
     view = "; ".join(map(_window, game.get("windows", [game["window"]])))
     facts = [
         ("file", game["file"]),
@@ -106,28 +91,28 @@ def page(game: dict[str, Any]) -> str:
     facts += [(key.replace("_", " "), text) for key, text in game["about"].items()]
     facts += [("cite", cite) for cite in game["cites"]]
     lines = [f"{game['game']}: {game['title']}", *("  " + line for line in align(facts))]
-    kinds = [(k["name"], "; ".join(f"{name}: {_words(v)}" for name, v in k["fields"].items())) for k in game["kinds"]]
-    lines += _section("kinds", kinds)
-    for title in ("params", "sizes"):
-        lines += _section(title, [(n["name"], n["unit"], *_default(n)) for n in game[title]])
-    lines += _section("policies", [(p["name"], p["title"]) for p in game["policies"]])
-    lines += _section("scenarios", [(s["name"], ", ".join(map(_slots, s["slots"])), s["title"]) for s in game["scenarios"]])
-    lines += _section("variants", [(v["name"], v["title"]) for v in game["variants"]])
+
+    def fields(kind: dict[str, Any]) -> str:
+        return "; ".join(f"{name}: {words if isinstance(words, str) else ', '.join(words)}" for name, words in kind["fields"].items())
+
+    def number(n: dict[str, Any]) -> tuple[str, ...]:
+        limits = "" if n["low"] is None and n["high"] is None else f"{_plain(n['low'])} .. {_plain(n['high'])}"
+        return n["name"], n["unit"], _plain(n["default"]), limits
+
+    def slots(scenario: dict[str, Any]) -> str:
+        return ", ".join(f"{part['number']} {part['policy'] or 'focal'}" for part in scenario["slots"])
+
+    sections: dict[str, list[tuple[str, ...]]] = {
+        "kinds": [(k["name"], fields(k)) for k in game["kinds"]],
+        "params": list(map(number, game["params"])),
+        "sizes": list(map(number, game["sizes"])),
+        "policies": [(p["name"], p["title"]) for p in game["policies"]],
+        "scenarios": [(s["name"], slots(s), s["title"]) for s in game["scenarios"]],
+        "variants": [(v["name"], v["title"]) for v in game["variants"]],
+    }
+    for title, rows in sections.items():
+        lines += [f"  {title}", *("    " + line for line in align(rows))] if rows else []
     return "\n".join(lines)
-
-
-def _slots(slots: dict[str, Any]) -> str:
-    return f"{slots['number']} {slots['policy'] or 'focal'}"
-
-
-def _section(title: str, rows: Sequence[tuple[str, ...]]) -> list[str]:
-    return [f"  {title}", *("    " + line for line in align(rows))] if rows else []
-
-
-def _default(number: dict[str, Any]) -> tuple[str, str]:
-    low, high = number["low"], number["high"]
-    limits = "" if low is None and high is None else f"{_plain(low)} .. {_plain(high)}"
-    return _plain(number["default"]), limits
 
 
 def _plain(value: Any) -> str:
@@ -147,11 +132,7 @@ def _metric(metric: dict[str, Any]) -> str:
     return f"{metric['sort']} {metric['name']}{by}"
 
 
-def _words(values: str | list[str]) -> str:
-    return values if isinstance(values, str) else ", ".join(values)
-
-
 def align(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """Returns rows as lines with their columns under one another; a wide column does not push the others away."""
+    """Returns rows as lines with aligned columns; a very wide cell doesn't push the next column away."""
     widest = [min(48, max(len(cell) for cell in column)) for column in zip(*rows, strict=True)]
     return ["  ".join(cell.ljust(width) for cell, width in zip(row, widest, strict=True)).rstrip() for row in rows]

@@ -9,15 +9,15 @@ import click
 from sjdsl.extras import require
 
 HOST = "127.0.0.1"
-MANY = 50_000  # objects between two looks for garbage: a server lives long, and each text makes some
+MANY = 50_000  # objects between two garbage collections: a server lives long, and each text makes some
 
 
 @click.command("lsp")
 @click.option("--tcp", "port", type=click.IntRange(min=0, max=65535), metavar="PORT", help=f"Listen on this port of {HOST} instead.")
 def command(port: int | None) -> int:
-    """Starts the language server, which an editor does for itself: docs/editors.md says how. It needs the extra `sjdsl[editor]`.
+    """Starts the language server. Editors do this themselves: docs/editors.md says how. It needs the extra `sjdsl[editor]`.
 
-    The exit status is the protocol's: 0, or 1 if the editor ends the session without having asked for it.
+    The exit status follows the protocol: 0, or 1 if the editor ends the session without a shutdown request.
     """
     require("editor", "pygls")
     from sjdsl.editor.server import make_server

@@ -23,21 +23,20 @@ from sjdsl.trainers.policy_names import UNTRAINED
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
     from sjdsl.render.moment import Moment
-    from sjdsl.runtime.env import Environment
 
-LITTLE = 60_000  # cells times steps that the interpreter plays sooner than a game is compiled
+LITTLE = 60_000  # cells times steps that the interpreter plays faster than a game compiles
 NO_TERMINAL = (
-    "there is no terminal to play in: keys are read from the standard input and the screen is drawn on the standard error, and one of "
-    "them is a file or a pipe. Run `sjdsl play` in a terminal; or let all agents act by themselves with --watch, and keep what they do "
-    "with --record FILE"
+    "there is no terminal to play in: keys are read from standard input and the screen is drawn on standard error, and one of them is a "
+    "file or a pipe. Run `sjdsl play` in a terminal; or let all agents act by themselves with --watch, and store the episode with "
+    "--record FILE"
 )
 
 
 @click.command("play")
 @click.argument("game")
 @click.option("--agent", type=click.IntRange(min=0), metavar="N", default=0, show_default=True, help="The agent to control.")
-@click.option("--watch", is_flag=True, help="Control no agent: all agents follow the policy of --others.")
-@click.option("--others", default="random", show_default=True, metavar="P", help=f"The other agents: {NAMES}")
+@click.option("--watch", is_flag=True, help="Control no agent: all follow the policy of --others.")
+@click.option("--others", default="random", show_default=True, metavar="P", help=f"The other agents' policy: {NAMES}")
 @code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
 @click.option("--steps", type=click.IntRange(min=1), metavar="N", help="Most steps to play; by default the whole episode.")
@@ -80,8 +79,7 @@ def command(
 def begin_session(
     game: "ir.Game", values: dict[str, Any], seed: int, choose: "Choose", agent: int | None, steps: int | None = None
 ) -> "Session":
-    """Returns a session on the interpreter. `steps`: at most so many; None is the whole episode."""
-
+    """Returns a session on the interpreter. `steps`: at most this many; None is the whole episode."""
     board = board_of(game)
     whole = int(evaluate(game.episode, Instance(board, declared_world(board, values))))
     return Session(Interpreted(game, values, seed), choose, agent, whole if steps is None else min(whole, steps))
@@ -97,13 +95,12 @@ def play_on(
     speed: float,
     show: Callable[["Moment"], object] = lambda _: None,
 ) -> None:
-    """Plays a session to its end, or until the person stops: on the screen, or where there is none with each moment given to `show`."""
-
+    """Plays a session to its end, or until the person stops: on the screen, or through `show` where there is no screen."""
     trained = others not in (*UNTRAINED, *(policy.name for policy in game.policies))
 
     def compiled() -> Any:
         env = make_environment(environment)
-        choose = _trained_choice(others, env, seed) if trained else None
+        choose = policy_choice(env, choose_policy(others, env), seed) if trained else None
         return Prepared(Compiled(env, values, seed), choose)
 
     if can_show_screen():
@@ -119,19 +116,13 @@ def play_on(
 
 
 def _choice_of(others: str, game: "ir.Game", seed: int) -> "Choose":
-    """Returns what the others do as far as it is known without JAX. Raises ClickException for what is no policy."""
-
+    """Returns what the others do, as far as that needs no JAX. Raises ClickException if it isn't a policy."""
     check_policy(others, game)
     if any(policy.name == others for policy in game.policies):
         return choice_of(scripted_actions(game, others, seed))
     return choice_of(random_actions(game, seed) if others == "random" else no_actions(game))
 
 
-def _trained_choice(others: str, env: "Environment", seed: int) -> "Choose":
-
-    return policy_choice(env, choose_policy(others, env), seed)
-
-
 def describe_returns(returns: Any) -> str:
-    """Returns `returns 0: 3  1: 5`: the number of each agent and what it has earned."""
+    """Returns `returns 0: 3  1: 5`: each agent's number and return."""
     return f"returns {'  '.join(f'{number}: {value:g}' for number, value in enumerate(returns))}"

@@ -15,12 +15,12 @@ from sjdsl.extras import require
     "--metric",
     default="collective_return",
     show_default=True,
-    help="A column of metrics.jsonl; sums and a quotient of them too, as in event_own/event_own+event_other.",
+    help="A column of metrics.jsonl, a sum, or a quotient of sums, such as event_own/event_own+event_other.",
 )
 def command(runs: tuple[str, ...], output: str, metric: str) -> None:
-    """Plots a metric of RUNs over environment steps: the mean over a run's seeds, and their range.
+    """Plots a metric of RUNs over environment steps: the mean over the seeds of each run, and their range.
 
-    RUN is a folder that `sjdsl train` wrote, or NAME=FOLDER to give it a name in the picture.
+    RUN is a folder that `sjdsl train` wrote, or NAME=FOLDER to choose its name in the picture.
     """
     pairs = [text.partition("=") for text in runs]
     named = [(name, Path(folder)) if equals else (Path(name).name, Path(name)) for name, equals, folder in pairs]

@@ -1,4 +1,4 @@
-"""Prints one line at the end of a run that points to `sjdsl explain` for the codes in its messages."""
+"""Prints a last line that points to `sjdsl explain` for the codes in a command's messages."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -15,7 +15,7 @@ def remember(codes: Iterable[str], err: bool) -> None:
 
 @contextmanager
 def pointed() -> Iterator[None]:
-    """Prints behind everything else, once, which command explains the first message of the run."""
+    """Prints, after everything else, which command explains the first message."""
     _printed.clear()
     try:
         yield

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from sjdsl.compiler import ir
     from sjdsl.runtime.env import Environment
 
-NAMES = "random, stay, one of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or FILE.py:FUNCTION."
+NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or FILE.py:FUNCTION."
 policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=f"All agents: {NAMES}")
 
 
@@ -36,17 +36,17 @@ code_option = click.option(
 
 
 def check_policy(name: str, game: "ir.Game") -> None:
-    """Raises ClickException for what cannot be the name of a policy in a game; needs no JAX."""
+    """Raises ClickException for a text that can't name a policy of the game; needs no JAX."""
     declared = [policy.name for policy in game.policies]
     if not might_be_named(name, declared):
         raise click.ClickException(unknown_policy(name, declared))
 
 
 def choose_policy(name: str, env: "Environment") -> Any:
-    """Returns a policy by its name; what is to be said about it is said in a line."""
+    """Returns a policy by its name; warnings about it are printed as notes."""
     from sjdsl.runtime.policy import UNTRAINED
 
-    if name in UNTRAINED:  # these need no trainers, whose packages take a second to load
+    if name in UNTRAINED:  # they need no trainers, whose packages take a second to load
         return UNTRAINED[name](env)
     check_policy(name, env.game)
     from sjdsl.trainers import find_policy
@@ -57,7 +57,7 @@ def choose_policy(name: str, env: "Environment") -> Any:
 
 @contextmanager
 def warnings_as_notes() -> Iterator[None]:
-    """Has warnings said in a line each, as notes."""
+    """Prints each warning as a line that begins with `note:`."""
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         yield

@@ -1,4 +1,4 @@
-"""How the environment of a run was made, as its manifest says."""
+"""How the environment of a run was made, from its manifest."""
 
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,9 @@ def provenance_of(run_dir: Path, otherwise: str = "") -> dict[str, Any]:
     """Returns the arguments of `make_environment` for a run, or for one of its seeds.
 
     Args:
-      otherwise: what else the user may do, which ends the message where there is no run.
+      otherwise: what else the user can do, to end the message with if there is no run.
     Raises:
-      ClickException: there is no such folder, it is that of no run, or the run does not know its game.
+      ClickException: there is no such folder, it isn't a run's, or the run doesn't know its game.
     """
     path = run_dir / "manifest.json"
     if not path.is_file() and run_dir.is_dir() and (run_dir.parent / "manifest.json").is_file():
@@ -28,10 +28,10 @@ def provenance_of(run_dir: Path, otherwise: str = "") -> dict[str, Any]:
     try:
         provenance = read_json(path).get("provenance") or {}
     except (OSError, ValueError, AttributeError):
-        raise click.ClickException(f"{path} cannot be read: it is no manifest that `sjdsl train` wrote{otherwise}") from None
+        raise click.ClickException(f"{path} can't be read: it isn't a manifest that `sjdsl train` wrote{otherwise}") from None
     if not isinstance(provenance, dict) or "game" not in provenance:
         raise click.ClickException(
-            f"the manifest of {run_dir} does not say which game was trained, for the run was started from Python; "
-            f"evaluate it from Python, too{otherwise}"
+            f"the manifest of {run_dir} doesn't say which game was trained, because the run was started from Python; "
+            f"evaluate it from Python too{otherwise}"
         )
     return provenance

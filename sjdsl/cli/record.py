@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 PACKAGES = ("sjdsl", "jax", "numpy")
-SAID = 100  # after so many episodes it is said how far they are
+REPORTED = 100  # episodes between two lines of progress
 
 
 @click.command("record")
@@ -29,7 +29,7 @@ SAID = 100  # after so many episodes it is said how far they are
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=10, show_default=True, help="Episodes to play.")
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; then N + 1, N + 2, ….")
 @click.option(
-    "--observation", type=click.Choice(["tokens", "onehot", "none"]), default="tokens", show_default=True, help="What is stored of them."
+    "--observation", type=click.Choice(["tokens", "onehot", "none"]), default="tokens", show_default=True, help="How to store observations."
 )
 @click.option("--minari", "dataset_id", metavar="ID", help="Also make a Minari dataset, such as sjdsl/coins/random-v0.")
 @environment_options
@@ -48,10 +48,10 @@ def command(
     if path.suffix != ".npz":
         raise click.UsageError(f"`{path}` must end in .npz")
     if seed + episodes > 2**32:
-        raise click.UsageError(f"the seeds go up to {seed + episodes - 1}; the last there is is {2**32 - 1}")
+        raise click.UsageError(f"the seeds go up to {seed + episodes - 1}, and the largest seed is {2**32 - 1}")
     if dataset_id is not None:
         if observation == "none":
-            raise click.UsageError("a Minari dataset has observations; --observation none keeps none")
+            raise click.UsageError("a Minari dataset needs observations; --observation none stores none")
         from sjdsl.interop.minari import check_name
 
         try:  # before anything is played
@@ -75,7 +75,7 @@ def command(
             seed=seed,
             episodes=episodes,
             observation=observation,  # type: ignore[arg-type]
-            planes=_planes(env, observation),
+            planes={"onehot": list(env.channel_names), "tokens": [plane.name for plane in env.token_planes]}.get(observation, []),
             action_names=list(env.action_names),
             versions={name: version(name) for name in PACKAGES},
         )
@@ -89,7 +89,7 @@ def command(
 
 
 def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path, say: Say) -> str:
-    """Plays and writes what a header says; returns what there is to say about it, which is also said where it is interrupted."""
+    """Plays and writes the episodes of a header; returns a summary, which is also printed if it is interrupted."""
     from sjdsl.replay import play_episodes
 
     writer = DatasetWriter(path, header)
@@ -98,11 +98,11 @@ def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path
             say(f"playing {header.episodes} episodes of {env.title or env.name}")
             for number, episode in enumerate(play_episodes(env, policy, header.seed, header.episodes, header.observation), 1):
                 writer.add(episode)
-                if number % SAID == 0 and number < header.episodes:
-                    say(f"{number} of {header.episodes} episodes are written")
+                if number % REPORTED == 0 and number < header.episodes:
+                    say(f"{number} of {header.episodes} episodes written")
     except KeyboardInterrupt:
         if writer.returns:
-            click.echo(f"interrupted; the episodes played until now are stored\n{_summary(env, path, writer)}")
+            click.echo(f"interrupted; the episodes so far are stored\n{_summary(env, path, writer)}")
         raise
     return _summary(env, path, writer)
 
@@ -115,19 +115,12 @@ def _summary(env: "Environment", path: Path, writer: "DatasetWriter") -> str:
     shown = f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} kB"
     return (
         f"{path}  {len(collective)} episodes of {env.title or env.name}, {writer.steps} steps, {shown}\n"
-        f"collective return: mean {collective.mean():g}, least {collective.min():g}, greatest {collective.max():g}"
+        f"collective return: mean {collective.mean():g}, lowest {collective.min():g}, highest {collective.max():g}"
     )
 
 
-def _planes(env: "Environment", observation: str) -> list[str]:
-    if observation == "onehot":
-        return list(env.channel_names)
-    return [plane.name for plane in env.token_planes] if observation == "tokens" else []
-
-
 def _digest(policy: str) -> str | None:
-    """Returns the SHA-256 of the file that a policy is stored in, where it is."""
-
+    """Returns the SHA-256 of the file that a policy is stored in; None if it isn't stored."""
     if policy in UNTRAINED:
         return None
     from sjdsl.trainers.policy_file import policy_path

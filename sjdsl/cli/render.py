@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options
-from sjdsl.cli.film import PAGE, check_film, save_film, told
+from sjdsl.cli.film import PAGE, announced, check_film, save_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, stages
@@ -14,7 +14,7 @@ from sjdsl.extras import require
 
 @click.command("render")
 @click.argument("game")
-@click.option("-o", "output", metavar="FILE", help="A .gif, .mp4, .html page or .png of the last step; by default GAME.gif.")
+@click.option("-o", "output", metavar="FILE", help="A .gif, .mp4 or .html, or a .png of the last step; by default GAME.gif.")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", default=100, show_default=True, help="Steps to play.")
 @click.option("--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N.")
 @policy_option
@@ -41,7 +41,7 @@ def command(
 
         chosen = choose_policy(policy, env)
         if path.suffix == ".png":
-            *_, last = one_of(every, told(play_moments(env, chosen, steps, seed), env, say))
+            *_, last = one_of(every, announced(play_moments(env, chosen, steps, seed), env, say))
             save_png(make_painter(env).draw(last.snapshot), path)
             done = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:

@@ -1,13 +1,12 @@
 """`sjdsl replay`: shows a recorded episode in the terminal, or writes it as a film or a page."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from sjdsl.cli.environment_options import build_game, make_environment, named_in
-from sjdsl.cli.film import SPEED, check_film, told, write_film
+from sjdsl.cli.film import SPEED, announced, check_film, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.play import begin_session, describe_returns, play_on
 from sjdsl.cli.stages import LOADING, stages
@@ -19,19 +18,18 @@ from sjdsl.screen.session import written_choice
 from sjdsl.screen.sidebar import event_line
 
 if TYPE_CHECKING:
-    from sjdsl.compiler import ir
     from sjdsl.render.moment import Moment
 
 
 @click.command("replay")
 @click.argument("file")
 @click.option(
-    "--episode", type=int, metavar="N", default=0, show_default=True, help="The episode to show, in a file of many; -1 is the last."
+    "--episode", type=int, metavar="N", default=0, show_default=True, help="Which episode of a file of many to show; -1 is the last."
 )
 @click.option("-o", "output", metavar="FILE", help="Write a .gif, .mp4 or .html instead of showing it here.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=1000), metavar="N", default=SPEED, show_default=True, help="Steps a second.")
 def command(file: str, episode: int, output: str | None, speed: float) -> int:
-    """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if its rules are still the same."""
+    """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if the rules are still the same."""
     if output is not None:
         check_film(Path(output))
         require_folder_of(Path(output))
@@ -47,7 +45,7 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
         with stages(LOADING) as say:
             with named_in(file):
                 env = make_environment(recording.environment)
-            done = write_film(env, told(replayed(recording, env), env, say), Path(output), speed, say)
+            done = write_film(env, announced(replayed(recording, env), env, say), Path(output), speed, say)
         click.echo(done)
     except RecordingError as error:
         raise click.ClickException(str(error)) from None
@@ -55,29 +53,23 @@ def command(file: str, episode: int, output: str | None, speed: float) -> int:
 
 
 def show(recording: "Recording", file: str, speed: float) -> None:
-    """Shows the episode of a file on the screen, or where there is none prints its moments one after the other.
+    """Shows a recorded episode on the screen, or prints its moments one by one where there is no screen.
 
-    Raises RecordingError: the rules are others now, its actions are none of the game, or they come to other returns than were recorded.
+    Raises RecordingError: the rules have changed, the actions don't exist in the game, or they give other returns than recorded.
     """
-
     given = recording.environment
     with named_in(file):
         made, values = build_game(given["game"], given.get("params") or {}, given.get("variant"), given.get("map"), given.get("num_agents"))
     check_rules(recording, game_hash(made.game), made.game.name)
     check_actions(recording, made.game.agents.number, len(made.game.agents.actions))
     session = begin_session(made.game, values, recording.seed, written_choice(recording.actions), None, len(recording.actions))
-    play_on(session, made.game, values, given, "random", recording.seed, speed, make_printer(made.game))
-    if session.is_over:
-        check_returns(recording, session.moment.snapshot.returns.tolist())
+    looks = make_screen_looks(made.game)
 
-
-def make_printer(game: "ir.Game") -> Callable[["Moment"], None]:
-    """Returns what prints a moment: the map in letters, the step, the returns, what was tallied."""
-    looks = make_screen_looks(game)
-
-    def show(moment: "Moment") -> None:
+    def print_moment(moment: "Moment") -> None:
         snapshot = moment.snapshot
         click.echo(board_text(looks, snapshot).plain)
         click.echo(f"step {snapshot.step}\n{describe_returns(snapshot.returns)}\n{event_line(moment)}".rstrip() + "\n")
 
-    return show
+    play_on(session, made.game, values, given, "random", recording.seed, speed, print_moment)
+    if session.is_over:
+        check_returns(recording, session.moment.snapshot.returns.tolist())

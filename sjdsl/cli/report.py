@@ -1,4 +1,4 @@
-"""`sjdsl report`: makes tables, pictures and a page of what runs, sweeps, diagrams and cross-play have found."""
+"""`sjdsl report`: makes tables, pictures and a page from the results of runs, sweeps, diagrams and cross-play."""
 
 import shlex
 from pathlib import Path
@@ -13,12 +13,12 @@ from sjdsl.extras import require
 @click.command("report")
 @click.argument("sources", nargs=-1, required=True, metavar="DIR...")
 @click.option("-o", "output", default="report", show_default=True, metavar="OUT", help="The folder to write to.")
-@click.option("--json", "nested", is_flag=True, help="Also write marl_eval.json, the results as the library marl-eval reads them.")
+@click.option("--json", "nested", is_flag=True, help="Also write marl_eval.json, for the library marl-eval.")
 def command(sources: tuple[str, ...], output: str, nested: bool) -> None:
     """Makes a report of DIRs: a page, a CSV for each table, pictures as PNG and SVG, and the results as CSV.
 
     DIR is the folder of a run, a sweep, a Schelling diagram or a cross-play, a folder of such folders, or the `data` of an earlier report.
-    What is found twice is taken from the one named later.
+    Of results found twice, the folder named later wins.
     """
     require("results", "pandas", "rliable")
     require("plots", "matplotlib")

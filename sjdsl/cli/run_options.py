@@ -22,7 +22,7 @@ REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What the options of a run say."""
+    """The values of the options of a run."""
 
     preset: str | None
     changes: Mapping[str, str]  # --set
@@ -31,12 +31,12 @@ class RunOptions:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """The settings that were given, as they were written: the configuration knows what they mean."""
+        """The settings that were given, as they were written; the configuration interprets them."""
         return {**self.changes, **self.named}
 
 
 def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
-    """Adds the options of a run, which arrive together as `run`. `seeds`: how many, unless the command says it."""
+    """Adds the options of a run; the command gets them together as `run`. `seeds`: the default number."""
     options = (
         click.option("--preset", metavar="P", help="Start from paper, released, two_cores, overnight, quick or FILE.toml."),
         click.option("--algorithm", metavar="A", help=f"Learn by {', '.join(ALGORITHMS)} or FILE.py:NAME."),
@@ -49,9 +49,7 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
         click.option("--init-from", metavar="POLICY", help="Start with RUN, RUN@best or FILE.safetensors."),
         click.option("--partners", multiple=True, metavar="AGENT=POLICY", help="Agents that don't learn: 1=random, 1,2=RUN@best."),
         code_option,
-        click.option(
-            "--log", "loggers", multiple=True, type=click.Choice(["tensorboard", "wandb"]), help="Where metrics go besides files."
-        ),
+        click.option("--log", "loggers", multiple=True, type=click.Choice(["tensorboard", "wandb"]), help="Log metrics there too."),
     )
 
     def add(command: Command) -> Command:
@@ -68,6 +66,6 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
 
 
 def check_policies(config: "Config", game: "ir.Game") -> None:
-    """Raises ClickException for what a configuration names as a policy and what can't be one."""
+    """Raises ClickException if a configuration names a policy that can't be one."""
     for named in filter(None, (config.init_from, *(policy for _, policy in config.partners))):
         check_policy(named, game)

@@ -1,4 +1,4 @@
-"""`sjdsl schelling`: what cooperators and defectors earn among each other, and whether that is a dilemma."""
+"""`sjdsl schelling`: what cooperators and defectors earn together, and whether the game is a dilemma for them."""
 
 from pathlib import Path
 
@@ -14,14 +14,14 @@ FILES = ("schelling.json", "schelling.png", "schelling.svg")
 
 @click.command("schelling")
 @click.argument("game")
-@click.option("--cooperators", required=True, metavar="P", help=f"Who cooperates: {NAMES}")
-@click.option("--defectors", required=True, metavar="P", help="Who defects, named likewise.")
+@click.option("--cooperators", required=True, metavar="P", help=f"The cooperators' policy: {NAMES}")
+@click.option("--defectors", required=True, metavar="P", help="The defectors' policy.")
 @experiment_options
 def command(game: str, cooperators: str, defectors: str, episodes: int, seed: int, output: str | None, options: EnvironmentOptions) -> None:
-    """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a dilemma to them, at 95 %.
+    """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a dilemma for them, at 95 %.
 
-    The folder RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the intervals are over seeds. The same
-    command goes on with a stopped one.
+    A RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the intervals are over seeds. The same command
+    resumes a stopped diagram.
     """
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_schelling")

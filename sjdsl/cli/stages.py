@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
@@ -13,43 +14,36 @@ LOADING = "loading JAX and the game"
 
 @contextmanager
 def stages(first: str) -> Iterator[Say]:
-    """Says what is being done, on the standard error, until the block ends; yields a function that says what comes next.
+    """Shows the current stage on standard error until the block ends; yields a function that announces the next one.
 
-    On a terminal one line shows the stage and how long it has taken, and vanishes at the end. Elsewhere each stage is a line.
+    On a terminal, one line shows the stage and its time so far, and vanishes at the end. Elsewhere each stage is a line.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
-        console.print(first, highlight=False, markup=False, soft_wrap=True)
-
-        def say(what: str) -> None:
-            console.print(what, highlight=False, markup=False, soft_wrap=True)
-
+        say = partial(console.print, highlight=False, markup=False, soft_wrap=True)
+        say(first)
         yield say
         return
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as display:
         task = display.add_task(first, total=None)
-
-        def show(what: str) -> None:
-            display.reset(task, description=what, total=None)
-
-        yield show
+        yield lambda what: display.reset(task, description=what, total=None)
 
 
 class StatusLine:
-    """A line at the foot of a terminal that says how far a command is; nothing elsewhere."""
+    """A line at the foot of a terminal that shows a command's progress; nothing elsewhere."""
 
     def __init__(self, display: Progress | None, task: TaskID, about: str):
         self._display, self._task, self._about = display, task, about
 
     def show(self, what: str) -> None:
-        """Says how far the command is."""
+        """Shows the command's progress."""
         if self._display is not None:
             self._display.update(self._task, description=f"{self._about}: {what}")
 
     @contextmanager
     def hidden(self) -> Iterator[None]:
-        """Takes the line away while something is printed."""
+        """Hides the line while something is printed."""
         if self._display is not None:
             self._display.stop()
         yield
@@ -60,9 +54,9 @@ class StatusLine:
 
 @contextmanager
 def status_line(about: str) -> Iterator[StatusLine]:
-    """Says what is being done, on the standard error, until the block ends; yields the line that says how far it is.
+    """Shows what a command is doing on standard error until the block ends; yields the line that shows its progress.
 
-    Where the standard error is no terminal, what is being done is all that is said.
+    If standard error isn't a terminal, there is no progress.
     """
     console = Console(stderr=True)
     if not console.is_terminal:

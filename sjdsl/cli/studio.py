@@ -22,7 +22,7 @@ PORT = 8421
 def command(game: str | None, port: int | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules in words, generated code.
 
-    GAME is the `.sj` file to open first, or a bundled or installed game as an example. The page is served to this machine alone, needs no
+    GAME is the `.sj` file to open first, or a bundled or installed game as an example. The page is served to this machine only, needs no
     internet, and writes a file only when you save it. It needs the extra `sjdsl[studio]`.
     """
     require("studio", "starlette", "uvicorn", "websockets", "pygls")
@@ -42,7 +42,7 @@ def command(game: str | None, port: int | None, browser: bool) -> None:
 
 
 def _inside(game: str, folder: Path) -> str:
-    """Returns the path of a game as the page has it: inside the folder, or of an example."""
+    """Returns the path of a game in the page: inside the folder, or that of an example."""
     path = game_path(game).resolve()
     example = None if path.is_relative_to(folder) else example_of(path)
     if example is not None:
@@ -53,20 +53,20 @@ def _inside(game: str, folder: Path) -> str:
         raise click.ClickException(f"`{game}` is outside this folder: start the studio in the game's own folder, {path.parent}")
     inside = path.relative_to(folder).as_posix()
     if any("\ud800" <= character <= "\udfff" for character in inside):
-        raise click.ClickException(f"the name `{ascii(inside)[1:-1]}` is not UTF-8, and no page can show it: give the file another")
+        raise click.ClickException(f"the name `{ascii(inside)[1:-1]}` is not UTF-8, so no page can show it: rename the file")
     return inside
 
 
 def _listen(port: int | None) -> socket.socket:
-    """Returns a socket at a port; without one at the usual port, or at any that is free."""
+    """Returns a socket at a port; without one, at the usual port or any that is free."""
     for wanted in (port,) if port is not None else (PORT, 0):
         listening = socket.socket()
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listening.bind((HOST, wanted))
-            listening.listen()  # who comes before the server has started waits
+            listening.listen()  # requests wait until the server has started
             return listening
         except OSError as error:
             listening.close()
-            said = error.strerror
-    raise click.ClickException(f"port {port} cannot be used: {said}; leave out --port for any that is free")
+            reason = error.strerror
+    raise click.ClickException(f"port {port} can't be used: {reason}; leave out --port to use any that is free")

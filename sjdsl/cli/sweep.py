@@ -1,7 +1,7 @@
-"""`sjdsl sweep`: trains all cells of a grid, or of a protocol of the paper, and goes on where it was stopped."""
+"""`sjdsl sweep`: trains all cells of a grid, or of a protocol of the paper, and resumes where it was stopped."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,8 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.sweeps.axes import read_axis
-from sjdsl.sweeps.plan import Asked, Plan, plan_sweep
+from sjdsl.sweeps.cells import SweepSpec
+from sjdsl.sweeps.plan import Plan, plan_sweep
 from sjdsl.sweeps.protocols import ANGLES
 from sjdsl.trainers.run_errors import DiskError
 
@@ -25,15 +26,15 @@ if TYPE_CHECKING:
 
 @click.command("sweep")
 @click.argument("games", nargs=-1, required=True, metavar="GAME...")
-@click.option("--axis", "axes", multiple=True, metavar="NAME=v,v,...", help="What varies: a setting, own.X, variant, param.X.")
-@click.option("--protocol", metavar="P", help="Of the paper: exchange, svo, algorithms, sharing.")
+@click.option("--axis", "axes", multiple=True, metavar="NAME=v,v,...", help="What varies: a setting, own.X, variant or param.X.")
+@click.option("--protocol", metavar="P", help="A sweep of the paper: exchange, svo, algorithms, sharing.")
 @click.option("--run", "run_dir", required=True, metavar="DIR", help="Folder of the sweep.")
 @run_options(seeds=3)
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each evaluation.")
-@click.option("--workers", type=click.IntRange(min=1), metavar="K", default=1, show_default=True, help="Processes side by side.")
-@click.option("--together", type=click.IntRange(min=1), metavar="K", help="Cells of one program, at most.")
+@click.option("--workers", type=click.IntRange(min=1), metavar="K", default=1, show_default=True, help="Processes at a time.")
+@click.option("--together", type=click.IntRange(min=1), metavar="K", help="The most cells that one program trains.")
 @click.option("--retry", "again", is_flag=True, help="Try failed cells again.")
-@click.option("--dry-run", is_flag=True, help="List the cells and how far they are, and stop.")
+@click.option("--dry-run", is_flag=True, help="List the cells and their progress, and stop.")
 @environment_options
 def command(
     games: tuple[str, ...],
@@ -48,16 +49,16 @@ def command(
     dry_run: bool,
     options: EnvironmentOptions,
 ) -> int:
-    """Trains every cell of a sweep in GAMEs: each combination of the values of all axes, with K seeds, is a cell.
+    """Trains every cell of a sweep in GAMEs. Each combination of the values of all axes is a cell, with K seeds.
 
-    The folder gets sweep.json, a run in cells/NAME for each cell, results.csv and status.csv. The same command goes on with a stopped
-    sweep; a new value adds cells. Several processes may work on one folder: docs/sweeps.md.
+    The folder gets sweep.json, a run in cells/NAME for each cell, results.csv and status.csv. The same command resumes a stopped sweep; a
+    new value adds cells. Several processes can work on one folder: docs/sweeps.md.
     """
     listed = [read_axis(text) for text in axes]
-    asked = Asked(games, listed, protocol, run.settings, run.preset, options.variant, options.params, episodes, run.loggers)
+    spec = SweepSpec(games, listed, protocol, run.settings, run.preset, options.variant, options.params, episodes, run.loggers)
     read: dict[str, ir.Game] = {}
     describe = _describer(options, read)
-    plan = plan_sweep(asked, describe)  # what does not fit is said before JAX is loaded
+    plan = plan_sweep(spec, describe)  # what doesn't fit is refused before JAX loads
     for cell in plan.cells:
         check_policies(cell.configuration(), read[cell.hash])
     folder = Path(run_dir)
@@ -66,21 +67,21 @@ def command(
         from sjdsl.sweeps.work import Watch
 
     if dry_run:
-        _list(plan, folder, check_sweep(asked, plan, folder.resolve()))
+        _list(plan, folder, check_sweep(plan, folder.resolve()))
         return 0
     watch = Watch("auto", lambda line: click.echo(line, err=True))
     try:
-        outcome = sweep(asked, folder, describe, workers, together, again, watch)
+        outcome = sweep(spec, folder, describe, workers, together, again, watch)
     except (KeyboardInterrupt, OSError, DiskError):
-        click.echo(f"what was trained is kept in {folder}; the same command goes on with it", err=True)
+        click.echo(f"what was trained is kept in {folder}; the same command resumes it", err=True)
         raise
     return _report(outcome, folder)
 
 
 def _describer(options: EnvironmentOptions, read: dict[str, ir.Game]) -> "Describe":
-    """Returns what makes the arguments of a game's environment, its name and its hash, without JAX; the same only once.
+    """Returns a function that describes a game: the arguments of its environment, its name and its hash. It needs no JAX.
 
-    The games that it has read are then in `read`, by their hashes.
+    Each game is read once, and added to `read` by its hash.
     """
     known: dict[str, tuple[str, str]] = {}
 
@@ -97,35 +98,26 @@ def _describer(options: EnvironmentOptions, read: dict[str, ir.Game]) -> "Descri
 
 
 def _list(plan: Plan, folder: Path, known: Mapping[str, Any]) -> None:
-    """Prints the cells of a plan, and how far those are that the folder has; `known`: what its `sweep.json` is to say."""
+    """Prints the cells of a plan and the progress of those in the folder. `known`: the new content of its `sweep.json`."""
     from sjdsl.sweeps.folder import progress_of, steps_of
     from sjdsl.sweeps.running import following_cells
 
     cells = [*plan.cells]
-    following = following_cells(folder, plan, known) if plan.follows else []
+    following = following_cells(folder, plan, known) if plan.has_second_stage else []
     cells += following or []
-    states = [progress_of(folder, cell, plan.asked.episodes) for cell in cells]
+    states = [progress_of(folder, cell, plan.spec.episodes) for cell in cells]
     width = max(len(cell.name) for cell in cells)
     for cell, found in zip(cells, states, strict=True):
         seeds = f"seeds {cell.seeds[0]} to {cell.seeds[-1]}" if len(cell.seeds) > 1 else f"seed {cell.seeds[0]}"
-        click.echo(f"{cell.name:{width}}  {seeds}  {steps_of(cell):>13,} steps each  {found.state}{_why(found.reason)}")
+        click.echo(f"{cell.name:{width}}  {seeds}  {steps_of(cell):>13,} steps each  {found.summary}")
     steps = sum(steps_of(cell) * len(cell.seeds) for cell, found in zip(cells, states, strict=True) if found.state != "done")
-    click.echo(
-        f"\n{_counted(len(cells), 'cell')}: {_by_state([found.state for found in states])}; {steps:,} environment steps are left at most"
-    )
+    by_state = ", ".join(f"{number} {state}" for state, number in Counter(found.state for found in states).items())
+    click.echo(f"\n{_counted(len(cells), 'cell')}: {by_state}; at most {steps:,} environment steps left")
     if following is None:
-        groups = len({(cell.game, *(str(cell.values[axis.name]) for axis in plan.asked.axes)) for cell in plan.cells})
+        groups = len({(cell.game, *(str(cell.values[axis.name]) for axis in plan.spec.axes)) for cell in plan.cells})
         click.echo(
-            f"then a second stage: {_counted(groups * len(ANGLES), 'cell')} of angles, at the weight that is best in the first, with seeds of their own"
+            f"then a second stage: {_counted(groups * len(ANGLES), 'cell')} of angles, at the best weight of the first, with seeds of their own"
         )
-
-
-def _why(reason: str) -> str:
-    return f": {reason}" if reason else ""
-
-
-def _by_state(states: Sequence[str]) -> str:
-    return ", ".join(f"{number} {state}" for state, number in Counter(states).items())
 
 
 def _counted(number: int, thing: str) -> str:
@@ -133,7 +125,7 @@ def _counted(number: int, thing: str) -> str:
 
 
 def _report(outcome: "Outcome", folder: Path) -> int:
-    """Prints what came of a sweep; returns the exit status, 1 where a cell has failed."""
+    """Prints the result of a sweep; returns the exit status, 1 if a cell failed."""
     total = len(outcome.done) + len(outcome.failed) + len(outcome.stopped)
     click.echo(f"\n{len(outcome.done)} of {_counted(total, 'cell')} are done")
     for name in ("sweep.json", "results.csv", "status.csv", "cells"):

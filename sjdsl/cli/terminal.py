@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def can_show_screen() -> bool:
-    """Returns whether keys can be read and a screen drawn: textual reads the standard input and draws on the standard error."""
+    """Returns whether keys can be read and a screen drawn: textual reads standard input and draws on standard error."""
     return sys.stdin.isatty() and sys.stderr.isatty() and os.environ.get("TERM", "") not in ("", "dumb")
 
 
@@ -23,9 +23,9 @@ INTERRUPTED = 130  # the exit status of a command that Ctrl-C ended
 
 
 def leave_at_once_if_compiling(status: int) -> None:
-    """Ends the process where XLA may still be at work: it cannot be stopped, nor survives Python.
+    """Ends the process at once if XLA may still be at work: it can't be stopped, and crashes when Python ends.
 
-    That is after Ctrl-C, which may come at any time, and where a game is being compiled for a screen that has closed. Whatever a command
+    That is after Ctrl-C, which may come at any time, and while a game is being compiled for a screen that has closed. Whatever a command
     closes at its end is closed before.
     """
     if status == INTERRUPTED or any(thread.name == COMPILING for thread in threading.enumerate()):

@@ -24,7 +24,7 @@ STEPS = 10
 
 @click.command("trace")
 @click.argument("game")
-@click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; {STEPS}, or as many as the actions say.")
+@click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; by default {STEPS}, or as many as --actions has.")
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode, as in `sjdsl render`.")
 @click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`.")
 @click.option("--actions", metavar="A", help="What agents do: random (the default), a file, or 'forward, stay; zap, stay'.")
@@ -45,11 +45,11 @@ def command(
 ) -> None:
     """Plays GAME on the reference interpreter and prints what each rule did, in the order of the schedule.
 
-    Under every rule (file and line) stand the cells and agents it changed, rewards and events, and the draws behind them. In actions, a
+    Below each rule (file and line) are the cells and agents it changed, rewards and events, and the draws behind them. In --actions, a
     line of a file (or a part up to `;`) is a step, with an action for each agent or one for all.
     """
     if actions is not None and policy is not None:
-        raise click.UsageError("--actions and --policy both say what the agents do: choose one of them")
+        raise click.UsageError("--actions and --policy both choose what the agents do: give only one of them")
     try:
         made, values = options.build(game)
         moments = played(made.game, values, seed, steps, actions or RANDOM, policy)
@@ -71,7 +71,7 @@ def command(
 
 
 def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None, actions: str, policy: str | None = None) -> Iterator[Any]:
-    """Returns the start and the steps of a trace. Raises ValueError for actions, and a policy, that do not fit the game."""
+    """Returns the start and the steps of a trace. Raises ValueError for actions or a policy that don't fit the game."""
     if policy is not None:
         return play(game, values, seed, STEPS if steps is None else steps, policy_actions(policy, game, seed))
     choose, written = read_actions(actions, game, steps)
@@ -79,10 +79,10 @@ def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None
 
 
 def known_phases(phases: tuple[str, ...], game: "ir.Game") -> tuple[str, ...]:
-    """Returns the phases asked for. Raises ClickException for one that the schedule does not have."""
+    """Returns the wanted phases. Raises ClickException for one that the schedule doesn't have."""
     labels = ["start", *(getattr(turn, "label", "tick") for turn in game.schedule)]
     names = list(dict.fromkeys([*labels, *(label.partition("(")[0] for label in labels)]))
     for phase in phases:
         if phase not in names:
-            raise click.ClickException(f"the schedule has no phase `{phase}`{meant(phase, names, 'they are')}")
+            raise click.ClickException(f"the schedule has no phase `{phase}`{meant(phase, names, 'its phases are')}")
     return phases

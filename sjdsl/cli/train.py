@@ -35,9 +35,9 @@ BESIDE_RESUME = ("resumed", "episodes", "loggers", "callback", "distributed", "k
 @click.option("--run", "run_dir", metavar="DIR", help="Folder of the run; by default a new one in runs/.")
 @click.option("--resume", "resumed", metavar="DIR", help="Continue a stopped run; --set total_timesteps=… extends it.")
 @click.option("--episodes", type=click.IntRange(min=0), metavar="N", help=f"Episodes of evaluation.  [default: {EPISODES}]")
-@click.option("--callback", metavar="FILE.py:NAME", help="Your own function, called after each update.")
-@click.option("--distributed", is_flag=True, help="One of several processes: docs/training.md.")
-@click.option("--keys", is_flag=True, help="List the settings with their values, and stop.")
+@click.option("--callback", metavar="FILE.py:NAME", help="Call your own function after each update.")
+@click.option("--distributed", is_flag=True, help="Run as one of several processes: docs/training.md.")
+@click.option("--keys", is_flag=True, help="List all settings with their values, and stop.")
 @environment_options
 def command(
     game: str | None,
@@ -60,8 +60,7 @@ def command(
         only_longer = [*run.changes] == ["total_timesteps"]
         wrong = written_options(*BESIDE_RESUME, *(["changes"] if only_longer else []))
         if wrong:
-            said = f"a resumed run goes on as it was started, but for its total_timesteps: leave out {', '.join(wrong)}"
-            raise click.UsageError(said)
+            raise click.UsageError(f"a resumed run keeps its settings, except total_timesteps: leave out {', '.join(wrong)}")
         _resume(Path(resumed), episodes, run.loggers or None, callback, run.changes.get("total_timesteps"))
         return
     game, environment, config = _choose(game, run, needed=not keys)
@@ -70,8 +69,11 @@ def command(
         return
     options = options.or_else(environment)
     check_policies(config, options.check(game))
-    if not distributed:  # then another process may have begun to write there
-        _require_unused(run_dir)
+    if run_dir and not distributed and not is_unused(Path(run_dir)):  # of several processes, another may have begun to write there
+        raise click.ClickException(
+            f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it: "
+            f"sjdsl train --resume {shlex.quote(run_dir)}"
+        )
     episodes = EPISODES if episodes is None else episodes
     click.echo(extent_of(config), err=True)
     with stages(LOADING):
@@ -89,7 +91,7 @@ def command(
 
 
 def _list_keys(config: "Config") -> None:
-    """Prints the settings of a configuration with their values, and of those that nothing reads now when they are read."""
+    """Prints the settings of a configuration with their values; of those that nothing reads, also when they would be read."""
     for name, value in config.model_dump(mode="json", exclude={"own"}).items():
         mark = config.unread.get(name)
         click.echo(f"{name} = {json.dumps(value)}" + (f"  # read where {mark.setting} is {mark.values}" if mark else ""))
@@ -98,18 +100,8 @@ def _list_keys(config: "Config") -> None:
         click.echo(f"{OWN}{name} = {json.dumps(given.get(name, default), default=str)}  # of {hook}")
 
 
-def _require_unused(run_dir: str | None) -> None:
-    """Refuses a folder that `train` would refuse, before JAX is imported."""
-    path = Path(run_dir or "")
-    if run_dir and not is_unused(path):
-        raise click.ClickException(
-            f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or go on with the run in it: "
-            f"sjdsl train --resume {shlex.quote(run_dir)}"
-        )
-
-
 def extent_of(config: "Config") -> str:
-    """Returns how much is trained: whole updates, which may be more than `total_timesteps`."""
+    """Returns how much the run trains: whole updates, which may be more than `total_timesteps`."""
     steps, updates = config.num_updates * config.steps_per_update, config.num_updates
     plan = f"{updates:,} update{'s' * (updates != 1)} of {config.num_envs} environments x {config.num_steps} steps"
     what = f"{steps:,} environment steps{' of each seed' if config.seeds > 1 else ''}"
@@ -128,11 +120,11 @@ def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] |
         episodes = manifest.get("asked", {}).get("episodes", EPISODES)
     if "game" not in manifest.get("provenance", {}):
         raise click.ClickException(
-            f"the manifest of {path} does not say which game was trained; go on with the run from Python: sjdsl.trainers.resume(env, {str(path)!r})"
+            f"the manifest of {path} doesn't say which game was trained; resume the run from Python: sjdsl.trainers.resume(env, {str(path)!r})"
         )
     if longer is None and manifest.get("status") == "finished":
         click.echo(
-            f"the run in {path} is finished, and is evaluated again; "
+            f"the run in {path} is finished, so it is only evaluated again; "
             f"sjdsl train --resume {shlex.quote(str(path))} --set total_timesteps=… makes it longer",
             err=True,
         )
@@ -148,13 +140,12 @@ def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] |
 
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
-    """Returns the callback of a name, and the name as it is kept in a manifest."""
-
+    """Returns the callback of a name, and the name for the manifest."""
     return (None, {}) if name is None else (find("callback", name), {"callback": lasting("callback", name)})
 
 
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
-    """Evaluates each seed's policy, and says what the run took."""
+    """Evaluates each seed's policy, and prints the time and memory of the run."""
     import jax
 
     from sjdsl.trainers.learning_curve import LEARNING_CURVE
@@ -177,15 +168,15 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
         click.echo(f"no learning curve was drawn: {MissingExtra('matplotlib', 'plots')}")
     elif not any((folder / LEARNING_CURVE).exists() for folder in result.folders):
         click.echo(
-            f"no learning curve was drawn, for no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
+            f"no learning curve was drawn, as no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
         )
     for seed, update in result.diverged.items():
-        click.echo(f"seed {seed} stopped in update {update}, for its loss became nan; its policy is that of update {update - 1}")
+        click.echo(f"seed {seed} diverged (non-finite loss) in update {update}; its policy is that of update {update - 1}")
     list_files(result.run_dir)
 
 
 def join_processes() -> None:
-    """Joins the processes that the environment variables of a cluster, or JAX's own, name."""
+    """Joins the other processes, by the environment variables of a cluster or JAX's own."""
     import os
 
     import jax
@@ -197,11 +188,11 @@ def join_processes() -> None:
         jax.distributed.initialize(**numbers)
     except (ValueError, RuntimeError) as error:
         wanted = ", ".join(given.values())
-        raise click.ClickException(f"cannot join the other processes: {error}; outside a cluster set {wanted}") from None
+        raise click.ClickException(f"can't join the other processes: {error}; outside a cluster, set {wanted}") from None
 
 
 def _choose(game: str | None, run: RunOptions, needed: bool) -> tuple[str, dict[str, Any], "Config"]:
-    """Returns the game, the preset's other arguments of its environment, and the configuration."""
+    """Returns the game, the preset's other arguments of the environment, and the configuration."""
     if run.preset is None:
         if game is None and needed:
             raise click.UsageError("name the game to train in, as in `sjdsl train clean_up`, or a preset that names one")
@@ -209,7 +200,7 @@ def _choose(game: str | None, run: RunOptions, needed: bool) -> tuple[str, dict[
     loaded = load_preset(run.preset, run.settings, game)
     if loaded.game is None and needed:
         raise click.UsageError(
-            f"the preset `{run.preset}` does not name a game: name one, as in `sjdsl train clean_up --preset {run.preset}`"
+            f"the preset `{run.preset}` doesn't name a game: name one, as in `sjdsl train clean_up --preset {run.preset}`"
         )
     for name in loaded.left_out:
         mark = loaded.config.unread.get(name)
@@ -219,7 +210,7 @@ def _choose(game: str | None, run: RunOptions, needed: bool) -> tuple[str, dict[
 
 
 def new_folder(name: str) -> Path:
-    """Returns a folder in `runs` that does not exist: `name`, or `name_2`, `name_3` and so on."""
+    """Returns a new folder in `runs`: `name`, or `name_2`, `name_3` and so on."""
     number = 1
     while (path := Path("runs") / (name if number == 1 else f"{name}_{number}")).exists():
         number += 1

@@ -1,4 +1,4 @@
-"""Experiments with policies: who meets whom, what cooperators and defectors earn among each other, and how a policy does in scenarios."""
+"""Experiments with policies: cross-play, Schelling diagrams of cooperators and defectors, and scenarios with focal agents."""
 
 from typing import TYPE_CHECKING
 

@@ -42,14 +42,14 @@ class Returns:
 
     @property
     def unit(self) -> str:
-        """What is sampled: the training seed where there are two at least, else the episode."""
+        """The sampling unit: the training seed if there are at least two, else the episode."""
         return "training seed" if self.cooperators.shape[1] > 1 else "episode"
 
 
 def samples_of(returns: Returns, values: np.ndarray) -> np.ndarray:
-    """Returns the samples `[..., units]` of values `[..., R, E]`: their means in each replicate, or, of one replicate, its episodes.
+    """Returns the samples `[..., units]` of values `[..., R, E]`: the means of the replicates, or the episodes of a single replicate.
 
-    Episodes of one replicate share its policies: they say nothing of other training seeds.
+    Episodes of one replicate share its policies, so they say nothing about other training seeds.
     """
     return values[..., 0, :] if returns.unit == "episode" else np.stack([_mean(values[..., r, :]) for r in range(values.shape[-2])], -1)
 
@@ -82,7 +82,7 @@ def estimate_lines(returns: Returns, lines: np.ndarray) -> tuple[Estimate, ...]:
 
 
 def preferences(returns: Returns) -> tuple[tuple[Estimate, str], ...]:
-    """Returns D(l) - C(l) for each l with its own 95 % interval, and what it says: `defect`, `cooperate`, `equal` or `undecided`."""
+    """Returns D(l) - C(l) for each l with its own 95 % interval, and the preference: `defect`, `cooperate`, `equal` or `undecided`."""
     found = estimate_lines(returns, returns.defecting - returns.cooperating)
     return tuple((figure, _preferred(figure)) for figure in found)
 

@@ -1,16 +1,15 @@
-"""Cross-play: plays line-ups or mixtures of policies, and writes what each earned in which company."""
+"""Cross-play: plays line-ups or mixtures of policies, and writes what each policy earned in each of them."""
 
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from sjdsl.experiments.folder import open_folder
+from sjdsl.experiments.folder import open_folder, write_compact_json
 from sjdsl.experiments.lineups import Lineup, all_mixtures, paired_mixtures
 from sjdsl.experiments.mixtures import CrossPlay, Mix, report_of, table_of
 from sjdsl.experiments.pictures import draw_matrix, picture_bytes
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.experiments.result_files import write_compact_json
 from sjdsl.files import write_whole
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
@@ -27,25 +26,25 @@ def cross_play(
     folder: Path | str | None = None,
     tell: Tell = lambda _: None,
 ) -> CrossPlay:
-    """Plays policies with each other; a folder of several seeds is a pool, whose seed i plays with seed i of the others.
+    """Plays policies with each other; a run of several seeds is a pool, whose seed i plays with seed i of the others.
 
     Args:
       env: one environment of N agents.
-      slots: N policies, one for each slot; the line-up is played as it is.
+      slots: N policies, one for each slot: a fixed line-up.
       policies: instead of `slots`: P policies whose mixtures are played; each episode draws who has which slot.
       mix: `all`: every mixture over N slots; `pairs`: one agent of a policy among N - 1 of another, and each with itself.
       episodes: E, of each mixture and replicate.
-      seed: of the episodes. All mixtures begin alike; of one line-up they are those of `evaluate` with `evaluation_key(seed)`.
-      folder: where the parts are kept as they are played, and looked for first; then the results. None: nothing is written.
+      seed: the seed of the episodes. All mixtures have the same starts; a line-up plays those of `evaluate` with `evaluation_key(seed)`.
+      folder: where episodes are stored and looked up first, and results are written. None: nothing is written.
       tell: called with a line before each line-up.
     Raises:
-      ExperimentError, PolicyError: what does not fit. OSError: the disk is full; what was played stays.
+      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full; what was played before stays.
     """
     return play_mixtures(plan_cross_play(env, slots, policies, mix, episodes, seed), mix if slots is None else None, folder, tell)
 
 
 def play_mixtures(experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell) -> CrossPlay:
-    """Plays what `plan_cross_play` planned; see `cross_play`. `mix`: None for one line-up that was given."""
+    """Plays a plan of `plan_cross_play`; see `cross_play`. `mix`: None for a given line-up."""
     asked = {"experiment": "crossplay", "mix": mix, "lineups": experiment.lineups, **experiment.describe()}
     with open_folder(None if folder is None else Path(folder), asked) as kept:
         found = CrossPlay(experiment, tuple(play_experiment(experiment, kept, tell)), mix)
@@ -62,36 +61,36 @@ def plan_cross_play(
     episodes: int,
     seed: int,
 ) -> Experiment:
-    """Returns what would be played. Raises as `cross_play` does."""
+    """Plans `cross_play`, and raises the same errors."""
     check_episodes(episodes)
     if (slots is None) == (policies is None):
         raise ExperimentError("give either slots, a policy for each agent, or policies, whose mixtures are played")
     number = env.num_agents
     if number < 2:
         raise ExperimentError(
-            f"cross-play needs two agents at least, and {env.name} has one here; ask for more with --agents, or see what one earns alone "
+            f"cross-play needs at least two agents, and {env.name} has one here; ask for more with --agents, or see what one earns alone "
             "with `sjdsl evaluate`"
         )
     if slots is not None:
         if len(slots) != number:
-            raise ExperimentError(f"{env.name} has {number} slots, and {len(slots)} policies are given for them; name one for each slot")
+            raise ExperimentError(f"{env.name} has {number} slots, but {len(slots)} policies are given; name one for each slot")
         found = find_pools(slots, env)
         pools = tuple(dict.fromkeys(found))
         lineups: tuple[Lineup, ...] = (tuple(pools.index(pool) for pool in found),)
     else:
         assert policies is not None
         if not policies:
-            raise ExperimentError("name one policy at least")
+            raise ExperimentError("name at least one policy")
         lineups = all_mixtures(len(policies), number) if mix == "all" else paired_mixtures(len(policies), number)
         pools = find_pools(policies, env)
         if len(set(pools)) < len(pools):
             twice = next(pool.name for pool, count in Counter(pools).items() if count > 1)
-            raise ExperimentError(f"`{twice}` is named twice; every mixture with itself is played anyway")
+            raise ExperimentError(f"`{twice}` is named twice; name it once, as its mixtures with itself are played anyway")
     return Experiment(env, pools, lineups, episodes, seed, permuted=slots is None)
 
 
 def write_cross_play(found: CrossPlay, folder: Path) -> None:
-    """Writes `crossplay.csv`, `crossplay.json` and, of pairs, `matrix.png`, each whole or not at all."""
+    """Writes `crossplay.csv`, `crossplay.json` and, of pairs, `matrix.png`, each atomically."""
     write_whole(folder / "crossplay.csv", table_of(found).encode())
     write_compact_json(folder / "crossplay.json", report_of(found))
     if found.mix == "pairs":

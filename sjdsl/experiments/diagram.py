@@ -1,4 +1,4 @@
-"""What a Schelling diagram of N agents says: both lines, the contrasts, the verdict, and all of it as JSON values."""
+"""A Schelling diagram of N agents: both lines, the contrasts, the verdict, and all of it as JSON values."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -21,7 +21,7 @@ from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_dif
 from sjdsl.trainers.estimates import Estimate
 
 FORMAT = 1  # of schelling.json
-ENOUGH = 300  # equal samples after which a hundredth of the others, at most, may differ
+ENOUGH = 300  # equal samples after which at most 1 % of further ones may differ
 
 
 @dataclass(frozen=True)
@@ -63,17 +63,17 @@ class Diagram:
 
     @property
     def units(self) -> int:
-        """How many samples the intervals are of."""
+        """The number of samples of each interval."""
         return self.experiment.replicates if self.returns.unit == "training seed" else self.experiment.episodes
 
     @property
     def population(self) -> str:
-        """What the intervals are about."""
+        """The samples of the intervals, in words."""
         return f"{self.units} training seeds" if self.returns.unit == "training seed" else f"{self.units} episodes, of these policies only"
 
     @property
     def caution(self) -> str | None:
-        """What is to be said of a verdict that rests on samples without spread, and what would check it; None of any other."""
+        """A warning about a verdict that rests on samples without spread, and how to check it; None for any other."""
         equal, unit = self.verdict.without_spread, self.returns.unit
         if not equal:
             return None
@@ -84,13 +84,13 @@ class Diagram:
         else:
             check = f"train more seeds of each pool, or play one seed of each, such as RUN/seed_0, with --episodes {ENOUGH}"
         return (
-            f"This rests on samples without spread: {each} has one and the same value in all {self.units} {unit}s. "
-            f"Such intervals have no width, but up to {share} of other {unit}s may differ (upper bound at 95 %). To check it, {check}."
+            f"This rests on samples without spread: {each} has the same value in all {self.units} {unit}s. "
+            f"The intervals have no width, but up to {share} of further {unit}s may differ (95 % upper bound). To check it, {check}."
         )
 
 
 def returns_of(parts: Sequence[Part], slots: int, replicates: int) -> Returns:
-    """Returns the mean returns of both kinds in the line-ups k = 0 .. N, as they were played."""
+    """Returns the mean returns of both kinds of agents in the line-ups k = 0 .. N."""
     by_member = np.stack([part.returns for part in parts]).reshape(slots + 1, replicates, -1, slots)  # [K, R, E, N]
 
     def mean(own: np.ndarray) -> np.ndarray:
@@ -102,7 +102,7 @@ def returns_of(parts: Sequence[Part], slots: int, replicates: int) -> Returns:
 
 
 def report_of(found: Diagram) -> dict[str, Any]:
-    """Returns the figures as JSON values."""
+    """Returns the results as JSON values."""
     verdict = found.verdict
     return {
         "format": FORMAT,

@@ -1,6 +1,6 @@
-"""Line-ups: which policy each slot plays, in which mixtures, and in which order an episode seats them.
+"""Line-ups: which policy plays in each slot, which mixtures there are, and in which order an episode assigns the slots.
 
-A line-up is a tuple of N numbers of policies. Of a mixture the order means nothing: it is sorted, and every episode draws its own.
+A line-up is a tuple of N indices of policies. The order within a mixture means nothing: it is sorted, and every episode draws its own.
 """
 
 from functools import partial
@@ -16,13 +16,13 @@ from sjdsl.trainers.evaluation import evaluation_key
 
 Lineup = tuple[int, ...]
 
-MOST = 500  # mixtures of one experiment
-ORDERS = 0x6F726472  # "ordr": what is drawn under it is none of what episodes draw
-REPLICATES = 0x40000000  # beyond the numbers of updates, under which a run evaluates
+MOST = 500  # mixtures in one experiment
+ORDERS = 0x6F726472  # "ordr": folded into the key, so that these draws are independent of those of the episodes
+REPLICATES = 0x40000000  # above all numbers of updates, which a run folds into its evaluation keys
 
 
 def all_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
-    """Returns every way to fill N slots with P policies, whatever the order.
+    """Returns every way to fill N slots with P policies, regardless of order.
 
     Raises:
       ExperimentError: there are more than 500.
@@ -37,7 +37,7 @@ def all_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
 
 
 def paired_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
-    """Returns the mixtures of two policies of which one has a single slot, and of each policy with itself.
+    """Returns the mixtures in which one policy has a single slot and another the rest, and of each policy with itself.
 
     Raises:
       ExperimentError: there are more than 500.
@@ -49,33 +49,28 @@ def paired_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
 
 
 def visiting(one: int, many: int, slots: int) -> Lineup:
-    """Returns the mixture in which a policy has one slot and another all the rest."""
+    """Returns the mixture in which one policy has a single slot and another all the rest."""
     return tuple(sorted([one] + [many] * (slots - 1)))
 
 
 def cooperating(number: int, slots: int) -> Lineup:
-    """Returns the mixture of k cooperators, policy 0, with defectors, policy 1."""
+    """Returns the mixture of k cooperators (policy 0) with defectors (policy 1)."""
     return (0,) * number + (1,) * (slots - number)
 
 
 def play_key(seed: int, replicate: int) -> Array:
-    """Returns the key of a replicate's episodes, the same in every line-up; of the first it is that of `sjdsl evaluate`."""
+    """Returns the key of a replicate's episodes, the same in every line-up; replicate 0 has the key of `sjdsl evaluate`."""
     return evaluation_key(seed, replicate and REPLICATES + replicate)
 
 
 def orders_of(seed: int, replicate: int, episodes: int, slots: int) -> np.ndarray:
-    """Returns the order `[E, N]` int32 in which each episode gives its slots to a mixture: entry j is the slot of member j.
+    """Returns the order `[E, N]` int32 in which each episode assigns its slots: entry j is the slot of member j.
 
-    It is the same in every mixture, and that of an episode does not depend on how many there are.
+    It is the same in every mixture, and the order of an episode does not depend on the number of episodes.
     """
     key = jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), ORDERS), replicate)
-    return np.asarray(_permutations(jax.random.split(key, episodes), slots), np.int32)
-
-
-@partial(jax.jit, static_argnames="slots")
-def _permutations(keys: Array, slots: int) -> Array:
-    """Returns a permutation `[E, N]` of the slots for each key."""
-    return jax.vmap(partial(jax.random.permutation, x=slots))(keys)
+    permutations = jax.jit(jax.vmap(partial(jax.random.permutation, x=slots)))(jax.random.split(key, episodes))
+    return np.asarray(permutations, np.int32)
 
 
 def as_given(episodes: int, slots: int) -> np.ndarray:
@@ -84,5 +79,5 @@ def as_given(episodes: int, slots: int) -> np.ndarray:
 
 
 def key_words(key: Array) -> list[int]:
-    """Returns the words that a key is made of."""
+    """Returns the words of a key."""
     return [int(word) for word in jax.random.key_data(key)]

@@ -1,4 +1,4 @@
-"""What policies earned in each other's company: by mixture and policy, as a matrix, as rows of a table and as JSON values."""
+"""Results of cross-play: returns by mixture and policy, as a matrix, as a table and as JSON values."""
 
 import csv
 import io
@@ -15,40 +15,40 @@ from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.trainers.estimates import Estimate, estimate
 
 FORMAT = 1  # of crossplay.json
-SEED, EPISODE = "training seed", "episode"  # units that intervals are over
+SEED, EPISODE = "training seed", "episode"  # sampling units of intervals
 Mix = Literal["all", "pairs"]
 
 
 @dataclass(frozen=True)
 class CrossPlay:
-    """What was played, and what each policy earned in each mixture."""
+    """The episodes played, and the returns of each policy in each mixture."""
 
     experiment: Experiment
     parts: tuple[Part, ...]
-    mix: Mix | None  # None: one line-up that was given
+    mix: Mix | None  # None: one given line-up
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the policies, by their numbers."""
+        """The names of the policies, by index."""
         return tuple(pool.name for pool in self.experiment.pools)
 
     @property
     def unit(self) -> str:
-        """What intervals are over: training seeds where there are two at least, else episodes, of these policies only."""
+        """The sampling unit of intervals: training seeds if there are at least two, else episodes of these policies."""
         return SEED if self.experiment.replicates > 1 else EPISODE
 
     def unit_of(self, lineup: Lineup) -> str:
-        """Returns what the intervals of one mixture are over: of policies that were not trained episodes, whoever else plays."""
+        """Returns the sampling unit of one mixture: episodes if none of its policies was trained."""
         return self.unit if any(self.experiment.pools[number].is_trained for number in lineup) else EPISODE
 
     def mixture(self, lineup: Lineup) -> str:
-        """Returns a line-up in words: `1 x runs/a, 2 x random`; one that was given slot by slot."""
+        """Returns a mixture in words, `1 x runs/a, 2 x random`; a given line-up slot by slot."""
         if self.mix is None:
             return ", ".join(self.names[number] for number in lineup)
         return ", ".join(f"{count} x {self.names[number]}" for number, count in sorted(Counter(lineup).items()))
 
     def estimates(self, lineup: Lineup) -> dict[int, Estimate]:
-        """Returns the mean return of an agent of each policy in a mixture, by the policy's number, with its 95 % interval."""
+        """Returns the mean return of an agent of each policy in a mixture, by the policy's index, with its 95 % interval."""
         parts = [part for part in self.parts if part.lineup == lineup]
         found = {}
         for number in sorted(set(lineup)):
@@ -58,7 +58,7 @@ class CrossPlay:
         return found
 
     def matrix(self) -> np.ndarray:
-        """Returns `[P, P]`: the mean return of an agent of the row's policy where all others have the column's."""
+        """Returns `[P, P]`: the mean return of an agent of the row's policy if all others have the column's."""
         policies = range(len(self.names))
         slots = self.experiment.env.num_agents
         found = {lineup: self.estimates(lineup) for lineup in self.experiment.lineups}
@@ -66,7 +66,7 @@ class CrossPlay:
 
 
 def report_of(found: CrossPlay) -> dict[str, Any]:
-    """Returns the figures as JSON values."""
+    """Returns the results as JSON values."""
     mixtures = [
         {
             "mixture": found.mixture(lineup),
@@ -81,7 +81,7 @@ def report_of(found: CrossPlay) -> dict[str, Any]:
 
 
 def table_of(found: CrossPlay) -> str:
-    """Returns a row for each episode and slot, as CSV; counts of a whole episode are called `episode_event_NAME`."""
+    """Returns a row for each episode and slot, as CSV; counts per episode are named `episode_event_NAME`."""
     text = io.StringIO()
     events = found.parts[0].played.events
     titles = [f"{'event' if counts.ndim == 2 else 'episode_event'}_{name}" for name, counts in events.items()]

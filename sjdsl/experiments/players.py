@@ -1,4 +1,4 @@
-"""Pools of policies by name: a policy alone, or the seeds of one run."""
+"""Pools of policies by name: a single policy, or the seeds of one run; and which seeds of two pools play together."""
 
 import json
 import warnings
@@ -9,13 +9,16 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import jax
+from jax import Array
+
 from sjdsl.compiler.ir.hash import policy_hash
-from sjdsl.experiments.program_digest import program_digest
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.policies.declared import declared_policies
-from sjdsl.runtime.policy import Policy
+from sjdsl.runtime.policy import Policy, take_actions, with_memory
 from sjdsl.trainers.config import Config
-from sjdsl.trainers.environment import Environment
+from sjdsl.trainers.digest import digest_of
+from sjdsl.trainers.environment import Environment, abstract_key, reset_shapes
 from sjdsl.trainers.extensions import file_of, name_of
 from sjdsl.trainers.policies import find_policy, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX, policy_path
@@ -23,30 +26,17 @@ from sjdsl.trainers.policy_names import split_name
 from sjdsl.trainers.run_folder import describe_game
 from sjdsl.trainers.run_state import run_state
 
-# Keys of a configuration that say how a policy learns and what is written of it: policies that differ in them alone are computed together.
-LEARNING = frozenset(
-    {
-        *(
-            "seed",
-            "seeds",
-            "total_timesteps",
-            "num_envs",
-            "num_steps",
-            "gamma",
-            "learning_rate",
-            "anneal_learning_rate",
-            "max_gradient_norm",
-        ),
-        *("init_from", "loss", "reward", "common_reward", "reward_smoothing", "svo_angle", "svo_weight", "svo_at_rest", "svo_quadrant"),
-        *("exchange_ratio", "inequity_envy", "inequity_guilt", "inequity_smoothing", "match_socialjax"),
-        *("checkpoint_minutes", "checkpoint_share", "checkpoint_updates", "policy_every", "keep_policies"),
-        *("evaluate_every", "evaluation_episodes", "num_epochs", "num_minibatches", "gae_lambda", "clip_epsilon", "scale_clip_epsilon"),
-        *("clip_value_loss", "entropy_coefficient", "value_coefficient", "joint_optimiser", "spread_starts", "advantage_floor"),
-        *("team_reward", "similarity_clip", "individual_kl", "team_kl"),
-        *("buffer_size", "batch_size", "gradient_steps", "learning_starts", "double_q", "target_update_every", "target_rate"),
-        *("epsilon_start", "epsilon_fraction"),
-    }
-)
+# Settings that only affect learning and what is written: policies that differ in nothing else are computed together.
+_LEARNING = """
+seed seeds total_timesteps num_envs num_steps gamma learning_rate anneal_learning_rate max_gradient_norm
+init_from loss reward common_reward reward_smoothing svo_angle svo_weight svo_at_rest svo_quadrant
+exchange_ratio inequity_envy inequity_guilt inequity_smoothing match_socialjax
+checkpoint_minutes checkpoint_share checkpoint_updates policy_every keep_policies evaluate_every evaluation_episodes
+num_epochs num_minibatches gae_lambda clip_epsilon scale_clip_epsilon clip_value_loss entropy_coefficient value_coefficient
+joint_optimiser spread_starts advantage_floor team_reward similarity_clip individual_kl team_kl
+buffer_size batch_size gradient_steps learning_starts double_q target_update_every target_rate epsilon_start epsilon_fraction
+"""
+LEARNING = frozenset(_LEARNING.split())
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,30 +44,30 @@ class Player:
     """One policy that can be put into a slot."""
 
     name: str  # of its pool
-    seed: int | None  # that it was trained with
-    digest: str | None  # SHA-256 of the file that it is stored, or written, in; of a function of Python, of what it does
+    seed: int | None  # it was trained with; None for a policy that was not trained
+    digest: str | None  # SHA-256 of the file that holds it; of a Python function, `program_digest`
     kind: Hashable  # players of one kind differ in parameters only
-    policy_of: Callable[[Any], Policy]  # the policy of parameters
+    policy_of: Callable[[Any], Policy]  # returns the policy with the given parameters
     parameters: Any = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Pool:
-    """The policies of one name: several where they are the seeds of one run."""
+    """The policies of one name: several if they are the seeds of one run."""
 
     name: str
     players: tuple[Player, ...]
-    notes: tuple[str, ...] = ()  # what is to be said about them
-    diverged: tuple[int, ...] = ()  # seeds that are left out, as their loss was not finite
+    notes: tuple[str, ...] = ()  # warnings about them
+    diverged: tuple[int, ...] = ()  # seeds left out because they diverged
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """Of its trained players."""
+        """The training seeds of its players."""
         return tuple(player.seed for player in self.players if player.seed is not None)
 
     @property
     def is_trained(self) -> bool:
-        """Whether its players are stored policies, which have training seeds."""
+        """Whether its players are trained policies, which have seeds."""
         return self.players[0].seed is not None
 
     def describe(self) -> dict[str, Any]:
@@ -88,104 +78,94 @@ class Pool:
 def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     """Returns the pool of a name, or of a policy.
 
-    Stored policies are read here, for those of one network are computed together. All other names are for `find_policy`, the one place
-    where a name becomes a policy.
+    Stored policies are read here, so that those of one network are computed together; `find_policy` resolves all other names.
 
     Args:
       policy: what `find_policy` takes; or the folder of a run of several seeds, `RUN`, `RUN@best` or `RUN@UPDATE`, for all of them.
     Raises:
-      PolicyError: there is none of that name, or it or its run's manifest cannot be read, or it does not fit `env`. ExperimentError: it was
-      trained on another game, or its loss was not finite, or no seed of the run is left.
+      PolicyError: there is no such policy, or it or its run's manifest can't be read, or it doesn't fit `env`.
+      ExperimentError: it was trained on another game, or its training diverged, or no seed of the run is left.
     """
     if not isinstance(policy, str | Path):
-        own = name_of("policy", policy)
-        return Pool(own, (replace(_untrained(own, policy), digest=program_digest(policy, env)),))
+        return _untrained(name_of("policy", policy), policy, program_digest(policy, env))
     name = str(policy)
     declared = declared_policies(env)
     if name in declared:
-        scripted = replace(_untrained(name, find_policy(name, env)), digest=policy_hash(declared[name]))
-        return Pool(name, (scripted,))
+        return _untrained(name, find_policy(name, env), policy_hash(declared[name]))
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():
-        return Pool(name, (_untrained(name, find_policy(name, env)),))
+        found, file = find_policy(name, env), file_of(name)
+        return _untrained(name, found, sha256(file.read_bytes()).hexdigest() if file is not None and file.is_file() else None)
     folders, diverged, notes = _seed_folders(path, which)
-    notes += [f"seed {seed} of {path} is left out: its loss was not finite in update {update}" for seed, update in diverged.items()]
+    notes += [f"seed {seed} of {path} is left out: it diverged (non-finite loss) in update {update}" for seed, update in diverged.items()]
     players = []
-    for folder in folders:
-        player, said = _stored(name, policy_path(folder, which), env)
-        players.append(player)
-        notes += said
+    for file in (policy_path(folder, which) for folder in folders):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            parameters, described = read_parameters(file, env)
+        notes += [str(warning.message) for warning in caught]
+        here = describe_game(env)
+        for key, what in (("name", "another game"), ("action_names", "other actions"), ("observation_shape", "other observations")):
+            there, now = (
+                ", ".join(map(str, value)) if isinstance(value, list) else value for value in (described.game.get(key), here[key])
+            )
+            if there != now:
+                raise ExperimentError(f"{file} was trained on {what}: {there} there, {now} here")
+        digest, acting = sha256(file.read_bytes()).hexdigest(), partial(trained_policy, env, described.config)
+        players.append(Player(name, described.seed, digest, acting_kind(described.config), acting, parameters))
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return Pool(name, tuple(players), tuple(notes), tuple(diverged))
 
 
-def _untrained(name: str, policy: Policy) -> Player:
-    file = file_of(name)
-    digest = sha256(file.read_bytes()).hexdigest() if file is not None and file.is_file() else None
-    return Player(name, None, digest, ("one of its own", name), lambda _: policy)
+def _untrained(name: str, policy: Policy, digest: str | None) -> Pool:
+    return Pool(name, (Player(name, None, digest, ("one of its own", name), lambda _: policy),))
+
+
+def program_digest(policy: Policy, env: Environment) -> str:
+    """Returns the SHA-256 of the program that JAX compiles a policy to, with its constants, and of its initial memory.
+
+    By it a folder knows whether a Python function is the one it was started with. A policy that calls back into Python has a different
+    digest in every process.
+    """
+    remembering = with_memory(policy)
+
+    def act(memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
+        return take_actions(env, remembering, memory, key, observation, state)
+
+    program = jax.jit(act).lower(remembering.start, abstract_key(), *reset_shapes(env)).as_text()
+    start = digest_of({str(number): leaf for number, leaf in enumerate(jax.tree.leaves(remembering.start))})
+    return sha256(f"{start}\n{program}".encode()).hexdigest()
 
 
 def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, int], list[str]]:
-    """Returns the folders of the seeds of a run that did not diverge, the updates in which the others did, and notes; else `path` alone."""
+    """Returns the folders of the seeds that did not diverge (or just `path`), the updates in which the others diverged, and notes."""
     state = run_state(path) if path.is_dir() else None
     diverged = {} if state is None else dict(state.diverged)
-    named = isinstance(which, int)  # a policy of before may be meant
-    notes = (
-        [] if named or state is None or not state.unfinished else [f"{path} is not known to have ended its training: {state.unfinished}"]
-    )
+    named = isinstance(which, int)  # that policy may be from before the divergence
+    notes = [] if named or state is None or not state.unfinished else [f"{path} may not have finished its training: {state.unfinished}"]
     folders = sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number) if path.is_dir() else []
     if not folders or (path / POLICIES).is_dir():
         if diverged and not named:
             (update,) = diverged.values()
-            raise ExperimentError(f"{path} has failed: its loss was not finite in update {update}; {path}@UPDATE is a policy of before")
+            raise ExperimentError(f"{path} diverged (non-finite loss) in update {update}; name an earlier policy as {path}@UPDATE")
         return [path], {}, notes
     left = [folder for folder in folders if _number(folder) not in diverged]
     if not left:
-        raise ExperimentError(f"the loss of every seed of {path} was not finite at some point: there is no policy to play")
+        raise ExperimentError(f"every seed of {path} diverged (non-finite loss), so there is no policy to play")
     return left, diverged, notes
 
 
 def _number(folder: Path) -> int:
-    """Returns the seed that a folder `seed_N` is of."""
+    """Returns N of a folder `seed_N`."""
     number = folder.name.removeprefix("seed_")
     return int(number) if number.isdecimal() else -1
 
 
-def _stored(name: str, file: Path, env: Environment) -> tuple[Player, list[str]]:
-    """Returns a stored policy, and the warnings about it."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        parameters, described = read_parameters(file, env)
-    _check_game(file, described.game, env)
-    player = Player(
-        name=name,
-        seed=described.seed,
-        digest=sha256(file.read_bytes()).hexdigest(),
-        kind=acting_kind(described.config),
-        policy_of=partial(trained_policy, env, described.config),
-        parameters=parameters,
-    )
-    return player, [str(warning.message) for warning in caught]
-
-
 def acting_kind(config: Config) -> str:
-    """Returns what policies have alike that differ in their parameters only."""
+    """Returns a key that is equal for policies that differ only in their parameters."""
     acting = {key: value for key, value in config.model_dump(mode="json").items() if key not in LEARNING}
     return json.dumps(acting, sort_keys=True)
-
-
-def _check_game(file: Path, trained_on: Any, env: Environment) -> None:
-    """Raises ExperimentError where a policy is one of another game, or of other actions or observations: it would act, and mean nothing."""
-    here = describe_game(env)
-    for key, of_what in (("name", "another game"), ("action_names", "other actions"), ("observation_shape", "other observations")):
-        there, now = trained_on.get(key), here[key]
-        if there != now:
-            raise ExperimentError(f"{file} was trained on {of_what}: {_shown(there)} there, {_shown(now)} here")
-
-
-def _shown(value: Any) -> str:
-    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def replicates_of(pools: Sequence[Pool]) -> int:
@@ -197,5 +177,52 @@ def replicates_of(pools: Sequence[Pool]) -> int:
 
 
 def player_of(pool: Pool, replicate: int) -> Player:
-    """Returns whom of a pool a replicate plays with."""
+    """Returns the player of a pool that a replicate uses."""
     return pool.players[replicate] if len(pool.players) > 1 else pool.players[0]
+
+
+def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
+    """Returns pools whose players at the same index play together; a seed without a partner is left out, with a note.
+
+    Seeds with the same number play together, so that a diverged seed of one pool shifts nobody. If no number is in all trained pools, as
+    with seeds 0 to 4 and 5 to 9, those of the same rank do, counted before any is left out.
+
+    Raises:
+      ExperimentError: the pools have different numbers of seeds, or too few are left to play.
+    """
+    trained = [pool for pool in pools if pool.is_trained]
+    if len(trained) < 2:
+        return tuple(pools)
+    seeds = {pool: sorted({*pool.seeds, *pool.diverged}) for pool in trained}
+    by_number = bool(set.intersection(*map(set, seeds.values())))
+    partner_of = {pool: {seed: seed if by_number else rank for rank, seed in enumerate(own)} for pool, own in seeds.items()}
+    diverged = {partner_of[pool][seed] for pool in trained for seed in pool.diverged}
+    if len({len(own) for own in seeds.values()}) > 1 and len({len(set(own.values()) - diverged) for own in partner_of.values()}) > 1:
+        listed = ", ".join(f"{pool.name} has {len(own)}" for pool, own in seeds.items())
+        raise ExperimentError(
+            f"pools must have equally many seeds, as each seed of one plays with a seed of the other: {listed}; name single seeds, "
+            "such as RUN/seed_0, or train as many of each"
+        )
+    common = set.intersection(*({partner_of[pool][seed] for seed in pool.seeds} for pool in trained))
+    if len(common) < min(2, *(len(pool.players) for pool in trained)):  # with one pair of several, seeds would not be the samples any more
+        listed = "; ".join(f"{pool.name} has {', '.join(map(str, pool.seeds))}" for pool in trained)
+        raise ExperimentError(
+            f"seeds with the same number play together, and {'only one is' if common else 'none is'} left in all pools: {listed}; "
+            "name single seeds, such as RUN/seed_0, or train more"
+        )
+
+    def reason(pool: Pool, seed: int) -> str:
+        place = partner_of[pool][seed]
+        other = next(other for other in trained if place not in {partner_of[other][left] for left in other.seeds})
+        partner = next((number for number, of_other in partner_of[other].items() if of_other == place), None)
+        if partner is None:
+            return f"seed {seed} of {pool.name} is left out: {other.name} has no seed {seed}"
+        return f"seed {seed} of {pool.name} is left out, as its partner, seed {partner} of {other.name}, is too"
+
+    def paired(pool: Pool) -> Pool:
+        notes = {seed: reason(pool, seed) for seed in pool.seeds if partner_of[pool][seed] not in common}
+        for note in notes.values():
+            warnings.warn(note, stacklevel=3)
+        return replace(pool, players=tuple(p for p in pool.players if p.seed not in notes), notes=(*pool.notes, *notes.values()))
+
+    return tuple(paired(pool) if pool.is_trained else pool for pool in pools)

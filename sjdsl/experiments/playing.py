@@ -1,4 +1,4 @@
-"""Plays the line-ups of an experiment, one after the other, and keeps each in the folder as soon as it is played."""
+"""Plays the line-ups of an experiment one by one, and stores each in the folder as soon as it is played."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -9,8 +9,7 @@ import numpy as np
 
 from sjdsl.experiments.folder import Folder
 from sjdsl.experiments.lineups import Lineup, as_given, key_words, orders_of, play_key
-from sjdsl.experiments.pairing import pair_pools
-from sjdsl.experiments.players import Pool, find_pool, player_of, replicates_of
+from sjdsl.experiments.players import Pool, find_pool, pair_pools, player_of, replicates_of
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.stacks import make_player_of_lineups
 from sjdsl.runtime.policy import Policy
@@ -27,14 +26,14 @@ class Experiment:
 
     env: Environment
     pools: tuple[Pool, ...]
-    lineups: tuple[Lineup, ...]  # of numbers of pools
+    lineups: tuple[Lineup, ...]  # indices of pools
     episodes: int
     seed: int
-    permuted: bool  # each episode draws the slots of a line-up's members
+    permuted: bool  # whether each episode draws which member has which slot
 
     @property
     def title(self) -> str:
-        """Of the game, or its name where it has none."""
+        """The title of the game, or its name if it has none."""
         return getattr(self.env, "title", "") or self.env.name
 
     @property
@@ -44,11 +43,11 @@ class Experiment:
 
     @property
     def notes(self) -> list[str]:
-        """What is to be said about the policies."""
+        """Warnings about the policies."""
         return list(dict.fromkeys(note for pool in self.pools for note in pool.notes))
 
     def describe(self) -> dict[str, Any]:
-        """Returns all that the results depend on, as JSON values."""
+        """Returns everything that the results depend on, as JSON values."""
         return {
             "game": describe_game(self.env),
             "versions": versions(),
@@ -63,7 +62,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Part:
-    """E episodes of a line-up by one replicate."""
+    """E episodes of a line-up, played by one replicate."""
 
     lineup: Lineup
     replicate: int
@@ -76,12 +75,12 @@ class Part:
         return self.by_member(self.played.returns).astype(np.float64)
 
     def by_member(self, of_slots: np.ndarray) -> np.ndarray:
-        """Returns figures `[E, N]` of slots as those of members."""
+        """Returns values `[E, N]` by slot as values by member."""
         return np.take_along_axis(of_slots, self.order, axis=1)
 
 
 def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tuple[Pool, ...]:
-    """Returns the pool of each policy, paired seed by seed; the same for a policy that is named twice.
+    """Returns the pool of each policy, paired seed by seed; a policy that is named twice gets the same pool.
 
     Raises:
       ExperimentError, PolicyError: as `find_pool` and `pair_pools`.
@@ -96,14 +95,14 @@ def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tup
 
 
 def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell, wanted: Collection[Lineup] | None = None) -> list[Part]:
-    """Returns each line-up as every replicate played it, line-up by line-up; what the folder has already is not played again.
+    """Returns each line-up as every replicate played it, line-up by line-up; what is already in the folder is not played again.
 
     Args:
-      kept: the folder for what is played; None keeps nothing.
+      kept: the folder for what is played; None stores nothing.
       tell: called with a line before each line-up that is played.
-      wanted: the line-ups to play, of the others only what the folder has; None: all.
+      wanted: the line-ups to play; of the others, only what is in the folder is returned. None: all.
     Raises:
-      ExperimentError: a return is not finite. OSError: the disk is full; what was kept stays.
+      ExperimentError: a return is not finite. OSError: the disk is full; what was stored before stays.
     """
     env, slots = experiment.env, experiment.env.num_agents
     replicates = range(experiment.replicates)
@@ -126,25 +125,18 @@ def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell, wan
                 continue
             if known is None:
                 place = f"{asked.index(lineup) + 1} of {len(asked)}"
-                tell(f"playing {experiment.episodes} episodes of line-up {place}{_of(replicate, replicates)}")
+                which = f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
+                tell(f"playing {experiment.episodes} episodes of line-up {place}{which}")
                 order = orders[replicate]
                 known = play(play_key(experiment.seed, replicate), players(lineup, replicate), order), order
-                _check_finite(known[0], name)
+                wrong = np.argwhere(~np.isfinite(known[0].returns))
+                if len(wrong):
+                    episode, agent = wrong[0]
+                    raise ExperimentError(f"the return of agent {agent} in episode {episode} of {name} is not finite, so there is no mean")
                 if kept:
                     kept.keep(name, *known)
             parts.append(Part(lineup, replicate, *known))
     return parts
-
-
-def _of(replicate: int, replicates: range) -> str:
-    return f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
-
-
-def _check_finite(played: Evaluation, name: str) -> None:
-    wrong = np.argwhere(~np.isfinite(played.returns))
-    if len(wrong):
-        episode, agent = wrong[0]
-        raise ExperimentError(f"the return of agent {agent} in episode {episode} of {name} is not finite: no mean can be made of it")
 
 
 def check_episodes(episodes: int) -> None:

@@ -1,5 +1,5 @@
-"""What an experiment refuses."""
+"""The error of experiments and sweeps."""
 
 
 class ExperimentError(Exception):
-    """An experiment cannot be made, or cannot go on; the message says what to change."""
+    """An experiment can't start or continue; the message says what to change."""

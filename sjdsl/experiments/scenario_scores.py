@@ -1,4 +1,4 @@
-"""What focal agents earned in the scenarios of a game, and their score between random agents and the best scripted ones."""
+"""Returns of the focal agents in the scenarios of a game, and their score between random and the best scripted policy."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -18,16 +18,16 @@ RANDOM = "random"
 
 @dataclass(frozen=True)
 class ScenarioScore:
-    """One scenario as it was played: per-capita returns of R replicates of E episodes each."""
+    """The per-capita returns in one scenario, of R replicates with E episodes each."""
 
     scenario: ir.Scenario
     focal_returns: np.ndarray  # [R, E] float64: the mean return of a focal agent
-    background_returns: np.ndarray | None  # [R, E]: that of the other agents; None where there are none
+    background_returns: np.ndarray | None  # [R, E]: that of the other agents; None if there are none
     baselines: Mapping[str, np.ndarray]  # [R, E]: that of focal agents who play `random`, the file's policies or `stay`
 
     @property
     def focal(self) -> Estimate:
-        """The focal per-capita return, over training seeds where there are two at least, else over episodes."""
+        """The focal per-capita return, over training seeds if there are at least two, else over episodes."""
         return _over_units(self.focal_returns)
 
     @property
@@ -36,41 +36,41 @@ class ScenarioScore:
         return None if self.background_returns is None else _over_units(self.background_returns)
 
     def baseline(self, name: str) -> Estimate:
-        """Returns the focal per-capita return of a policy that was not trained, over all episodes."""
+        """Returns the focal per-capita return of an untrained policy, over all episodes."""
         return estimate(self.baselines[name].ravel())
 
     @property
     def best(self) -> str:
-        """The scripted policy with the highest focal per-capita return; the first in the file of several."""
+        """The scripted policy with the highest focal per-capita return; on a tie, the first in the file."""
         return max((name for name in self.baselines if name != RANDOM), key=lambda name: self.baseline(name).mean)
 
     @property
     def score(self) -> float | None:
-        """`(focal - random) / (best - random)`; None where `best` is not above `random`."""
+        """`(focal - random) / (best - random)`; None if `best` is not above `random`."""
         random, best = self.baseline(RANDOM).mean, self.baseline(self.best).mean
         return None if best <= random else (self.focal.mean - random) / (best - random)
 
     @property
     def caution(self) -> str:
-        """What is to be said of the score: that there is none, or that the difference it is a share of may be nothing; else empty."""
+        """A warning that the score is undefined, or that its denominator may be 0; empty otherwise."""
         random, best = self.baseline(RANDOM).mean, self.baseline(self.best).mean
         if best <= random:
-            return f"the score is not defined: the best scripted focal policy, {self.best}, earns {best:.4g}, no more than random with {random:.4g}"
+            return f"the score is undefined: the best scripted focal policy, {self.best}, earns {best:.4g}, no more than random with {random:.4g}"
         apart = estimate((self.baselines[self.best] - self.baselines[RANDOM]).ravel())
         if apart.low > 0:
             return ""
         interval = f"[{apart.low:.4g}, {apart.high:.4g}]" if np.isfinite(apart.low) else "of unknown width"
-        return f"the score is uncertain: {self.best} less random is {apart.mean:.4g}, with the interval {interval}; play more episodes"
+        return f"the score is uncertain: {self.best} minus random is {apart.mean:.4g}, with the interval {interval}; play more episodes"
 
     @property
     def number_focal(self) -> int:
-        """How many agents are focal."""
+        """The number of focal agents."""
         return sum(part.number for part in self.scenario.slots if not part.policy)
 
 
 @dataclass(frozen=True)
 class ScenarioScores:
-    """The scenarios that were asked for, and all that were played under the same conditions, by name."""
+    """The scenarios that were requested, and all that were played under the same conditions, by name."""
 
     experiment: Experiment
     asked: tuple[str, ...]
@@ -83,7 +83,7 @@ class ScenarioScores:
 
     @property
     def unit(self) -> str:
-        """What the intervals of focal and background returns are over."""
+        """The sampling unit of the intervals of focal and background returns."""
         return "training seed" if self.experiment.replicates > 1 else "episode"
 
     @property
@@ -99,17 +99,17 @@ class ScenarioScores:
 
 
 def _over_units(returns: np.ndarray) -> Estimate:
-    """Returns the mean of `[R, E]` returns with its interval over replicates where there are two at least, else over episodes."""
+    """Returns the mean of `[R, E]` returns with its interval over replicates if there are at least two, else over episodes."""
     return estimate(returns.mean(axis=1) if len(returns) > 1 else returns[0])
 
 
 def line_up(scenario: ir.Scenario, focal: int, scripted: Mapping[str, int]) -> Lineup:
-    """Returns who plays a scenario, in the order of its slots, if pool `focal` has the focal ones. `scripted`: pools by name."""
+    """Returns the pools that play a scenario, slot by slot, with pool `focal` in the focal slots. `scripted`: pools by name."""
     return tuple(scripted[part.policy] if part.policy else focal for part in scenario.slots for _ in range(part.number))
 
 
 def score_of(scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part], replicates: int) -> ScenarioScore | None:
-    """Returns a scenario as it was played with pool 0, and with each scripted pool, as focal agents; None if something was not played."""
+    """Returns the scores of a scenario with pool 0 and each scripted pool as focal agents; None if not all of them were played."""
     played = Counter(part.lineup for part in parts)
     if any(played[line_up(scenario, pool, scripted)] < replicates for pool in (0, *scripted.values())):
         return None
@@ -126,18 +126,17 @@ def score_of(scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence
 
 
 def slots_of(scenario: ir.Scenario) -> list[list[Any]]:
-    """Returns the slots of a scenario as JSON values: how many, and their policy; null for the focal ones."""
+    """Returns the slots of a scenario as JSON values: their number and policy, null for focal ones."""
     return [[part.number, part.policy or None] for part in scenario.slots]
 
 
 def report_of(found: ScenarioScores) -> dict[str, Any]:
-    """Returns the figures as JSON values."""
-    seeds = [player.seed for player in found.experiment.pools[0].players if player.seed is not None]
+    """Returns the results as JSON values."""
     return {
         "format": FORMAT,
         **found.experiment.describe(),
         "focal_policy": found.policy,
-        "training_seeds": seeds,
+        "training_seeds": list(found.experiment.pools[0].seeds),
         "unit": found.unit,
         "units": found.experiment.replicates if found.experiment.replicates > 1 else found.experiment.episodes,
         "scenarios": {name: _entry(score) for name, score in found.scenarios.items()},

@@ -1,4 +1,4 @@
-"""Scenarios of a game: plays a policy as focal agents among scripted ones, and scores it between random and the best scripted focal agents."""
+"""Scenarios of a game: plays a policy as the focal agents among scripted ones, and scores it between random and the best scripted policy."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,34 +6,36 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.experiments.folder import open_folder
+from sjdsl.experiments.folder import open_folder, write_compact_json
 from sjdsl.experiments.lineups import Lineup
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
-from sjdsl.experiments.result_files import write_compact_json
-from sjdsl.experiments.scenario_choice import ALL, choose_scenarios, scenarios_of, unfilled
+from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores, line_up, report_of, score_of, slots_of
+from sjdsl.near_names import meant
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
 
 NAME = "scenarios"
+ALL = "all"
+EXAMPLE = 'scenario visitors "one among agents who stay" { slots 1 focal  slots players - 1 policy stay }'
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The line-ups of all scenarios that the number of agents fills, and which of these scenarios are asked for."""
+    """The line-ups of all scenarios that fit the number of agents, and the names of those that were requested."""
 
     experiment: Experiment
     scenarios: tuple[ir.Scenario, ...]
     asked: tuple[str, ...]
-    scripted: dict[str, int]  # the pools of `random`, the file's policies and `stay`
+    scripted: dict[str, int]  # indices of the pools of `random`, the file's policies and `stay`
 
     def lineups_of(self, scenario: ir.Scenario) -> tuple[Lineup, ...]:
-        """Returns a scenario with the policy that is evaluated, and with each scripted one, as its focal agents."""
+        """Returns the line-ups of a scenario, with the evaluated policy and each scripted one as its focal agents."""
         return tuple(line_up(scenario, pool, self.scripted) for pool in (0, *self.scripted.values()))
 
     def describe(self) -> dict[str, Any]:
-        """Returns all that the results depend on; a policy that has a digest is known by it, wherever its file is."""
+        """Returns everything that the results depend on; a policy with a digest is identified by it, wherever its file is."""
         described = self.experiment.describe()
         focal = self.experiment.pools[0].describe()
         if all(player["digest"] for player in focal["players"]):
@@ -53,26 +55,26 @@ def play_scenarios(
 ) -> ScenarioScores:
     """Plays a policy as the focal agents of scenarios, whose other slots have the policies that the game's file gives them.
 
-    Each episode draws who has which slot. So that a score can be given, `random`, each policy of the file and `stay` are played as focal
-    agents besides, in episodes that begin alike. Of a run of several seeds, each is played, and each with episodes of its own.
+    Each episode draws who has which slot. For the score, `random`, each policy of the file and `stay` are also played as focal agents, in
+    episodes with the same start. Each seed of a run is played, in episodes of its own.
 
     Args:
       env: one environment of N agents, two at least, whose game has scenarios.
       policy: what the focal agents play, as `find_pool` takes it.
-      names: of scenarios; `all`, one or several.
+      names: the scenarios: `all`, one name or several.
       episodes: E, of each line-up and training seed.
       seed: of the episodes.
-      folder: where what is played is kept (in `scenarios/`), and looked for first; then `scenarios.json`, which has all scenarios of the
-        game that were played there. None: nothing is written.
+      folder: where episodes are stored (in `scenarios/`) and looked up first, and where `scenarios.json` is written, with all scenarios of
+        the game that were played there. None: nothing is written.
       tell: called with a line before each line-up.
     Raises:
-      ExperimentError, PolicyError: what does not fit. OSError: the disk is full; what was played stays.
+      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full; what was played before stays.
     """
     return play_planned(plan_scenarios(env, policy, names, episodes, seed), folder, tell)
 
 
 def plan_scenarios(env: Environment, policy: str | Path | Policy, names: str | Sequence[str], episodes: int, seed: int) -> Plan:
-    """Returns what would be played. Raises as `play_scenarios` does."""
+    """Plans `play_scenarios`, and raises the same errors."""
     check_episodes(episodes)
     asked = choose_scenarios(env, names)
     fitting = tuple(scenario for scenario in scenarios_of(env) if not unfilled(scenario, env.num_agents))
@@ -86,7 +88,7 @@ def plan_scenarios(env: Environment, policy: str | Path | Policy, names: str | S
 
 
 def play_planned(plan: Plan, folder: Path | str | None, tell: Tell, name: str = NAME) -> ScenarioScores:
-    """Plays what `plan_scenarios` planned; see `play_scenarios`. `name`: of the results in the folder."""
+    """Plays a plan of `plan_scenarios`; see `play_scenarios`. `name`: the name of the results in the folder."""
     wanted = {lineup for scenario in plan.scenarios if scenario.name in plan.asked for lineup in plan.lineups_of(scenario)}
     with open_folder(None if folder is None else Path(folder) / name, plan.describe()) as kept:
         parts = play_experiment(plan.experiment, kept, tell, wanted)
@@ -95,3 +97,48 @@ def play_planned(plan: Plan, folder: Path | str | None, tell: Tell, name: str = 
         if folder is not None:
             write_compact_json(Path(folder) / f"{name}.json", report_of(found))
     return found
+
+
+def scenarios_of(env: Environment) -> tuple[ir.Scenario, ...]:
+    """Returns the scenarios that the game's file declares; none if its rules aren't available."""
+    game = getattr(env, "game", None)
+    return () if game is None else game.scenarios
+
+
+def choose_scenarios(env: Environment, names: str | Sequence[str]) -> tuple[ir.Scenario, ...]:
+    """Returns the named scenarios, each once, in the file's order.
+
+    Args:
+      names: `all`, a name, or several.
+    Raises:
+      ExperimentError: the game has one agent or no scenarios, or none is named, or one is unknown or doesn't fit the number of agents.
+    """
+    declared = {scenario.name: scenario for scenario in scenarios_of(env)}
+    if env.num_agents < 2:
+        raise ExperimentError(f"a scenario needs at least two agents, and {env.name} has one here; ask for more with --agents")
+    if not declared:
+        raise ExperimentError(f"{env.name} has no scenarios; write one into the game's file, such as `{EXAMPLE}`")
+    given = [names] if isinstance(names, str) else list(names)
+    wanted = list(declared) if ALL in given else given
+    if not wanted:
+        raise ExperimentError("name at least one scenario, or `all`")
+    for name in wanted:
+        if name not in declared:
+            raise ExperimentError(f"there is no scenario `{name}`{meant(name, declared, f'those of {env.name} are')}")
+        reason = unfilled(declared[name], env.num_agents)
+        if reason:
+            fitting = [scenario.name for scenario in declared.values() if not unfilled(scenario, env.num_agents)]
+            instead = f"name another, such as {fitting[0]}" if fitting else "choose another number of agents"
+            raise ExperimentError(f"the scenario `{name}` doesn't fit {env.num_agents} agents: {reason}; {instead}")
+    return tuple(scenario for scenario in declared.values() if scenario.name in wanted)
+
+
+def unfilled(scenario: ir.Scenario, agents: int) -> str:
+    """Returns why a scenario can't be played by this many agents; empty if it can."""
+    numbers = [part.number for part in scenario.slots]
+    least = min(scenario.slots, key=lambda part: part.number)
+    if least.number < 0:
+        return f"it would have {least.number} slots of {least.policy or 'focal agents'}"
+    if sum(numbers) != agents:
+        return f"it has {sum(numbers)} slots"
+    return "" if any(part.number for part in scenario.slots if not part.policy) else "it has no focal slot"

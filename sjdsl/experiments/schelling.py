@@ -1,14 +1,13 @@
-"""Schelling diagrams: plays k = 0 .. N cooperators with defectors, and writes what that says of a dilemma."""
+"""Schelling diagrams: plays k = 0 .. N cooperators among defectors, and writes whether the game is a dilemma."""
 
 from pathlib import Path
 
 from sjdsl.experiments.diagram import Diagram, report_of, returns_of
-from sjdsl.experiments.folder import open_folder
+from sjdsl.experiments.folder import open_folder, write_compact_json
 from sjdsl.experiments.lineups import cooperating
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.experiments.result_files import write_compact_json
 from sjdsl.files import write_whole
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
@@ -28,24 +27,24 @@ def schelling_diagram(
 ) -> Diagram:
     """Plays k cooperators with N - k defectors for k = 0 .. N.
 
-    Episode e begins alike and gives the slots in the same order for every k; the first k of them cooperate. Of two pools seed i of one
-    plays with seed i of the other: see `pair_pools`.
+    Episode e has the same start and the same order of slots for every k; the first k of them cooperate. Seed i of one pool plays with
+    seed i of the other: see `pair_pools`.
 
     Args:
-      env: one environment of N agents, two at least.
+      env: one environment of N agents, at least two.
       cooperators, defectors: policies as `find_pool` takes them.
-      episodes: of each k and replicate.
-      seed: of the episodes.
-      folder: where what is played is kept, and looked for first; then `schelling.json`, `.png` and `.svg`. None: nothing is written.
+      episodes: the number for each k and replicate.
+      seed: the seed of the episodes.
+      folder: where episodes are stored and looked up first, and `schelling.json`, `.png` and `.svg` are written. None: nothing is written.
       tell: called with a line before each line-up.
     Raises:
-      ExperimentError, PolicyError: what does not fit. OSError: the disk is full; what was played stays.
+      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full; what was played before stays.
     """
     return play_diagram(plan_diagram(env, cooperators, defectors, episodes, seed), folder, tell)
 
 
 def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) -> Diagram:
-    """Plays what `plan_diagram` planned; see `schelling_diagram`."""
+    """Plays a plan of `plan_diagram`; see `schelling_diagram`."""
     asked = {"experiment": "schelling", **experiment.describe()}
     with open_folder(None if folder is None else Path(folder), asked) as kept:
         parts = play_experiment(experiment, kept, tell)
@@ -58,17 +57,17 @@ def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) 
 def plan_diagram(
     env: Environment, cooperators: str | Path | Policy, defectors: str | Path | Policy, episodes: int, seed: int
 ) -> Experiment:
-    """Returns what would be played. Raises as `schelling_diagram` does."""
+    """Plans `schelling_diagram`, and raises the same errors."""
     check_episodes(episodes)
     slots = env.num_agents
     if slots < 2:
-        raise ExperimentError(f"a Schelling diagram needs two agents at least, and {env.name} has one here; ask for more with --agents")
+        raise ExperimentError(f"a Schelling diagram needs at least two agents, and {env.name} has one here; ask for more with --agents")
     pools = find_pools((cooperators, defectors), env)
     return Experiment(env, pools, tuple(cooperating(k, slots) for k in range(slots + 1)), episodes, seed, permuted=True)
 
 
 def write_diagram(found: Diagram, folder: Path) -> None:
-    """Writes `schelling.json`, `schelling.png` and `schelling.svg`, each whole or not at all."""
+    """Writes `schelling.json`, `schelling.png` and `schelling.svg`, each atomically."""
     write_compact_json(folder / "schelling.json", report_of(found))
     for ending in FORMATS:
         write_whole(folder / f"schelling.{ending}", picture_bytes(draw_diagram(found), ending))

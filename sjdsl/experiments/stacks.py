@@ -1,4 +1,4 @@
-"""Many policies as one program: networks of one shape are stacked, and each slot acts by its own."""
+"""Many policies as one program: networks of one shape are stacked, and each slot acts by its own parameters."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ PlayLineup = Callable[[Array, Sequence[Player], np.ndarray], Evaluation]
 
 @dataclass(frozen=True)
 class Stack:
-    """G players of one kind, of whom a line-up has M at most."""
+    """G players of one kind, of which a line-up has at most M."""
 
     players: tuple[Player, ...]
     at_once: int
@@ -30,25 +30,25 @@ class Stack:
         return jax.tree.map(lambda *leaves: jnp.stack(leaves), *(player.parameters for player in self.players))
 
     def example(self) -> MemoryPolicy:
-        """Returns the policy of its first player: all start with the same memory and read the same."""
+        """Returns the policy of its first player: all have the same initial memory and read the same inputs."""
         return with_memory(self.players[0].policy_of(self.players[0].parameters))
 
 
 @dataclass(frozen=True)
 class Seats:
-    """Who plays: of each stack the players `[M]` int32 that are computed, and the column of all of them that each member has, `[N]`."""
+    """Who plays: the players `[M]` int32 of each stack that are computed, and the column `[N]` of each member among all of them."""
 
     chosen: tuple[np.ndarray, ...]
     columns: np.ndarray
 
     @property
     def alone(self) -> np.int32:
-        """The column of the only player of a line-up; -1 where there are several."""
+        """The column of the only player of a line-up; -1 if there are several."""
         return self.columns[0] if (self.columns == self.columns[0]).all() else np.int32(-1)
 
 
 def make_stacks(lineups: Sequence[Sequence[Player]]) -> tuple[Stack, ...]:
-    """Returns the players of line-ups, those of one kind together."""
+    """Returns the players of all line-ups, those of one kind together."""
     kinds: dict[Any, dict[Player, None]] = {}
     for player in (player for lineup in lineups for player in lineup):
         kinds.setdefault(player.kind, {})[player] = None
@@ -57,7 +57,7 @@ def make_stacks(lineups: Sequence[Sequence[Player]]) -> tuple[Stack, ...]:
 
 
 def find_seats(stacks: Sequence[Stack], lineup: Sequence[Player]) -> Seats:
-    """Returns where the members of a line-up are computed; a stack that has fewer than M of them computes its first player besides."""
+    """Returns where the members of a line-up are computed; a stack with fewer than M of them also computes its first player."""
     column_of: dict[Player, int] = {}
     chosen, first = [], 0
     for stack in stacks:
@@ -69,17 +69,27 @@ def find_seats(stacks: Sequence[Stack], lineup: Sequence[Player]) -> Seats:
 
 
 def make_player_of_lineups(env: Environment, lineups: Sequence[Sequence[Player]], episodes: int) -> PlayLineup:
-    """Returns a function that plays E episodes of one of the line-ups, and compiles once for all of them.
+    """Returns a function that plays E episodes of one of the line-ups, compiled once for all of them.
 
     Args:
       env: one environment of N agents.
-      lineups: of N players each, all that are to be played.
+      lineups: all line-ups to be played, N players each.
     Returns:
-      a function of a typed key, a line-up and the order `[E, N]` of its members' slots.
+      a function of a typed key, a line-up and the slots `[E, N]` of its members.
     """
     stacks = make_stacks(lineups)
     parameters = [stack.parameters for stack in stacks]
-    evaluator = make_evaluator(env, lambda given: _seated(stacks, *given[:3]), episodes, memory_of=lambda given: _start(stacks, given[3]))
+
+    def start(given: Any) -> Any:
+        """Returns the memory of all episodes before their first step: `[E, N]` columns, and the memory `[E, M, ...]` of each stack."""
+        column_of_slot = given[3]
+
+        def of(stack: Stack) -> Any:
+            return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (episodes, stack.at_once, *jnp.shape(leaf))), stack.example().start)
+
+        return column_of_slot, tuple(of(stack) for stack in stacks)
+
+    evaluator = make_evaluator(env, lambda given: _seated(stacks, *given[:3]), episodes, memory_of=start)
 
     def play(key: Array, lineup: Sequence[Player], order: np.ndarray) -> Evaluation:
         seats = find_seats(stacks, lineup)
@@ -90,23 +100,13 @@ def make_player_of_lineups(env: Environment, lineups: Sequence[Sequence[Player]]
     return play
 
 
-def _start(stacks: Sequence[Stack], column_of_slot: Array) -> Any:
-    """Returns the memory of all episodes before their first step: `[E, N]` columns, and each stack's, `[E, M, ...]`."""
-    episodes = column_of_slot.shape[0]
-
-    def of(stack: Stack) -> Any:
-        return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (episodes, stack.at_once, *jnp.shape(leaf))), stack.example().start)
-
-    return column_of_slot, tuple(of(stack) for stack in stacks)
-
-
 def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array], alone: Array) -> MemoryPolicy:
-    """Returns the policy under which each slot acts by the column of its memory; every player says what all N agents would do.
+    """Returns the policy in which each slot acts by the column in its memory; every player computes actions for all N agents.
 
-    A column that is `alone` draws by the key itself, as the policy does in an evaluation: a mixture of one policy with itself is one.
+    A player that is `alone` draws with the key itself, so that a policy mixed with itself acts as it does in an evaluation.
     """
     examples = [stack.example() for stack in stacks]
-    playing = [_of_players(leaves, own) for leaves, own in zip(parameters, chosen, strict=True)]
+    playing = [jax.tree.map(lambda leaf, own=own: leaf[own], leaves) for leaves, own in zip(parameters, chosen, strict=True)]
     number = sum(stack.at_once for stack in stacks)
 
     def act(memory: Any, key: Array, observation: Array, *given: Any) -> tuple[Any, Array]:
@@ -129,7 +129,7 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
 
 
 def _keys(key: Array, number: int, alone: Array) -> Array:
-    """Returns a key for each column; that of a column that is `alone` is the key itself, and what the others draw is not used."""
+    """Returns a key for each column; for the column `alone` it is the key itself, and the draws of the others are not used."""
     if number == 1:
         return key[None]
     words = jax.random.key_data(jax.random.split(key, number))
@@ -139,19 +139,14 @@ def _keys(key: Array, number: int, alone: Array) -> Array:
     return keys
 
 
-def _of_players(parameters: Any, chosen: Array) -> Any:
-    """Returns the parameters `[M, ...]` of the players that are computed, of all `[G, ...]` of a stack."""
-    return jax.tree.map(lambda leaf: leaf[chosen], parameters)
-
-
 def _act_together(stack: Stack, parameters: Any, memory: Any, keys: Array, seen: tuple[Array, ...]) -> tuple[Any, Array]:
-    """Returns the memory `[M, ...]` and the actions `[M, N]` of the M players of a stack that are computed."""
+    """Returns the next memory `[M, ...]` and the actions `[M, N]` of the M computed players of a stack."""
 
     def one(parameters: Any, memory: Any, key: Array) -> tuple[Any, Array]:
         after, actions = with_memory(stack.players[0].policy_of(parameters)).act(memory, key, *seen)
         return after, jnp.asarray(actions, jnp.int32)
 
-    if stack.at_once == 1:  # a batch of one network would cost a loop over its convolutions
+    if stack.at_once == 1:  # vmap over a single network would turn its convolutions into a loop
         own, before = jax.tree.map(lambda leaf: leaf[0], (parameters, memory))
         after, actions = one(own, before, keys[0])
         return jax.tree.map(lambda leaf: leaf[None], after), actions[None]

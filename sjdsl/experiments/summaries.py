@@ -34,13 +34,13 @@ def _verdict(found: Diagram) -> str:
         case "no dilemma":
             return f"no dilemma: {verdict.reason}"
     if found.units < 2:
-        return f"undecided: one {unit} has no spread; play two at least"
-    wanted = f"about {verdict.wanted:,} {unit}s" if verdict.wanted else f"no number of {unit}s"
+        return f"undecided: one {unit} has no spread; play at least two"
+    wanted = f"about {verdict.wanted:,} {unit}s" if verdict.wanted else f"no feasible number of {unit}s"
     return f"undecided: {verdict.reason}; {wanted} would probably settle it, and there are {found.units:,}"
 
 
 def crossplay_text(found: CrossPlay) -> str:
-    """Returns what each policy earned in each mixture, as text."""
+    """Returns the return of each policy in each mixture, as text."""
     experiment = found.experiment
     rows = [("mixture", "policy", "return of an agent")]
     for lineup in experiment.lineups:
@@ -57,7 +57,7 @@ def crossplay_text(found: CrossPlay) -> str:
 
 
 def scenarios_text(found: ScenarioScores) -> str:
-    """Returns what the focal policy earned in each scenario that was asked for, with its score, as text."""
+    """Returns the returns and scores of the focal policy in each requested scenario, as text."""
     agents = found.experiment.env.num_agents
     rows = [("scenario", "focal agents", "focal return", "background return", "random", "best scripted", "score")]
     cautions = []
@@ -65,12 +65,12 @@ def scenarios_text(found: ScenarioScores) -> str:
         score = found[name]
         background = "none" if score.background is None else _with_bounds(score.background)
         best = f"{score.baseline(score.best).mean:.4g}, {score.best}"
-        shown = "not defined" if score.score is None else f"{score.score:.3g}"
+        shown = "undefined" if score.score is None else f"{score.score:.3g}"
         random = f"{score.baseline(RANDOM).mean:.4g}"
         rows.append((name, f"{score.number_focal} of {agents}", _with_bounds(score.focal), background, random, best, shown))
         cautions += [f"{name}: {score.caution}"] if score.caution else []
     head = f"\n{found.experiment.title}: focal agents play {found.policy}; mean returns of an agent, with 95 % intervals over {found.population}"
-    said = "score: (focal - random) / (best scripted - random), the latter two for the focal agents of the same scenario"
+    said = "score: (focal - random) / (best scripted - random), where random and best scripted play the focal agents of the same scenario"
     return "\n".join([head, _in_columns(rows), said, *cautions])
 
 
@@ -81,7 +81,7 @@ def _in_columns(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _with_bounds(figure: Estimate) -> str:
-    """Returns `97.3 [95.1, 99.4]`; the bounds of a single sample are not known."""
+    """Returns `97.3 [95.1, 99.4]`; a single sample has no bounds."""
     if not math.isfinite(figure.low):
         return f"{figure.mean:.4g} [not known]"
     return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"

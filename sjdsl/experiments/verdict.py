@@ -1,9 +1,9 @@
 """Whether a Schelling diagram shows a dilemma, by the intervals of its four contrasts; and how many samples would settle it."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from bisect import bisect_left
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -13,31 +13,29 @@ from sjdsl.experiments.contrasts import CONFIDENCE, JOINT_CONFIDENCE, estimate_c
 from sjdsl.trainers.estimates import Estimate
 
 Outcome = Literal["dilemma", "no dilemma", "undecided"]
-POWER = 0.9  # with which each contrast that decides would be settled, were the means and deviations found the true ones
-MOST = 10**7  # samples: beyond them nothing is settled in practice
+POWER = 0.9  # probability of settling each deciding contrast, if the means and deviations found were the true ones
+MOST = 10**7  # samples; more are out of reach in practice
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the intervals say."""
+    """Whether there is a dilemma, by the intervals."""
 
     outcome: Outcome
     fear: bool  # by its lower bound
     greed: bool  # by its lower bound
     reason: str  # which bounds decide, in a sentence
-    wanted: int | None = None  # samples in all that would probably settle it; None: it is settled, or no number would
-    without_spread: tuple[
-        str, ...
-    ] = ()  # contrasts that it rests on and whose samples are all equal, so that their intervals have no width
+    wanted: int | None = None  # total samples that would probably settle it; None if it is settled, or no number would
+    without_spread: tuple[str, ...] = ()  # contrasts it rests on whose samples are all equal, so their intervals have no width
 
     @property
     def shape(self) -> str:
-        """Which of fear and greed there is by their lower bounds: `fear and greed`, `fear`, `greed` or `neither`."""
+        """Which of fear and greed are present by their lower bounds: `fear and greed`, `fear`, `greed` or `neither`."""
         return " and ".join(name for name, there in (("fear", self.fear), ("greed", self.greed)) if there) or "neither"
 
 
 def judge(samples: Mapping[str, np.ndarray]) -> Verdict:
-    """Returns the verdict on the samples `[units]` of the contrasts A, B, fear and greed, which holds at 95 %."""
+    """Returns the verdict, at 95 % confidence, on the samples `[units]` of the contrasts A, B, fear and greed."""
     found = estimate_contrasts(samples)
     outcome = outcome_of(found)
     fear, greed = found["fear"].low > 0, found["greed"].low > 0
@@ -56,7 +54,7 @@ def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
 
 
 def _without_spread(outcome: Outcome, found: Mapping[str, Estimate], samples: Mapping[str, np.ndarray]) -> tuple[str, ...]:
-    """Returns the contrasts with equal samples that a verdict rests on; none where it would be the same whatever they are."""
+    """Returns the contrasts with all-equal samples that a verdict rests on; none if it would be the same whatever they are."""
     equal = {name for name, values in samples.items() if len(values) > 1 and not _deviation(values)}
     unknown = {name: Estimate(figure.mean, -math.inf, math.inf) if name in equal else figure for name, figure in found.items()}
     if outcome == "undecided" or outcome_of(unknown) == outcome:
@@ -66,9 +64,9 @@ def _without_spread(outcome: Outcome, found: Mapping[str, Estimate], samples: Ma
 
 
 def share_that_may_differ(number: int) -> float:
-    """Returns the largest share of other samples, by its upper bound at 95 %, that may differ where so many are all equal.
+    """Returns the 95 % upper bound of the share of further samples that may differ, after `number` equal ones.
 
-    Source: the exact bound of a binomial share of which none was seen, Clopper and Pearson 1934.
+    Source: the exact binomial bound after no events, Clopper and Pearson 1934.
     """
     return float(1 - (1 - CONFIDENCE) ** (1 / number))
 
@@ -94,10 +92,10 @@ def listed(names: Sequence[str]) -> str:
 
 
 def samples_wanted(samples: Mapping[str, np.ndarray]) -> int | None:
-    """Returns how many samples in all would probably settle the verdict; None where their spread is unknown, or no number would.
+    """Returns how many samples in total would probably settle the verdict; None if their spread is unknown, or no number would.
 
-    Were the means and standard deviations found the true ones, each contrast that decides would, with as many samples, be settled with a
-    probability of 90 %.
+    With that many samples, each deciding contrast would be settled with probability 0.9 if the means and standard deviations found were the
+    true ones.
     """
     number = len(samples["A"])
     if number < 2:
@@ -108,7 +106,12 @@ def samples_wanted(samples: Mapping[str, np.ndarray]) -> int | None:
         narrow = {name: Estimate(mean, *_probable_bounds(mean, spread, count)) for name, (mean, spread) in figures.items()}
         return outcome_of(narrow) != "undecided"
 
-    return _least(settled, number + 1)
+    low, high = number, number + 1  # bisection: once settled, more samples leave it settled
+    while not settled(high):
+        low, high = high, 2 * high
+        if low > MOST:
+            return None
+    return low + 1 + bisect_left(range(low + 1, high), True, key=settled)
 
 
 def _deviation(values: np.ndarray) -> float:
@@ -116,24 +119,10 @@ def _deviation(values: np.ndarray) -> float:
 
 
 def _probable_bounds(mean: float, deviation: float, count: int) -> tuple[float, float]:
-    """Returns bounds that `count` samples would probably have at least as near to the mean as these are."""
-    margin = (_quantile(count) + float(stats.norm.ppf(POWER))) * deviation / math.sqrt(count) if deviation else 0.0
+    """Returns bounds that `count` samples would probably reach or improve on."""
+    margin = (
+        float(stats.t.ppf(0.5 + JOINT_CONFIDENCE / 2, count - 1) + stats.norm.ppf(POWER)) * deviation / math.sqrt(count)
+        if deviation
+        else 0.0
+    )
     return mean - margin, mean + margin
-
-
-@cache
-def _quantile(count: int) -> float:
-    return float(stats.t.ppf(0.5 + JOINT_CONFIDENCE / 2, count - 1))
-
-
-def _least(holds: Callable[[int], bool], start: int) -> int | None:
-    """Returns the least number from `start` on for which something holds that goes on to hold; None beyond `MOST`."""
-    low, high = start - 1, start
-    while not holds(high):
-        low, high = high, 2 * high
-        if low > MOST:
-            return None
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    return high

@@ -1,4 +1,4 @@
-"""`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs a training script of SocialJax, JaxMARL or Mava, as it is, with our games."""
+"""`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs an unchanged training script of SocialJax, JaxMARL or Mava with our games."""
 
 import importlib.util
 import re
@@ -16,19 +16,13 @@ USAGE = """usage: python -m sjdsl.interop SCRIPT [ARGUMENTS]
 Runs a training script of SocialJax, JaxMARL or Mava with compiled games: `socialjax.make` makes ours,
 `jaxmarl.make` knows `sjdsl_clean_up` and the others, and Mava's configurations have `env=sjdsl env.game=clean_up`.
 The arguments are the script's own."""
-ROOTS = (
-    "algorithms",
-    "baselines",
-    "socialjax",
-    "jaxmarl",
-    "mava",
-)  # a folder that holds one of them is a checkout, from which scripts import
+ROOTS = ("algorithms", "baselines", "socialjax", "jaxmarl", "mava")  # folders at the root of a checkout, from which scripts import
 
 
 def run_script(script: Path, arguments: Sequence[str]) -> None:
-    """Runs a script as `python SCRIPT ARGUMENTS` would, with the checkout that it is in on the path.
+    """Runs a script as `python SCRIPT ARGUMENTS` would, with the checkout that holds it on the path.
 
-    JAX 0.6 took `jax.tree_map` away, which some of the scripts call: it is `jax.tree.map` to them.
+    Some scripts call `jax.tree_map`, which JAX 0.6 removed; they get `jax.tree.map`.
     """
     folder = script.resolve().parent
     checkouts = [parent for parent in (folder, *folder.parents) if any((parent / name).is_dir() for name in ROOTS)]
@@ -37,7 +31,7 @@ def run_script(script: Path, arguments: Sequence[str]) -> None:
     vars(jax).setdefault("tree_map", jax.tree.map)
     reason = socialjax_modules.stand_in()
     if reason is not None:
-        print(f"note: the package socialjax cannot be imported ({reason}); its wrappers are ours", file=sys.stderr)
+        print(f"note: the package socialjax can't be imported ({reason}); using our versions of its wrappers", file=sys.stderr)
     if importlib.util.find_spec("jaxmarl") is not None:
         importlib.import_module("sjdsl.interop.jaxmarl")  # registers the games
     if any((place / "mava/utils/make_env.py").is_file() for place in checkouts[:1]):
@@ -47,20 +41,23 @@ def run_script(script: Path, arguments: Sequence[str]) -> None:
 
 
 def _without_slash(argument: str) -> str:
-    """Returns an argument in which an environment of JaxMARL that is called `sjdsl/NAME` is called `sjdsl_NAME`.
+    """Returns an argument with JaxMARL's environment name `sjdsl/NAME` changed to `sjdsl_NAME`.
 
-    Scripts put that name into the names of the files that they write when training is over, where a slash would be a folder that is not there.
+    Scripts put that name into the names of files written after training, where a slash would mean a missing folder.
     """
     given = re.fullmatch(r"(\+{0,2}(?:[\w.]+\.)?ENV_NAME=['\"]?)sjdsl/(.+)", argument)
     if given is None:
         return argument
     if "/" in given[2]:
-        print(f"note: a script may name files by {argument}: start it in the folder of the game, with sjdsl_FILE.sj", file=sys.stderr)
+        print(
+            f"note: scripts may name files after {argument}: start the script in the folder of the game, with sjdsl_FILE.sj",
+            file=sys.stderr,
+        )
     return f"{given[1]}sjdsl_{given[2]}"
 
 
 def main() -> int:
-    """Returns the exit status: 2 for a call without a script that exists."""
+    """Returns the exit status: 2 if no existing script is named."""
     if len(sys.argv) < 2 or sys.argv[1] in ("-h", "--help"):
         print(USAGE)
         return 0 if len(sys.argv) > 1 else 2

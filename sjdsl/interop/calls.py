@@ -1,4 +1,4 @@
-"""What callers of adapters hand over and get back, alike in all of them: seeds, actions, counts by name."""
+"""Checks and conversions that all adapters share: seeds, actions, counts by name."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
@@ -10,8 +10,8 @@ from jax import Array
 from sjdsl.runtime.env import Environment
 
 Value = TypeVar("Value")
-WORD = 32  # bits of a seed that `jax.random.key` takes
-# What else stands beside the counts of a step in infos: from an adapter, from a library's own wrappers, or from JaxMARL's scripts.
+WORD = 32  # bits of a seed that `jax.random.key` uses
+# Other keys of infos, from an adapter, a library's own wrappers, or JaxMARL's scripts: counts must not shadow them.
 TAKEN = frozenset(
     {
         *("truncated", "terminated", "reward", "rewards", "original_reward", "original_rewards", "shaped_reward", "shaped_rewards"),
@@ -26,10 +26,10 @@ TAKEN = frozenset(
 
 
 def checked_seed(seed: Any) -> int | None:
-    """Returns a seed as a plain number, None as it is.
+    """Returns a seed as an `int`; None stays None.
 
     Raises:
-      TypeError: it is no whole number. ValueError: it is negative.
+      TypeError: it isn't a whole number. ValueError: it is negative.
     """
     if seed is None:
         return None
@@ -41,7 +41,7 @@ def checked_seed(seed: Any) -> int | None:
 
 
 def seeded_key(seed: Any) -> Array:
-    """Returns the key of a seed, of which every bit counts, however large it is; for None a key that nobody has had. Errors: `checked_seed`."""
+    """Returns the key of a seed, using all of its bits; for None, a fresh random key. Raises as `checked_seed`."""
     number = checked_seed(seed)
     if number is None:
         number = int(np.random.SeedSequence().generate_state(1)[0])
@@ -56,25 +56,27 @@ def numbers_of_actions(actions: Iterable[Any], num_actions: int, name: Callable[
 
     Args:
       actions: whole numbers, or arrays of a single one.
-      name: says whose an action is, after `is no action`.
+      name: returns whose an action is, such as ` of player 1`.
     Raises:
-      TypeError: one is not a whole number. ValueError: there is no such action.
+      TypeError: one isn't a whole number. ValueError: one is out of range.
     """
     given = [actions] if isinstance(actions, np.ndarray) and actions.ndim == 1 else [np.asarray(action) for action in actions]
     for place, action in enumerate(given):
         if not np.issubdtype(action.dtype, np.integer):
             raise TypeError(
-                f"{action.ravel()[:1].tolist()[0]!r} is no action{name(place)}: actions are whole numbers, 0 .. {num_actions - 1}"
+                f"the action{name(place)} must be a whole number from 0 to {num_actions - 1}, not {action.ravel()[:1].tolist()[0]!r}"
             )
     chosen = np.concatenate([action.ravel() for action in given])
     wrong = (chosen < 0) | (chosen >= num_actions)
     if wrong.any():
-        raise ValueError(f"{chosen[wrong][0]} is no action{name(int(wrong.argmax()))}: 0 .. {num_actions - 1}")
+        raise ValueError(
+            f"the action{name(int(wrong.argmax()))} must be a whole number from 0 to {num_actions - 1}, not {chosen[wrong][0]}"
+        )
     return chosen.astype(np.int32)
 
 
 def by_name(counts: Mapping[str, Value], kind: str = "events") -> dict[str, Value]:
-    """Returns the counts of a step by name; one whose name means something else in a library's infos is `events.NAME`.
+    """Returns the counts of a step by name; one whose name has another meaning in a library's infos becomes `events.NAME`.
 
     Args:
       kind: `events` or `metrics`.
@@ -83,7 +85,7 @@ def by_name(counts: Mapping[str, Value], kind: str = "events") -> dict[str, Valu
 
 
 def action_masks(env: Environment, state: Any, allowed: Callable[[Any], Array]) -> np.ndarray:
-    """Returns which actions each agent may take, `[..., N, A]` bool; without a `forbid` of the rules nothing is computed."""
+    """Returns which actions each agent may take, `[..., N, A]` bool; nothing is computed if the rules forbid none."""
     if env.forbids_actions:
         return np.asarray(allowed(state))
     batch = np.shape(state.step)

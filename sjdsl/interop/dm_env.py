@@ -36,8 +36,8 @@ class Substrate(Copied, dm_env.Environment):
     """One environment of a game: actions, rewards and observations are lists, one entry a player.
 
     Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; of a substrate of Melting Pot, what else a player observes
-    there, such as `READY_TO_SHOOT`, `INVENTORY` or `STAMINA` (docs/meltingpot.md says which are left out); of another game that has actions
-    of its own, `READY_TO_SHOOT`, 1 where all of them are allowed; `COLLECTIVE_REWARD`, the sum of the step's rewards; `WORLD.RGB`, the whole
+    there, such as `READY_TO_SHOOT`, `INVENTORY` or `STAMINA` (docs/meltingpot.md lists which are left out); of another game with actions
+    of its own, `READY_TO_SHOOT`, 1 if all of them are allowed; `COLLECTIVE_REWARD`, the sum of the step's rewards; `WORLD.RGB`, the whole
     board. Rewards are raw. An episode's last step has discount 1 where it is cut off, 0 where the rules end it. A step after it, or before
     `reset`, begins an episode, as dm_env has it.
     """
@@ -50,15 +50,15 @@ class Substrate(Copied, dm_env.Environment):
         Args:
           game: of `sjdsl.make`, or the name of a substrate of Melting Pot, such as `territory__rooms`.
           arguments: of `sjdsl.make`; a variant is added to that of the substrate.
-          seed: of all episodes; another one each time by default.
-          tile: pixels of a cell's side.
+          seed: the seed of all episodes; by default a new one each time.
+          tile: the side of a cell in pixels.
         Raises:
-          ValueError: a substrate that is not there yet, or a negative seed. TypeError: a seed that is no whole number.
+          ValueError: a substrate that is not available yet, or a negative seed. TypeError: the seed isn't a whole number.
         """
         self.env = _make(game, arguments)
         self._key = seeded_key(seed)
         entry = _entry(game, arguments)
-        self._told: Mapping[str, Any] | None = None if entry is None else entry.observations
+        self._rules: Mapping[str, Any] | None = None if entry is None else entry.observations
         self._look = replace(make_look(self.env.game), tile=tile)
         self._sees = jax.jit(self.env.module.observe)
         self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN]
@@ -67,7 +67,7 @@ class Substrate(Copied, dm_env.Environment):
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """What the numbers of `action_spec` mean."""
+        """The names of the actions of `action_spec`."""
         return self.env.action_names
 
     def reset(self) -> dm_env.TimeStep:
@@ -83,7 +83,7 @@ class Substrate(Copied, dm_env.Environment):
         if self._state is None:
             return self.reset()
         if len(action) != self.env.num_agents:
-            raise ValueError(f"{len(action)} actions for {self.env.num_agents} players")
+            raise ValueError(f"expected {self.env.num_agents} actions, one for each player, got {len(action)}")
         chosen = numbers_of_actions(action, self.env.num_actions, lambda player: f" of player {player}")
         self._key, key = jax.random.split(self._key)
         _, self._state, reward, done, info = self.env.step_env(key, self._state, chosen)
@@ -97,7 +97,7 @@ class Substrate(Copied, dm_env.Environment):
         return made
 
     def events(self) -> list[tuple[str, Any]]:
-        """Returns the events of the last step: names, each with the player's number (None for those of no player) and how often."""
+        """Returns the events of the last step: names, each with the player's number (None for an event without one) and the count."""
         return list(self._events)
 
     def observation_spec(self) -> list[Mapping[str, specs.Array]]:
@@ -107,7 +107,7 @@ class Substrate(Copied, dm_env.Environment):
         spec: dict[str, specs.Array] = {"RGB": specs.Array((rows * tile, cols * tile, 3), np.uint8, "RGB")}
         shapes = jax.eval_shape(self.env.reset, self._key)[1]
         nothing = jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), shapes)
-        for name, values in self._beside_the_picture(nothing).items():
+        for name, values in self._other_observations(nothing).items():
             spec[name] = specs.Array(values.shape[1:], values.dtype, name)
         spec["COLLECTIVE_REWARD"] = specs.Array((), np.float64, "COLLECTIVE_REWARD")
         board = (self._look.height * tile, self._look.width * tile, 3)
@@ -127,31 +127,31 @@ class Substrate(Copied, dm_env.Environment):
         return specs.BoundedArray((), np.float64, 0.0, 1.0, "discount")
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """Does nothing: there is nothing to release."""
 
     def _observe(self, rewards: np.ndarray) -> list[Observation]:
         snapshot = take_snapshot(self.env, self._state, rewards)
         board = draw_board(self._look, snapshot)
         windows = self._windows(board, snapshot)
-        told = self._beside_the_picture(self._state)
+        others = self._other_observations(self._state)
         collective = np.array(rewards.sum())
         observations = []
         for player, window in enumerate(windows):
-            own = {name: np.asarray(values[player]) for name, values in told.items()}
+            own = {name: np.asarray(values[player]) for name, values in others.items()}
             observations.append({"RGB": window, **own, "COLLECTIVE_REWARD": collective, "WORLD.RGB": board})
         return observations
 
-    def _beside_the_picture(self, state: Any) -> dict[str, np.ndarray]:
+    def _other_observations(self, state: Any) -> dict[str, np.ndarray]:
         """Returns the players' other observations by name, `[N, …]` each."""
-        if self._told is not None:
-            return {name: observe(self.env, state, rule) for name, rule in self._told.items()}
+        if self._rules is not None:
+            return {name: observe(self.env, state, rule) for name, rule in self._rules.items()}
         if not self._own_actions:
             return {}
         ready = np.all(np.asarray(self.env.allowed_actions(state))[:, self._own_actions], axis=1)
         return {"READY_TO_SHOOT": ready.astype(np.float64)}
 
     def _windows(self, board: np.ndarray, snapshot: Snapshot) -> np.ndarray:
-        """Returns what each player sees of the board: nothing beyond its own window, and no agent that is hidden from it."""
+        """Returns the window of each player on the board, without agents that are hidden from it."""
         game = self.env.game
         windows = draw_windows(board, snapshot, game.window, self._look.tile)
         if not game.window.views and all(hidden.what != "others" for hidden in game.hidden):
@@ -165,7 +165,7 @@ class Substrate(Copied, dm_env.Environment):
 
 @dataclass(frozen=True)
 class Config:
-    """What there is to know of a game before it is built, by Melting Pot's names."""
+    """What is known about a game before it is built, by Melting Pot's names."""
 
     default_player_roles: tuple[str, ...]
     valid_roles: frozenset[str]
@@ -175,7 +175,7 @@ class Config:
 
 
 def get_config(game: str, **arguments: Any) -> Config:
-    """Returns the configuration of a game or a substrate; every player has the role `default` where Melting Pot gives no other."""
+    """Returns the configuration of a game or a substrate; every player has the role `default` unless Melting Pot gives another."""
     made = Substrate(game, **arguments)
     names = tuple(name for name in made.observation_spec()[0] if name != "WORLD.RGB")
     roles = _roles(game, made.env.num_agents)
@@ -186,8 +186,7 @@ def build(game: str, roles: Sequence[str], seed: int | None = None, tile: int = 
     """Returns the game or substrate with one player for each role.
 
     Raises:
-      ValueError: a role that the game does not have, roles that are not those of its players in their order, or a number of players
-        that the game does not allow.
+      ValueError: the game lacks a role, the roles are not those of its players in order, or it doesn't allow that number of players.
     """
     number = _make(game, arguments).num_agents
     usual = _roles(game, number)
@@ -197,8 +196,8 @@ def build(game: str, roles: Sequence[str], seed: int | None = None, tile: int = 
     if unknown:
         raise ValueError(f"there is no role `{unknown[0]}`; the roles are {', '.join(dict.fromkeys(usual))}")
     if len(set(usual)) > 1 and tuple(roles) != usual:
-        raise ValueError(f"the rules of `{game}` give the roles: {', '.join(usual)}; take them in this order")
-    if len(roles) != number:  # a game whose number of agents is fixed takes no other
+        raise ValueError(f"`{game}` has the roles {', '.join(usual)}; give them in this order")
+    if len(roles) != number:  # refused by games with a fixed number of agents
         arguments["num_agents"] = len(roles)
     return Substrate(game, seed, tile, **arguments)
 
@@ -206,26 +205,26 @@ def build(game: str, roles: Sequence[str], seed: int | None = None, tile: int = 
 def _make(game: str, arguments: Mapping[str, Any]) -> Environment:
     """Returns the environment of a substrate by its name there, or of any game.
 
-    `clean_up` names both: it is the substrate, and with the argument `variant` (None: the game as it is) the game.
-    Raises ValueError for a substrate that is not there yet.
+    `clean_up` names both: it means the substrate, or, with the argument `variant` (None: the plain game), the game.
+    Raises ValueError for a substrate that isn't available yet.
     """
     entry = _entry(game, arguments)
     if entry is None:
         return make(game, **arguments)
     if not entry.game:
-        raise ValueError(f"the substrate `{game}` has not been written yet; docs/meltingpot.md has those that are there")
+        raise ValueError(f"the substrate `{game}` isn't available yet; docs/meltingpot.md lists those that are")
     variant = "+".join(name for name in (entry.variant, arguments.get("variant")) if name)
     return make(entry.game, **{**arguments, "variant": variant or None})
 
 
 def _entry(game: str, arguments: Mapping[str, Any]) -> Entry | None:
-    """Returns the substrate that is meant; None if it is a game."""
+    """Returns the named substrate; None if the name is a game's."""
     entry = substrates().get(game)
     return None if entry is None or (game in bundled() and ("variant" in arguments or not entry.game)) else entry
 
 
 def _roles(game: str, number: int) -> tuple[str, ...]:
-    """Returns the roles of so many players: Melting Pot's, where it names them and the number is that of the substrate."""
+    """Returns the roles of the players: Melting Pot's if it names them and the number is that of the substrate."""
     entry = substrates().get(game)
     named = entry.roles if entry is not None else ()
     return named if len(named) == number else (ROLE,) * number

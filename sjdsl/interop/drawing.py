@@ -23,7 +23,7 @@ class Drawing:
         self._looks: Any = None
 
     def draw(self, state: Any, returns: np.ndarray) -> np.ndarray | str | None:
-        """Returns a picture `[height, width, 3]` uint8 or a text; shows it and returns None where the mode is `human`.
+        """Returns a picture `[height, width, 3]` uint8 or a text; in mode `human` shows it and returns None.
 
         Raises:
           RuntimeError: there is no state yet.

@@ -31,7 +31,7 @@ MODES: dict[AutoresetMode, Autoreset] = {
 class VectorGame(VectorEnv):
     """`num_envs` environments of a game; sub-environment `b * num_agents + i` is agent i of environment b.
 
-    Autoreset happens in the same step unless another mode is asked for: `observations` are those of the new episode, the last ones of
+    Autoreset happens in the same step unless another mode is chosen: `observations` are those of the new episode, the last ones of
     the old episode are in `infos["final_obs"]`. Rewards are raw, float64. Infos have the events of the step.
     """
 
@@ -51,9 +51,9 @@ class VectorGame(VectorEnv):
         Args:
           game, observation, arguments: of `sjdsl.make`.
           num_envs: environments of the game; Gymnasium's `num_envs` of the result is this times the number of agents.
-          common_reward: every agent is paid the sum of its environment's rewards.
+          common_reward: whether every agent gets the sum of its environment's rewards.
           autoreset_mode: Gymnasium's, or its name: `SAME_STEP`; `NEXT_STEP`, in which the step after an episode's last begins the next
-            one, whatever the actions; `DISABLED`, in which `reset` does, `options={"reset_mask": …}` saying for whom.
+            one, whatever the actions; `DISABLED`, in which only `reset` does, for all or for `options={"reset_mask": …}`.
         Raises:
           ValueError: there is no such mode.
         """
@@ -68,23 +68,23 @@ class VectorGame(VectorEnv):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts all episodes, or those that `options["reset_mask"]`, `[num_envs]` bool, has; observations are of all.
+        """Starts all episodes, or those in `options["reset_mask"]`, `[num_envs]` bool; returns the observations of all.
 
         The same seed, one number, gives the same episodes under the same actions.
 
         Raises:
-          TypeError: a seed that is not one whole number, or another option.
-          ValueError: a negative seed; a mask that has only some of the agents of an environment.
+          TypeError: the seed isn't one whole number, or there is another option.
+          ValueError: the seed is negative, or the mask has only some of the agents of an environment.
         """
-        asked = dict(options or {})
-        chosen = asked.pop("reset_mask", None)
-        if asked:
-            raise TypeError(f"there is no option `{next(iter(asked))}`; it is `reset_mask`")
+        given = dict(options or {})
+        chosen = given.pop("reset_mask", None)
+        if given:
+            raise TypeError(f"there is no option `{next(iter(given))}`; the only option is `reset_mask`")
         super().reset(seed=checked_seed(seed))
         return self._slots.reset(seed, chosen), {}
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Plays one step; an action that is no whole number, or out of range, is refused."""
+        """Plays one step. Raises TypeError or ValueError for an action that isn't a whole number or is out of range."""
         if self.closed:
             raise RuntimeError("the environment is closed")
         made = self._slots.step(actions)

@@ -24,14 +24,14 @@ FRAMES = 8  # a second, when an episode is shown
 
 
 class AgentGame(Copied, gymnasium.Env):
-    """One environment of a game, seen and steered by one of its agents.
+    """One environment of a game from the view of one of its agents, which it controls.
 
-    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"` is asked for. The reward is the agent's own,
+    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"`. The reward is the agent's own,
     raw. Infos: the events of the step for this agent, by name; `action_mask`, `[num_actions]` int8, the actions that are allowed;
     `rewards`, `[num_agents]` float32, of everybody. An episode ends by truncation, or by termination where the rules say `end`.
 
     Attributes:
-      env: the `sjdsl.Environment`; agent: whom the actions steer.
+      env: the `sjdsl.Environment`; agent: the number of the controlled agent.
     """
 
     KEPT = ("_key", "_state", "_memory", "_over", "_returns", "_np_random", "_np_random_seed", "spec")
@@ -50,17 +50,17 @@ class AgentGame(Copied, gymnasium.Env):
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          agent: its number.
-          others: what the other agents do: `random`, `stay`, the folder of a training run, a `.safetensors` file of a policy, or any
+          agent: the number of the controlled agent.
+          others: the policy of the other agents: `random`, `stay`, the folder of a training run, the `.safetensors` file of a policy, or any
             other name of one (`sjdsl.trainers.find_policy`); or a function `(key, observation) -> actions [num_agents]` that can be
             jitted, whose observations are tokens of all agents.
           render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as a text; `rgb_array`, a picture.
         Raises:
-          ValueError: there is no such agent or mode. PolicyError: `others` names no policy, or one of another game.
+          ValueError: there is no such agent or mode. PolicyError: there is no policy `others`, or it is for another game.
         """
         self.env = make(game, observation=observation, **arguments)
         if not 0 <= agent < self.env.num_agents:
-            raise ValueError(f"{self.env.name} has no agent {agent}: 0 to {self.env.num_agents - 1}")
+            raise ValueError(f"{self.env.name} has no agent {agent}; its agents are 0 to {self.env.num_agents - 1}")
         self.agent, self.render_mode = agent, render_mode
         self._np_random, self._np_random_seed, self.spec = None, None, None
         self.observation_space = spaces.Box(0, window_high(self.env), dtype=np.uint8)
@@ -91,30 +91,30 @@ class AgentGame(Copied, gymnasium.Env):
         """Plays one step.
 
         Raises:
-          RuntimeError: no episode is under way. TypeError: the action is no whole number. ValueError: it is none of the game's.
+          RuntimeError: no episode has been started. TypeError: the action isn't a whole number. ValueError: it is out of range.
         """
         if self._over:
-            raise RuntimeError("no episode is under way; call reset")
+            raise RuntimeError("the episode is over or not started; call reset")
         chosen = numbers_of_actions([action], self.env.num_actions, lambda _: "")[0]
         self._key, self._memory, observation, self._state, rewards, info = self._advance(self._key, self._memory, self._state, chosen)
-        paid = np.array(rewards)
-        self._returns = self._returns + paid
+        earned = np.array(rewards)
+        self._returns = self._returns + earned
         terminated, truncated = bool(info["terminated"]), bool(info["truncated"])
         self._over = terminated or truncated
         if self.render_mode == "human":
             self.render()
         infos: dict[str, Any] = {name: int(count) for name, count in by_name(info["events"]).items()}
-        infos |= {"action_mask": np.array(info["action_mask"]), "rewards": paid}
-        return np.array(observation), float(paid[self.agent]), terminated, truncated, infos
+        infos |= {"action_mask": np.array(info["action_mask"]), "rewards": earned}
+        return np.array(observation), float(earned[self.agent]), terminated, truncated, infos
 
     def action_masks(self) -> np.ndarray:
-        """Returns the actions that are allowed next, `[num_actions]` bool, as `MaskablePPO` of sb3-contrib asks for them."""
+        """Returns the actions that are allowed next, `[num_actions]` bool, as `MaskablePPO` of sb3-contrib needs them."""
         if self._state is None:
             raise RuntimeError("call reset before action_masks")
         return np.asarray(self.env.allowed_actions(self._state)[self.agent])
 
     def render(self) -> np.ndarray | str | None:
-        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; shows it and returns None where the mode is `human`."""
+        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; in mode `human` shows it and returns None."""
         return self._drawing.draw(self._state, self._returns)
 
     def _first(self, key: Any) -> tuple[Any, Any, Any, Any]:

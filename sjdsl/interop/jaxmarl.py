@@ -59,14 +59,14 @@ class JaxMARLGame(Copied, MultiAgentEnv):
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          flat: observations are vectors, as scripts with dense or recurrent networks need; otherwise `[rows, cols, channels]`. float32.
+          flat: whether observations are vectors, as scripts with dense or recurrent networks need, or `[rows, cols, channels]`; float32.
           world_state: adds `obs["world_state"]`, `[num_agents, size]`, for central critics: all observations, or the state's vector.
-          common_reward: every agent is paid the sum of all rewards.
-          shaped_reward: adds `info["shaped_reward"]`, zeros by agent, which scripts written for Overcooked take out.
-          terminal_observation: adds `info["terminal_observation"]`, `[num_agents, ...]`, which `step` would lose at an episode's end.
+          common_reward: whether every agent gets the sum of all rewards.
+          shaped_reward: adds `info["shaped_reward"]`, zeros by agent, which scripts written for Overcooked remove.
+          terminal_observation: adds `info["terminal_observation"]`, `[num_agents, ...]`, which `step` would drop at an episode's end.
         """
         if world_state not in (None, "observations", "state"):
-            raise ValueError(f"world_state is None, `observations` or `state`, not {world_state!r}")
+            raise ValueError(f"world_state must be None, `observations` or `state`, not {world_state!r}")
         self.env = make_environment(game, observation=observation, **arguments)
         super().__init__(self.env.num_agents)
         self.max_steps = self.env.episode_length
@@ -91,15 +91,15 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         return {f"role_{role}": [a for a, r in zip(self.agents, roles, strict=True) if r == role] for role in sorted(set(roles))}
 
     def observation_space(self, agent: str | None = None) -> spaces.Box:
-        """Returns the space of an agent; they are all alike."""
+        """Returns the space of an agent; all agents have the same."""
         return self.observation_spaces[self.agents[0] if agent is None else agent]
 
     def action_space(self, agent: str | None = None) -> spaces.Discrete:
-        """Returns the space of an agent; they are all alike."""
+        """Returns the space of an agent; all agents have the same."""
         return self.action_spaces[self.agents[0] if agent is None else agent]
 
     def world_state_size(self) -> int:
-        """Returns how long a row of `obs["world_state"]` is."""
+        """Returns the size of a row of `obs["world_state"]`."""
         observations = jax.eval_shape(self.reset, jax.random.key(0))[0]
         if "world_state" not in observations:
             raise ValueError('there is no world state: make the environment with world_state="observations" or "state"')
@@ -116,11 +116,11 @@ class JaxMARLGame(Copied, MultiAgentEnv):
     def step(
         self, key: Array, state: GameState, actions: Mapping[str, Array], reset_state: GameState | None = None
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
-        """One step; a finished episode is followed by the first state of the next, or by `reset_state`."""
+        """Plays one step; after a finished episode, returns the first state of the next, or `reset_state`."""
         if reset_state is not None:
             result: tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]] = super().step(key, state, actions, reset_state)
             return result
-        # resets of the game are computed only where an environment of a batch is done; those of the base class in every step
+        # The game computes resets only if an environment of a batch is done; the base class computes them in every step.
         observation, game, reward, done, info = self.env.step(key, _game(state), self._actions(actions))
         return self._observations(observation, game), _state(game, jnp.asarray(False)), *self._results(reward, done, info)
 
@@ -128,7 +128,7 @@ class JaxMARLGame(Copied, MultiAgentEnv):
     def step_env(
         self, key: Array, state: GameState, actions: Mapping[str, Array]
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
-        """As `step`, without what follows an episode."""
+        """As `step`, but without a reset."""
         observation, game, reward, done, info = self.env.step_env(key, _game(state), self._actions(actions))
         return self._observations(observation, game), _state(game, done), *self._results(reward, done, info)
 
@@ -179,15 +179,15 @@ def _state(game: Any, done: Array) -> GameState:
 
 
 def _game(state: GameState) -> Any:
-    """Returns the game's state at the step that JaxMARL's state says, which its users may set."""
+    """Returns the game's state at the step of JaxMARL's state, which its users may set."""
     return state.game.replace(step=jnp.asarray(state.step).astype(state.game.step.dtype))
 
 
 def register() -> None:
-    """Lets `jaxmarl.make` make `sjdsl_NAME` with the arguments of `JaxMARLGame`; calling it again changes nothing.
+    """Makes `jaxmarl.make` know `sjdsl_NAME`, with the arguments of `JaxMARLGame`; calling it again changes nothing.
 
-    NAME is a bundled or installed game, as `jaxmarl.registered_envs` lists them, or the path of a `.sj` file. `sjdsl/NAME` is the same
-    game; but JaxMARL's scripts write files with the name of the environment in theirs.
+    NAME is a bundled or installed game, as listed in `jaxmarl.registered_envs`, or the path of a `.sj` file. `sjdsl/NAME` is the same
+    game, but JaxMARL's scripts put the name of the environment into file names.
     """
     known = registration.registered_envs
     known.extend(name for name in (f"{prefix}{game}" for prefix in PREFIXES for game in game_names()) if name not in known)

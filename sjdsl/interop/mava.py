@@ -1,7 +1,6 @@
 """Mava adapter: a compiled game as a `MarlEnv`, which is an environment of Jumanji with a few attributes more."""
 
 import importlib
-from collections.abc import Mapping
 from functools import cache, cached_property, wraps
 from typing import Any, Literal, NamedTuple
 
@@ -20,11 +19,11 @@ with needs("mava"):
     from jumanji import Environment, specs
     from jumanji.types import TimeStep, restart, truncation
 
-SCENARIO = "sjdsl"  # how Mava's configuration names our games
+SCENARIO = "sjdsl"  # the name of our games in Mava's configuration
 
 
 class Observation(NamedTuple):
-    """What the agents see, as in `mava.types`.
+    """The observations of the agents, as in `mava.types`.
 
     agents_view: `[N, features]` or `[N, rows, cols, channels]` float32; action_mask: `[N, A]` bool, the actions that are allowed;
     step_count: `[N]` int32, steps since the episode began.
@@ -36,7 +35,7 @@ class Observation(NamedTuple):
 
 
 class ObservationGlobalState(NamedTuple):
-    """The same with what a central critic sees, for each agent a copy: `[N, size]` or `[N, rows, cols, N * channels]` float32."""
+    """The same with the input of a central critic, a copy for each agent: `[N, size]` or `[N, rows, cols, N * channels]` float32."""
 
     agents_view: Array
     action_mask: Array
@@ -53,10 +52,10 @@ class State:
 
 
 class MavaGame(Copied, Environment):
-    """One environment of a game. It does not begin anew after an episode's last step: Mava's and Jumanji's wrappers do that.
+    """One environment of a game, without autoreset, which Mava's and Jumanji's wrappers do.
 
     Rewards and discounts are `[N]` float32, the rewards raw. An episode's last step has discount 1 where it is cut off, 0 where the rules
-    end it. `timestep.extras` has the `events` and `metrics` of the step by name; the first timestep of an episode has none of them happen.
+    end it. `timestep.extras` has the `events` and `metrics` of the step by name; at the first timestep of an episode all events are 0.
 
     Attributes:
       env: the `sjdsl.Environment`; num_agents; action_dim: how many actions there are; time_limit: the length of an episode.
@@ -75,14 +74,14 @@ class MavaGame(Copied, Environment):
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          flat: what an agent sees is a vector; otherwise `[rows, cols, channels]`, for convolutions.
-          global_state: adds `observation.global_state`: what all agents see, or the state's vector.
-          common_reward: every agent is paid the sum of all rewards.
+          flat: whether observations are vectors; otherwise `[rows, cols, channels]`, for convolutions.
+          global_state: adds `observation.global_state`: all agents' observations, or the state's vector.
+          common_reward: whether every agent gets the sum of all rewards.
         Raises:
           ValueError: there is no such global state.
         """
         if global_state not in (None, "observations", "state"):
-            raise ValueError(f"global_state is None, `observations` or `state`, not {global_state!r}")
+            raise ValueError(f"global_state must be None, `observations` or `state`, not {global_state!r}")
         self.env = make_game(game, observation=observation, **arguments)
         self.num_agents, self.action_dim, self.time_limit = self.env.num_agents, self.env.num_actions, self.env.episode_length
         self._flat, self._global_state, self._common_reward = flat, global_state, common_reward
@@ -157,20 +156,21 @@ class MavaGame(Copied, Environment):
 
 @cache
 def observation_classes() -> tuple[type, type]:
-    """Returns Mava's own classes, for which its central critics test, or ours where Mava is not installed."""
+    """Returns Mava's own classes, which its central critics test for, or ours if Mava isn't installed."""
     try:
         theirs = importlib.import_module("mava.types")
         return theirs.Observation, theirs.ObservationGlobalState
-    except (ModuleNotFoundError, AttributeError):  # there is another package of the name `mava`
+    except (ModuleNotFoundError, AttributeError):  # another package is also named `mava`
         return Observation, ObservationGlobalState
 
 
 def register() -> None:
-    """Lets Mava's scripts have our games by `env=sjdsl env.game=NAME`; calling it again changes nothing.
+    """Makes our games available to Mava's scripts as `env=sjdsl env.game=NAME`; calling it again changes nothing.
 
     NAME is a bundled or installed game, or the path of a `.sj` file; `env.kwargs` has the arguments of `MavaGame`.
     """
     from hydra.core.config_store import ConfigStore
+    from omegaconf import OmegaConf
 
     make_env: Any = importlib.import_module("mava.utils.make_env")
     theirs = make_env.make
@@ -181,7 +181,10 @@ def register() -> None:
     def make(config: Any, add_global_state: bool = False) -> Any:
         if config.env.scenario.name != SCENARIO:
             return theirs(config, add_global_state)
-        arguments = {"global_state": "observations" if add_global_state else None, **_plain(config.env.kwargs)}
+        arguments = {
+            "global_state": "observations" if add_global_state else None,
+            **OmegaConf.to_container(config.env.kwargs, resolve=True),
+        }
         return make_env.add_extra_wrappers(MavaGame(config.env.game, **arguments), MavaGame(config.env.game, **arguments), config)
 
     make.makes_compiled_games = True  # type: ignore[attr-defined]
@@ -190,7 +193,7 @@ def register() -> None:
         group="env",
         name=SCENARIO,
         node={
-            "game": "???",  # Hydra's word for what has to be given
+            "game": "???",  # Hydra's marker for a required value
             "env_name": SCENARIO,
             "scenario": {"name": SCENARIO, "task_name": "${env.game}"},
             "eval_metric": "episode_return",
@@ -199,10 +202,3 @@ def register() -> None:
             "kwargs": {},
         },
     )
-
-
-def _plain(config: Any) -> Mapping[str, Any]:
-    from omegaconf import OmegaConf
-
-    result: Mapping[str, Any] = OmegaConf.to_container(config, resolve=True)
-    return result

@@ -25,10 +25,10 @@ Figures = dict[str, dict[str, Any]]
 class ParallelGame(Copied, ParallelEnv):
     """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all leave together.
 
-    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"` is asked for; rewards are raw. An episode ends
+    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"`; rewards are raw. An episode ends
     by truncation, or by termination where the rules say `end`. Infos have the events of the step, and `action_mask`, `[num_actions]` int8,
-    the actions that are allowed next. An action out of range is refused.
-    It can be copied and pickled: what comes back starts where this one stands.
+    the actions that are allowed next. An action out of range raises ValueError. Environments
+    can be copied and pickled with their state.
     """
 
     KEPT = ("_key", "_state", "_returns", "agents")
@@ -65,7 +65,7 @@ class ParallelGame(Copied, ParallelEnv):
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, np.ndarray], Figures]:
-        """Starts an episode. The same seed gives the same episode under the same actions; without one, the draws go on."""
+        """Starts an episode. The same seed gives the same episode under the same actions; without one, the random draws continue."""
         del options
         if seed is not None or self._key is None:
             self._key = seeded_key(seed)
@@ -85,7 +85,7 @@ class ParallelGame(Copied, ParallelEnv):
             return {}, {}, {}, {}, {}
         missing = [agent for agent in self.agents if agent not in actions]
         if missing:
-            raise KeyError(f"no action for {missing[0]}; give one to each of {', '.join(self.agents)}")
+            raise KeyError(f"no action for {missing[0]}; give one for each of {', '.join(self.agents)}")
         chosen = numbers_of_actions([actions[agent] for agent in self.agents], self.env.num_actions, lambda i: f" of {self.agents[i]}")
         self._key, step_key = jax.random.split(self._key)
         observation, self._state, reward, done, info = self.env.step_env(step_key, self._state, chosen)
@@ -115,11 +115,11 @@ class ParallelGame(Copied, ParallelEnv):
         return np.asarray(self._vector(self._state))
 
     def render(self) -> np.ndarray | str | None:
-        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; shows it and returns None where the mode is `human`."""
+        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; in mode `human` shows it and returns None."""
         return self._drawing.draw(self._state, self._returns)
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """Does nothing: there is nothing to release."""
 
     def _masks(self) -> dict[str, np.ndarray]:
         """Returns the actions that are allowed next, by agent."""
@@ -130,7 +130,7 @@ class ParallelGame(Copied, ParallelEnv):
 
 
 def parallel_env(game: str, **arguments: Any) -> ParallelGame:
-    """Returns `ParallelGame(game, …)`, the name PettingZoo's tools look for."""
+    """Returns `ParallelGame(game, …)`, under the name that PettingZoo's tools look for."""
     return ParallelGame(game, **arguments)
 
 

@@ -1,4 +1,4 @@
-"""Presents many environments as a batch of single agents (slots), with NumPy arrays in and out."""
+"""Many environments as a batch of single agents (slots), with NumPy arrays in and out."""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -16,11 +16,11 @@ from sjdsl.runtime.env import Encoding
 
 @dataclass(frozen=True)
 class SlotStep:
-    """What one step gives, S slots.
+    """The results of one step, for S slots.
 
     observations: `[S, rows, cols, channels]` uint8; rewards: `[S]` float32; terminated, truncated: `[S]` bool; events: counts by
-    name, `[S]` int32; began: `[S]` bool, where the step was the beginning of an episode instead; final: the last observations of the
-    episodes that have ended, by slot, where `observations` has them no more.
+    name, `[S]` int32; began: `[S]` bool, whether the step was the start of an episode instead; final: the last observations of the
+    episodes that have ended, by slot, if `observations` no longer has them.
     """
 
     observations: np.ndarray
@@ -38,8 +38,8 @@ Autoreset = Literal["same step", "next step", "never"]
 class Slots(Copied):
     """`num_envs` environments stepped together; slot `b * num_agents + i` is agent i of environment b.
 
-    What follows an episode's last step is said by `autoreset`: the next episode begins in the `same step`; in the `next step`, which
-    takes no actions of that environment and pays nothing; or `never`, until `reset` is called for it.
+    `autoreset` sets when the next episode starts: in the `same step` as the last one ends; in the `next step`, which ignores the actions of
+    that environment and has reward 0; or `never`, until `reset` is called for it.
 
     Attributes:
       env: the `sjdsl.Environment`; num_slots; window: `(rows, cols, channels)` of an observation.
@@ -60,14 +60,14 @@ class Slots(Copied):
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          num_envs: how many.
-          common_reward: every agent is paid the sum of its environment's rewards.
+          num_envs: the number of environments.
+          common_reward: whether every agent gets the sum of its environment's rewards.
           autoreset: see above.
         Raises:
           ValueError: `num_envs` is less than 1.
         """
         if num_envs < 1:
-            raise ValueError(f"num_envs is at least 1, not {num_envs}")
+            raise ValueError(f"num_envs must be at least 1, not {num_envs}")
         self.env = make(game, observation=observation, **arguments)
         self.num_envs, self.num_agents = num_envs, self.env.num_agents
         self.num_slots = num_envs * self.num_agents
@@ -76,7 +76,7 @@ class Slots(Copied):
         self._common_reward, self._autoreset = common_reward, autoreset
         self._key: Any = None
         self._state: Any = None
-        self._over = np.zeros(num_envs, bool)  # who has ended and not begun again
+        self._over = np.zeros(num_envs, bool)  # whose episode has ended and not restarted
         self._begin = jax.jit(self._reset)
         self._advance = jax.jit(self._step)
         self._advance_alone = jax.jit(self._step_env)
@@ -84,13 +84,13 @@ class Slots(Copied):
         self._allowed = jax.jit(jax.vmap(self.env.allowed_actions))
 
     def reset(self, seed: int | None = None, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Starts episodes and returns the observations of all; without a seed the draws go on, or begin somewhere at first.
+        """Starts episodes and returns the observations of all; without a seed the random draws continue, or start anywhere the first time.
 
         Args:
-          chosen: `[S]` bool, whose environments to reset; all by default, and the first time.
+          chosen: `[S]` bool, the slots whose environments to reset; all by default, and the first time.
         Raises:
           ValueError: `chosen` has another shape, or only some of the agents of an environment; the seed is negative.
-          TypeError: the seed is no whole number.
+          TypeError: the seed isn't a whole number.
         """
         envs = np.ones(self.num_envs, bool) if chosen is None else self._whole(chosen)
         if self._state is None:
@@ -112,13 +112,13 @@ class Slots(Copied):
           actions: `[S]` integers.
         Raises:
           RuntimeError: before the first reset, or in an environment that has ended and waits for its reset.
-          TypeError: actions that are not whole numbers. ValueError: another shape, or a number that is no action.
+          TypeError: the actions aren't whole numbers. ValueError: they have another shape, or one is out of range.
         """
         if self._state is None:
             raise RuntimeError("call reset before step")
         chosen = np.asarray(actions)
         if chosen.shape != (self.num_slots,):
-            raise ValueError(f"actions have shape {chosen.shape}, one for each slot is wanted: ({self.num_slots},)")
+            raise ValueError(f"expected actions of shape ({self.num_slots},), got {chosen.shape}")
         chosen = numbers_of_actions(chosen, self.env.num_actions, lambda slot: f" of slot {slot}")
         if self._autoreset == "never" and self._over.any():
             raise RuntimeError(f"environment {self._over.argmax()} has ended; reset it before the next step")
@@ -152,19 +152,21 @@ class Slots(Copied):
         return action_masks(self.env, self._state, self._allowed).reshape(self.num_slots, -1)
 
     def _whole(self, chosen: np.ndarray) -> np.ndarray:
-        """Returns which environments the chosen slots are."""
+        """Returns the environments of the chosen slots."""
         mask = np.asarray(chosen, bool)
         if mask.shape != (self.num_slots,):
-            raise ValueError(f"the slots to reset have shape {mask.shape}, one for each slot is wanted: ({self.num_slots},)")
+            raise ValueError(f"expected a mask of shape ({self.num_slots},), got {mask.shape}")
         by_env = mask.reshape(self.num_envs, self.num_agents)
         parted = by_env.any(axis=1) & ~by_env.all(axis=1)
         if parted.any():
-            raise ValueError(f"only some agents of environment {parted.argmax()} are to be reset; they begin an episode together")
+            raise ValueError(
+                f"the mask has only some agents of environment {parted.argmax()}; reset all or none, as they start an episode together"
+            )
         result: np.ndarray = np.all(by_env, axis=1)
         return result
 
     def _final(self, states: Any, ended: np.ndarray) -> dict[int, np.ndarray]:
-        """Returns the last observations of the environments that have ended; observed only then."""
+        """Returns the last observations of the environments that have ended."""
         if not ended.any():
             return {}
         observations = self._slots(self._look(states))
@@ -180,7 +182,7 @@ class Slots(Copied):
         return key, observation, state, *self._outcome(reward, info)
 
     def _step_env(self, key: Any, state: Any, actions: Any, begins: Any) -> tuple[Any, Any, Any, Any, Any]:
-        """Plays a step of the environments that go on; those that begin anew are reset, with nothing paid and nothing counted."""
+        """Plays a step of the running environments; those that restart are reset, with rewards and counts 0."""
         key, steps = jax.random.split(key)
         keys = jax.vmap(jax.random.split)(jax.random.split(steps, self.num_envs))
         observation, stepped, reward, _, info = jax.vmap(self.env.step_env)(keys[:, 0], state, actions)

@@ -35,7 +35,7 @@ __all__ = [
     "save_params",
 ]
 
-# its compass is turned round: its `left` is a larger column, its `up` a larger row
+# the suite's compass is turned round: `left` increases the column, `up` the row
 ACTIONS = {"turned round": (0, 1, 3, 2, 5, 4), "as ours": (0, 1, 2, 3, 4, 5)}
 VARIANT = "socialjax"
 
@@ -79,7 +79,7 @@ class SocialJaxGame(Copied):
         depth, self._channels = make_channels(self.env, entry)
         self._rewards = make_rewards(mode, self.num_agents, entry.scaled, entry.shared)
         kind = "shaped" if mode.inequity_aversion or mode.svo or mode.interest else "alone"
-        self._scale = self.num_agents if kind in entry.scaled and not mode.shared_rewards else 1  # of one's own reward, before it is shaped
+        self._scale = self.num_agents if kind in entry.scaled and not mode.shared_rewards else 1  # of an agent's own reward, before shaping
         moves = ACTIONS[entry.compass]
         self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
         rows, cols = self.env.observation_shape[2:]
@@ -92,16 +92,16 @@ class SocialJaxGame(Copied):
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """The names of the suite's action numbers, by what they do on our map."""
+        """The names of the suite's actions, by their effect on our map."""
         return tuple(self.env.action_names[number] for number in self._actions.tolist())
 
     def observation_space(self, agent: int | str | None = None) -> tuple[Any, tuple[int, ...]]:
-        """Returns the space of an agent and its shape, a pair as in the suite; they are all alike."""
+        """Returns the space of an agent and its shape, a pair as in the suite; all agents have the same."""
         del agent
         return make_box(0.0, 255.0, self._shape), self._shape
 
     def action_space(self, agent: int | str | None = None) -> Any:
-        """Returns the space of an agent; they are all alike."""
+        """Returns the space of an agent; all agents have the same."""
         del agent
         return make_discrete(self.env.num_actions)
 
@@ -115,11 +115,11 @@ class SocialJaxGame(Copied):
     def step(
         self, key: Array, state: State, actions: Sequence[Array] | Array, timestep: Any = 0, reset_state: State | None = None
     ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
-        """One step; after the last episode the next begins, or `reset_state`.
+        """Plays one step; after the last episode, returns the first state of the next, or `reset_state`.
 
         Args:
           actions: N numbers or arrays of shape `()` or `(1,)`, in the order of `agents`.
-          timestep: of the training, for a schedule of reward exchange.
+          timestep: the time step of the training, for a schedule of reward exchange.
         """
         observation, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
         made = self._after(state, game, ended)
@@ -134,7 +134,7 @@ class SocialJaxGame(Copied):
     def step_env(
         self, key: Array, state: State, actions: Sequence[Array] | Array, timestep: Any = 0
     ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
-        """As `step`, but what the last episode ends with stays."""
+        """As `step`, but keeps the last state of the last episode."""
         _, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
@@ -154,7 +154,7 @@ class SocialJaxGame(Copied):
         return draw_board(make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents)))
 
     def _ours(self, actions: Sequence[Array] | Array) -> Array:
-        """Returns our numbers of actions; numbers out of range mean nothing, as in the suite."""
+        """Returns the action numbers of our game; numbers out of range have no effect, as in the suite."""
         given = self._stacked(actions)
         known = (given >= 0) & (given < self.env.num_actions)
         return jnp.where(known, self._actions[jnp.where(known, given, 0)], -1)
@@ -194,14 +194,14 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
     """Returns a game by the suite's id, with its keyword arguments.
 
     Args:
-      env_id: `registered_envs` has them.
+      env_id: one of `registered_envs`.
       kwargs: `num_agents`, `num_inner_steps` (1000; lb_foraging 100), `num_outer_steps` (1), `cnn`, `jit`, `obs_size` (11; lb_foraging's
         is `sight`, 8), `map_ASCII`, those that choose the reward (`socialjax_rewards.Mode`), and the game's own.
     Raises:
-      ValueError: an id or a value that there is not. TypeError: a keyword that there is not; both say which there are.
+      ValueError: an unknown id or value. TypeError: an unknown keyword. Both messages list the known ones.
     """
     if env_id not in entries():
-        raise ValueError(f"there is no `{env_id}`; the ids are {', '.join(entries())}")
+        raise ValueError(f"there is no id `{env_id}`; the ids are {', '.join(entries())}")
     entry, given = entries()[env_id], dict(kwargs)
     modes = {field.name for field in fields(Mode)}
     window, side = entry.window
@@ -210,25 +210,20 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
     if unknown:
         raise TypeError(f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}")
     if given.get(window, side) != side:
-        raise ValueError(f"{window} is {side}; another window is another game: change its `observe` line")
+        raise ValueError(f"{window} must be {side}; for another window, change the `observe` line of the game")
     steps = int(given.get("num_inner_steps", entry.steps))
     params = {ours: given[theirs] for theirs, ours in entry.kwargs.items() if theirs in given}
     arguments: dict[str, Any] = {"params": {"length": steps, **params}}
     if given.get("num_agents") is not None:
         arguments["num_agents"] = given["num_agents"]
     if given.get("map_ASCII") is not None:
-        arguments["map"] = _rows(given["map_ASCII"], entry)
+        wrong = sorted(set("".join(given["map_ASCII"])) - set(entry.letters))
+        if wrong:
+            raise ValueError(f"map_ASCII can't have the letter `{wrong[0]}`; its letters are {' '.join(map(repr, entry.letters))}")
+        arguments["map"] = tuple("".join(entry.letters[letter] for letter in row) for row in given["map_ASCII"])
     mode = Mode(**{"shared_rewards": entry.shared_rewards, **{name: given[name] for name in modes & set(given)}})
     return SocialJaxGame(entry, mode, steps, int(given.get("num_outer_steps", 1)), bool(given.get("cnn", True)), **arguments)
 
 
 COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")
 registered_envs = tuple(entries())
-
-
-def _rows(map_ascii: Sequence[str], entry: Entry) -> tuple[str, ...]:
-    """Returns a map of the suite in our letters."""
-    unknown = sorted(set("".join(map_ascii)) - set(entry.letters))
-    if unknown:
-        raise ValueError(f"`{unknown[0]}` is no letter of map_ASCII: {' '.join(repr(letter) for letter in entry.letters)}")
-    return tuple("".join(entry.letters[letter] for letter in row) for row in map_ascii)

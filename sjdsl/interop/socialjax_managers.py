@@ -18,7 +18,7 @@ Batch = dict[str, Array]
 
 
 class _Wrapper:
-    """Passes on what it does not have."""
+    """Forwards everything that it doesn't define."""
 
     def __init__(self, env: Any) -> None:
         self._env = env
@@ -28,19 +28,7 @@ class _Wrapper:
 
 
 class MAPPOWorldStateWrapper(_Wrapper):
-    """Changes nothing: the suite's scripts make the critic's input, all observations side by side, themselves. `world_state` is there too."""
-
-    @partial(jax.jit, static_argnums=0)
-    def reset(self, key: Array) -> tuple[Array, Any]:
-        """As the environment's."""
-        result: tuple[Array, Any] = self._env.reset(key)
-        return result
-
-    @partial(jax.jit, static_argnums=0)
-    def step(self, key: Array, state: Any, actions: Any, timestep: Any = 0) -> tuple[Array, Any, Array, Batch, Batch]:
-        """As the environment's."""
-        result: tuple[Array, Any, Array, Batch, Batch] = self._env.step(key, state, actions, timestep)
-        return result
+    """Adds `world_state`; the suite's scripts themselves build the critic's input, all observations side by side."""
 
     def world_state(self, observation: Array, state: Any) -> Array:
         """Returns the observations of all agents, `[N, …]`."""
@@ -55,17 +43,17 @@ class CTRolloutManager(_Wrapper):
     which counts a shared reward once for each agent, as the suite does. Arrays begin with the axis of environments, B.
 
     Attributes:
-      max_action_space: how many actions there are; max_obs_length: entries of an observation; obs_size: of one as it is returned.
+      max_action_space: the number of actions; max_obs_length: the size of an observation; obs_size: its size after preprocessing.
     """
 
     def __init__(self, env: Any, batch_size: int, training_agents: Sequence[int] | None = None, preprocess_obs: bool = True) -> None:
-        """Makes it.
+        """Makes the manager.
 
         Args:
           env: a game, or a game in a log wrapper.
           batch_size: B.
-          training_agents: whose rewards are summed; all by default.
-          preprocess_obs: observations are vectors, each followed by the agent's number in one-hot form.
+          training_agents: the agents whose rewards are summed; all by default.
+          preprocess_obs: whether to flatten observations and append the agent's number in one-hot form.
         """
         super().__init__(env)
         self.batch_size, self.preprocess_obs = batch_size, preprocess_obs
@@ -95,13 +83,13 @@ class CTRolloutManager(_Wrapper):
 
     @partial(jax.jit, static_argnums=(0, 2))
     def batch_sample(self, key: Array, agent: int | str) -> Array:
-        """Returns an action for an agent in every environment, `[B]`, each with equal probability."""
+        """Returns a uniformly random action for an agent in every environment, `[B]`."""
         sample = self._env.action_space(agent).sample
         result: Array = jax.vmap(sample)(jax.random.split(key, self.batch_size)).astype(jnp.int32)
         return result
 
     def get_valid_actions(self, states: Any) -> Batch:
-        """Returns ones, `[B, A]` for each agent: every action may be taken, as in the suite."""
+        """Returns ones, `[B, A]` for each agent: every action is valid, as in the suite."""
         del states
         return {str(agent): jnp.ones((self.batch_size, self.max_action_space)) for agent in self._env.agents}
 

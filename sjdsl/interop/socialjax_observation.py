@@ -13,7 +13,7 @@ TURNED = ("same heading", "turned left", "opposite", "turned right")
 
 
 def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array], Array]]:
-    """Returns how many channels there are, and the function `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
+    """Returns the number of channels, and the function `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
 
     Args:
       env: with one-hot observations.
@@ -24,7 +24,9 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     turned = TURNED if entry.headings == "left first" else (TURNED[0], TURNED[3], TURNED[2], TURNED[1])
     headings = [f"agent: other {name}" for name in turned]
     others: list[Source] = ["agent: self", headings, *headings]
-    rest = [source for sources in entry.rest for source in _one_by_one(sources, env.num_agents)]
+    rest: list[str] = []
+    for source in entry.rest:  # one channel, or one for each agent
+        rest += channels_of(source, env.num_agents) if source.startswith(EVERYONE) else [source]
 
     def any_of(observation: Array, source: Source) -> Array:
         planes = [observation[:, index[name]] for name in channels_of(source, env.num_agents)]
@@ -40,13 +42,8 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     return len(entry.tiles) + 2 + len(TURNED) + len(rest), channels
 
 
-def _one_by_one(source: str, num_agents: int) -> list[str]:
-    """Returns a source for each channel of theirs: for what is shown of everyone one an agent."""
-    return channels_of(source, num_agents) if source.startswith(EVERYONE) else [source]
-
-
 def _layers(layers: Sequence[Mapping[str, int]], names: Sequence[str], observation: Array) -> Array:
-    """Returns `[N, rows, cols, layers]` float32: weighted sums of channels. What is the observer's own is at its own cell only."""
+    """Returns `[N, rows, cols, layers]` float32: weighted sums of channels. The observer's own channels count at its own cell only."""
     planes = {name: observation[:, number].astype(jnp.float32) for number, name in enumerate(names)}
     own = planes["agent: self"]
     sums = [sum(weight * planes[name] * (own if name.startswith("agent.") else 1.0) for name, weight in layer.items()) for layer in layers]

@@ -35,10 +35,9 @@ def make_rewards(
     """Returns the function `(raw [N], timestep) -> rewards [N], further infos`.
 
     Args:
-      scaled: which rewards are multiplied by the number of agents: `alone`, that are not shaped; `shaped`, before they are.
+      scaled: which rewards are multiplied by the number of agents: `alone`: unshaped ones; `shaped`: before shaping.
       shared: whether agents share the sum of their rewards, or its mean.
-    Where nobody is rewarded SVO deducts as the suite does, which takes the angle to be 0; inequity aversion deducts nothing, by its
-    formula.
+    While nobody is rewarded, SVO deducts as in the suite, which sets the angle to 0; inequity aversion deducts nothing, by its formula.
     """
 
     def rewards(raw: Array, timestep: Array) -> tuple[Array, dict[str, Array]]:
@@ -53,20 +52,14 @@ def make_rewards(
             sought = whole - num_agents * mode.svo_w * away
             return jnp.where(_among(mode.svo_target_agents, num_agents), sought, whole), {"svo_theta": _angles(whole)}
         if mode.interest:
-            kept = _kept(mode, timestep)
+            kept = jnp.float32(mode.s_interest)
+            if mode.s_interest_schedule is not None:
+                schedule = jnp.asarray(mode.s_interest_schedule, jnp.float32)
+                kept = schedule[(jnp.asarray(timestep) // mode.s_interest_change_every) % len(schedule)]
             return exchanged(whole, kept), {"s_interest": jnp.broadcast_to(kept, raw.shape)}
         return (num_agents if "alone" in scaled else 1) * raw, {}
 
     return rewards
-
-
-def _kept(mode: Mode, timestep: Array) -> Array:
-    """Returns how much of its reward an agent keeps at a time step of the training."""
-    if mode.s_interest_schedule is None:
-        result: Array = jnp.float32(mode.s_interest)
-        return result
-    schedule = jnp.asarray(mode.s_interest_schedule, jnp.float32)
-    return schedule[(jnp.asarray(timestep) // mode.s_interest_change_every) % len(schedule)]
 
 
 def _among(targets: Sequence[int] | None, num_agents: int) -> Array:
@@ -74,6 +67,6 @@ def _among(targets: Sequence[int] | None, num_agents: int) -> Array:
 
 
 def _angles(reward: Array) -> Array:
-    """Returns each agent's angle in radians, 0 where nobody is rewarded."""
+    """Returns each agent's angle in radians, 0 while nobody is rewarded."""
     others = (reward.sum() - reward) / max(reward.size - 1, 1)
     return jnp.arctan2(others, reward)

@@ -10,8 +10,8 @@ from sjdsl.games_folder import games_folder
 
 FILE = "socialjax.toml"
 Source = str | list[str]  # the channels of ours that make one of theirs; "": always zero
-NOT_HERE = "not here: "  # how the source of a channel begins that holds something there and nothing here
-EVERYONE = "everyone."  # how one begins that stands for a channel for each agent
+NOT_HERE = "not here: "  # the prefix of sources that hold something there and nothing here
+EVERYONE = "everyone."  # the prefix of sources with a channel for each agent
 
 
 class _Row(BaseModel):
@@ -39,7 +39,7 @@ class Entry(_Row):
     layers: list[dict[str, int]] = []  # instead of tiles, agents and rest: numbers, each a sum of channels of ours
     window: tuple[str, int] = ("obs_size", 11)  # the keyword for its side, and the only value that there is here
     steps: int = 1000  # of an episode
-    shared_rewards: bool = True  # unless asked otherwise
+    shared_rewards: bool = True  # by default
     # which rewards are multiplied by the number of agents: those that are not shaped and, before they are, those that are
     scaled: tuple[Literal["alone", "shaped"], ...] = ("alone", "shaped")
     shared: Literal["sum", "mean"] = "sum"
@@ -49,7 +49,7 @@ class Entry(_Row):
 
 
 class Difference(_Row):
-    """Something that is seen otherwise there than here, in some games (by their ids), or in all."""
+    """A difference between their observations and ours, in some games (by id), or in all."""
 
     games: tuple[str, ...] = ()
     what: str
@@ -70,7 +70,7 @@ def entries() -> dict[str, Entry]:
 
 @cache
 def differences() -> tuple[Difference, ...]:
-    """Returns what is seen otherwise, as written down."""
+    """Returns the recorded differences."""
     return tuple(Difference.model_validate(row) for row in _table()["differences"])
 
 

@@ -26,12 +26,12 @@ SIDES, CHANNELS = (5, 3, 3), 32  # of convolutions, as the cnn of `sjdsl.trainer
 class WindowCNN(BaseFeaturesExtractor):
     """Convolutions for what an agent sees, `[rows, cols, channels]`, one-hot, also where frames are stacked.
 
-    It goes to `CnnPolicy` as `policy_kwargs={"features_extractor_class": WindowCNN}`: the policy's own network wants pictures of at least
+    Pass it to `CnnPolicy` as `policy_kwargs={"features_extractor_class": WindowCNN}`: the policy's own network needs pictures of at least
     36 pixels a side.
     """
 
     def __init__(self, observation_space: spaces.Box, features_dim: int = 64) -> None:
-        """`features_dim`: how many numbers come out."""
+        """`features_dim`: the size of the output."""
         super().__init__(observation_space, features_dim)
         rows, cols, depth = observation_space.shape
         layers: list[torch.nn.Module] = []
@@ -49,9 +49,10 @@ class WindowCNN(BaseFeaturesExtractor):
 class VecGame(VecEnv):
     """`num_envs` environments of a game; slot `b * num_agents + i` is agent i of environment b.
 
-    Observations are `[rows, cols, channels]` uint8 with bounds of their own: Stable-Baselines3 takes them as they are, and stacks frames
-    along the channels. (What has the bounds 0 and 255 it takes for a picture, divides by 255 and turns round.) One policy plays all slots: parameters are shared. At an episode's end the observation is that of the next episode, and the slot's
-    info has `terminal_observation` and `TimeLimit.truncated`, from which Stable-Baselines3 bootstraps. Rewards are raw.
+    Observations are `[rows, cols, channels]` uint8 with their own bounds, so that Stable-Baselines3 uses them unchanged and stacks frames
+    along the channels. (Observations with the bounds 0 and 255 would be treated as pictures, divided by 255 and transposed.) One policy
+    plays all slots: parameters are shared. At an episode's end the observation is that of the next episode, and the slot's info has
+    `terminal_observation` and `TimeLimit.truncated`, from which Stable-Baselines3 bootstraps. Rewards are raw.
     """
 
     def __init__(
@@ -62,7 +63,7 @@ class VecGame(VecEnv):
         Args:
           game, observation, arguments: of `sjdsl.make`.
           num_envs: environments of the game; `num_envs` of the result is this times the number of agents.
-          common_reward: every agent is paid the sum of its environment's rewards.
+          common_reward: whether every agent gets the sum of its environment's rewards.
         """
         self._slots = Slots(game, num_envs, observation, common_reward, **arguments)
         self.env = self._slots.env
@@ -73,13 +74,13 @@ class VecGame(VecEnv):
         super().__init__(self._slots.num_slots, box, spaces.Discrete(self.env.num_actions))
 
     def reset(self) -> np.ndarray:
-        """Starts all episodes; a seed given before by `seed` holds once."""
+        """Starts all episodes; a seed set by `seed` is used once."""
         seed, self._seed = self._seed, None
         self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         return self._slots.reset(seed)
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Keeps the actions for `step_wait`."""
+        """Stores the actions for `step_wait`."""
         self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
@@ -95,7 +96,7 @@ class VecGame(VecEnv):
         return made.observations, made.rewards, made.terminated | made.truncated, infos
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Sets the seed of the next reset, one number for all slots. Errors: of `sjdsl.interop.calls.checked_seed`."""
+        """Sets the seed of the next reset, one number for all slots. Raises as `sjdsl.interop.calls.checked_seed`."""
         self._seed = checked_seed(seed)
         return [seed] * self.num_envs
 
@@ -104,20 +105,20 @@ class VecGame(VecEnv):
         return self._slots.action_masks()
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """Does nothing: there is nothing to release."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Returns an attribute of this object or of the game's environment, once for each slot asked for."""
+        """Returns an attribute of this object or of the game's environment, once for each requested slot."""
         owner = self if attr_name in vars(self) or attr_name == MASKS else self.env
         return [getattr(owner, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Slots are one program and have no attributes of their own."""
+        """Raises AttributeError: slots are one program and have no attributes of their own."""
         del value, indices
-        raise AttributeError(f"`{attr_name}` cannot be set for a slot: make the environment with other arguments")
+        raise AttributeError(f"`{attr_name}` can't be set for a slot: make the environment with other arguments")
 
     def env_method(self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any) -> list[Any]:
-        """Slots are one program and have no methods but `action_masks`, for which `MaskablePPO` of sb3-contrib asks."""
+        """Slots are one program and have no methods but `action_masks`, which `MaskablePPO` of sb3-contrib calls."""
         if method_name == MASKS and not method_args and not method_kwargs:
             return list(self.action_masks()[list(self._get_indices(indices))])
         raise AttributeError(f"a slot has no method `{method_name}`, only `{MASKS}`, which takes no arguments")

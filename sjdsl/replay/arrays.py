@@ -26,7 +26,7 @@ def read_arrays(file: zipfile.ZipFile, names: Iterable[str], limit: int) -> dict
     """Returns arrays by their names, which take at most `limit` bytes in all.
 
     Raises:
-      TooLarge: they take more. One of FAULTS: there is none of a name, or it is damaged.
+      TooLarge: they are larger. One of FAULTS: an array is missing or damaged.
     """
     members = {name: file.getinfo(f"{name}.npy") for name in names}
     size = sum(member.file_size for member in members.values())

@@ -23,11 +23,11 @@ LARGEST = 2**30  # bytes of the arrays of one episode, and of the returns of all
 
 
 class Header(BaseModel):
-    """What a file of episodes says of itself; JSON with these names.
+    """The header of a file of episodes; JSON with these names.
 
-    environment: the arguments of `sjdsl.make`, `variant` among them; hash: of the rules; policy: as it was named, policy_digest: SHA-256
-    of its file, where it has one; seed: of the first episode, the next have `seed + 1`, …; planes: of an observation, by name;
-    versions: of the packages that played.
+    environment: the arguments of `sjdsl.make`, including `variant`; hash: of the rules; policy: its name, policy_digest: the SHA-256 of its
+    file, if any; seed: of the first episode, the next ones have `seed + 1`, …; planes: of an observation, by name; versions: of the packages
+    used.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -47,14 +47,14 @@ class Header(BaseModel):
 
 
 class DatasetWriter:
-    """Writes episodes one by one; the file is there, whole, once the writer is closed.
+    """Writes episodes one by one, in a `with` block; the file appears when the block ends.
 
-    Used with `with`. If it is left by an interruption, the file has the episodes that were added; by another exception, there is no file.
-    The same episodes give the same bytes.
+    After an interruption the file has the episodes added so far; after another exception there is no file. The same episodes give the same
+    bytes.
     """
 
     def __init__(self, path: Path, header: Header) -> None:
-        """Begins a file. `header`: its number of episodes is replaced by how many are added."""
+        """Starts a file. `header`: its number of episodes is replaced by the number added."""
         self.path, self._header = path, header
         self._open = ExitStack()
         self._zip = zipfile.ZipFile(self._open.enter_context(written_whole(path)), "w", zipfile.ZIP_DEFLATED, allowZip64=True)
@@ -70,7 +70,7 @@ class DatasetWriter:
             arrays["observations"] = episode.observations
         arrays |= {f"events/{name}": count for name, count in episode.events.items()}
         size = sum(array.nbytes for array in arrays.values())
-        if size > LARGEST // 2:  # beside their headers, which may be a few hundred bytes each
+        if size > LARGEST // 2:  # leaves room for the arrays' headers, a few hundred bytes each
             raise ValueError(f"an episode of {size:,} bytes is too large for a file of episodes: record without observations")
         for name, array in arrays.items():
             self._write(f"{place}/{name}", array)
@@ -138,7 +138,7 @@ class Dataset:
         """Returns an episode, from 0; negative numbers count from the end.
 
         Raises:
-          IndexError: there are not so many. RecordingError: the file is damaged.
+          IndexError: there are fewer episodes. RecordingError: the file is damaged.
         """
         if not -len(self) <= number < len(self):
             raise IndexError(f"{self.path} has no episode {number}: it has {len(self)}, counted from 0")
@@ -154,11 +154,11 @@ class Dataset:
         except FAULTS as error:
             raise RecordingError(f"episode {number} of {self.path} cannot be read: {error}") from None
         if not _is_whole(episode):
-            raise RecordingError(f"episode {number} of {self.path} is damaged: its arrays are not those of one episode")
+            raise RecordingError(f"episode {number} of {self.path} is damaged: its arrays aren't those of one episode")
         return episode
 
     def recording(self, number: int) -> Recording:
-        """Returns an episode as one that can be played again."""
+        """Returns an episode as a recording that can be replayed."""
         return self[number].recording(self.header.environment, self.header.hash)
 
     def _parts(self, place: str) -> Iterable[str]:
@@ -166,12 +166,12 @@ class Dataset:
 
 
 def is_dataset(path: Path) -> bool:
-    """Returns whether a file looks like one of many episodes."""
+    """Returns whether a file looks like a file of many episodes."""
     return zipfile.is_zipfile(path)
 
 
 def _is_whole(episode: Episode) -> bool:
-    """Returns whether the arrays of an episode have the shapes and kinds that one has."""
+    """Returns whether the arrays of an episode have consistent shapes and valid dtypes."""
     shape = episode.actions.shape
     seen = episode.observations
     return (
@@ -183,7 +183,7 @@ def _is_whole(episode: Episode) -> bool:
 
 
 def describe(header: Header) -> str:
-    """Returns what a file was made with, a line each."""
+    """Returns the settings of a file, one line each."""
     kept = header.model_dump()
     kept["versions"] = ", ".join(f"{name} {version}" for name, version in header.versions.items())
     kept["environment"] = json.dumps(header.environment)
@@ -205,12 +205,12 @@ def load_recording(path: Path, episode: int = 0) -> Recording:
     else:
         recording = read_recording(path)
         if episode != 0:
-            raise RecordingError(f"{path} has no episode {episode}: it has one, number 0")
+            raise RecordingError(f"{path} has no episode {episode}: it has only one, number 0")
     try:
         Arguments.model_validate(recording.environment)
     except ValidationError as error:
         (first, *_) = error.errors()
         raise RecordingError(
-            f"{path} does not say how its game is made: environment.{'.'.join(map(str, first['loc']))}: {first['msg']}"
+            f"{path} has an invalid description of its game: environment.{'.'.join(map(str, first['loc']))}: {first['msg']}"
         ) from None
     return recording

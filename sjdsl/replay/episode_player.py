@@ -17,11 +17,11 @@ class EpisodePlayer:
     """One episode of an environment.
 
     Attributes:
-      observation, state: of the moment; actions: of every step so far; returns: `[N]`; done.
+      observation, state: the current ones; actions: of all steps so far; returns: `[N]`; done.
     """
 
     def __init__(self, env: Environment, seed: int) -> None:
-        """Begins the episode of a seed."""
+        """Starts the episode of a seed."""
         self.env, self.seed = env, seed
         self._key = jax.random.key(seed)
         self.observation, self.state = env.reset(jax.random.fold_in(self._key, 0))
@@ -30,7 +30,7 @@ class EpisodePlayer:
         self.done = False
 
     def now(self) -> Moment:
-        """Returns the moment, as after a step in which nothing was paid."""
+        """Returns the current moment, as after a step without rewards."""
         moment = first_moment(self.env, self.state)
         return replace(moment, snapshot=replace(moment.snapshot, returns=self.returns), done=self.done)
 
@@ -38,13 +38,13 @@ class EpisodePlayer:
         """Takes one step.
 
         Raises:
-          ValueError: the episode is over, or the actions are not one number of the game for each agent.
+          ValueError: the episode is over, or the actions aren't one valid number for each agent.
         """
         chosen = [int(action) for action in actions]
         if self.done:
             raise ValueError("the episode is over")
         if len(chosen) != self.env.num_agents or not all(0 <= action < self.env.num_actions for action in chosen):
-            raise ValueError(f"{chosen} are not {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}")
+            raise ValueError(f"actions must be {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}, not {chosen}")
         key = jax.random.fold_in(self._key, len(self.actions) + 1)
         self.observation, self.state, reward, done, info = self.env.step_env(key, self.state, np.array(chosen, np.int32))
         moment = next_moment(self.env, self.state, self.returns, chosen, reward, bool(done), info["events"])
@@ -62,7 +62,7 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     """Yields the moments of a recorded episode, the first one included.
 
     Raises:
-      RecordingError: the environment has other rules, its episode is shorter, or the actions are none of it or come to other returns.
+      RecordingError: the environment has other rules, its episode is shorter, an action is invalid, or the returns differ.
     """
     check_rules(recording, env.hash, env.name)
     check_actions(recording, env.num_agents, env.num_actions)
@@ -70,6 +70,6 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     yield player.now()
     for actions in recording.actions:
         if player.done:
-            raise RecordingError(f"the episode ends after {len(player.actions)} steps, and {len(recording.actions)} were recorded")
+            raise RecordingError(f"the episode ends after {len(player.actions)} steps, but {len(recording.actions)} were recorded")
         yield player.step(actions)
     check_returns(recording, player.returns.tolist())

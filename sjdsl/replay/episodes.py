@@ -1,4 +1,4 @@
-"""Plays whole episodes under a policy, many in parallel, each as `sjdsl play --watch` shows it for its seed."""
+"""Plays whole episodes with a policy, many in parallel, each the same as in `sjdsl play --watch` with its seed."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -13,25 +13,25 @@ from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import Policy, take_actions, with_memory
 from sjdsl.runtime.tokens import to_channels
 
-POLICY_STREAM = 2**32 - 1  # folded into the key of an episode for its policy; the steps take 0, 1, 2, …
-MAX_BYTES = 256 * 2**20  # of observations that are held at once, unless one episode has more
+POLICY_STREAM = 2**32 - 1  # folded into the key of an episode for its policy; steps use 0, 1, 2, …
+MAX_BYTES = 256 * 2**20  # of observations held at once, unless one episode has more
 MAX_TOGETHER = 32
 
 
 def play_episodes(env: Environment, policy: Policy, seed: int, episodes: int, observation: Observation = "tokens") -> Iterator[Episode]:
-    """Yields the episodes of the seeds `seed`, `seed + 1`, … under a policy.
+    """Yields the episodes of the seeds `seed`, `seed + 1`, … played with a policy.
 
-    So many are played at once that their observations take at most 256 MB (one episode, if it alone has more).
+    As many are played at once as have at most 256 MB of observations (one episode, if it alone has more).
 
     Args:
-      env: with tokens as observations, which the policy sees.
+      env: an environment with token observations, which the policy sees.
       policy: `(key, observation) -> actions [N]`, or one with memory.
-      observation: what is kept of the observations.
+      observation: how observations are stored.
     """
     play = jax.jit(jax.vmap(_make_play(env, policy, observation)))
     together = min(episodes, episodes_at_once(env, observation))
     for first in range(0, episodes, together):
-        seeds = [seed + first + number for number in range(together)]  # the last ones may be too many: one program serves all
+        seeds = [seed + first + number for number in range(together)]  # the last batch may have too many, so that all have one program
         keys = jnp.stack([jax.random.key(number) for number in seeds])
         played = jax.device_get(play(keys))
         for number in range(min(together, episodes - first)):
@@ -39,7 +39,7 @@ def play_episodes(env: Environment, policy: Policy, seed: int, episodes: int, ob
 
 
 def episodes_at_once(env: Environment, observation: Observation = "tokens") -> int:
-    """Returns how many episodes `play_episodes` plays side by side at most."""
+    """Returns the most episodes that `play_episodes` plays side by side."""
     agents, planes, rows, cols = env.observation_shape
     depth = {"none": 0, "tokens": planes, "onehot": len(env.channel_names)}[observation]
     size = (env.episode_length + 1) * agents * depth * rows * cols
@@ -47,7 +47,7 @@ def episodes_at_once(env: Environment, observation: Observation = "tokens") -> i
 
 
 def _make_play(env: Environment, policy: Policy, observation: Observation) -> Callable[[Array], dict[str, Any]]:
-    """Returns the function from an episode's key to what happens in it; steps after its end are there, and mean nothing."""
+    """Returns a function from an episode's key to its steps; those after its end are meaningless."""
     remembering = with_memory(policy)
 
     def shown(tokens: Array) -> Any:
@@ -74,7 +74,7 @@ def _make_play(env: Environment, policy: Policy, observation: Observation) -> Ca
 
 
 def _cut(seed: int, played: dict[str, Any]) -> Episode:
-    """Returns an episode without what came after its end."""
+    """Returns an episode without the steps after its end."""
     over = played["terminated"] | played["truncated"]
     steps = int(over.argmax()) + 1
     seen = None

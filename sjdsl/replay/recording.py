@@ -13,11 +13,11 @@ from sjdsl.stored_hashes import current_hash
 
 
 class RecordingError(Exception):
-    """A file that holds no episode, or one of another game than it says."""
+    """A file holds no episode, or its episode doesn't match its game."""
 
 
 class Arguments(BaseModel):
-    """The arguments of `sjdsl.make` that a file of episodes may hold, by their kinds."""
+    """The arguments of `sjdsl.make` that a file of episodes may hold, with their types."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -35,8 +35,8 @@ Seed = Annotated[int, Field(ge=0, lt=2**63)]
 class Recording(BaseModel):
     """One episode; JSON with these names.
 
-    environment: the arguments of `sjdsl.make`; hash: of the rules, so that an episode of other rules is not shown as one of these.
-    seed: of the episode; actions: one list a step, one number for each agent; returns: of each agent, what the actions must come to.
+    environment: the arguments of `sjdsl.make`; hash: of the rules, so that an episode is never shown under other rules.
+    seed: of the episode; actions: one list for each step, one number for each agent; returns: of each agent, to check a replay.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -50,13 +50,13 @@ class Recording(BaseModel):
 
 
 def save_recording(recording: Recording, path: Path) -> None:
-    """Writes a file whole or not at all."""
+    """Writes a file atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, json.dumps(recording.model_dump()) + "\n")
 
 
 def read_recording(path: Path) -> Recording:
-    """Returns the episode of a file of one.
+    """Returns the episode in a file.
 
     Raises:
       RecordingError: there is no such file, or it holds something else.
@@ -72,23 +72,23 @@ def read_recording(path: Path) -> Recording:
 
 
 def check_rules(recording: Recording, game_hash: str, name: str) -> None:
-    """Raises RecordingError where the rules of a game, by their hash, are not those of the recording."""
+    """Raises RecordingError if the rules of a game, by their hash, differ from those of the recording."""
     if game_hash != current_hash(recording.hash):
         raise RecordingError(
-            f"the rules of {name} have changed since the episode was recorded: its hash was {recording.hash}, it is {game_hash}"
+            f"the rules of {name} have changed since the episode was recorded: the hash was {recording.hash}, and is now {game_hash}"
         )
 
 
 def check_actions(recording: Recording, num_agents: int, num_actions: int) -> None:
-    """Raises RecordingError where a step has not one action of the game for each agent."""
+    """Raises RecordingError if a step lacks one valid action for each agent."""
     for number, chosen in enumerate(recording.actions, 1):
         if len(chosen) != num_agents or not all(0 <= action < num_actions for action in chosen):
             raise RecordingError(
-                f"step {number} of the episode is damaged: it has {chosen}, which are not {num_agents} numbers from 0 to {num_actions - 1}"
+                f"step {number} of the episode is damaged: its actions must be {num_agents} numbers from 0 to {num_actions - 1}, not {chosen}"
             )
 
 
 def check_returns(recording: Recording, returns: Sequence[float]) -> None:
-    """Raises RecordingError where the actions have come to other returns than were recorded."""
+    """Raises RecordingError if a replay gives other returns than were recorded."""
     if len(returns) != len(recording.returns) or not np.allclose(returns, recording.returns, rtol=1e-5, atol=1e-5):
-        raise RecordingError(f"the episode came to returns {list(map(float, returns))}, but {recording.returns} were recorded")
+        raise RecordingError(f"the replay gave returns {list(map(float, returns))}, but {recording.returns} were recorded")

@@ -1,4 +1,4 @@
-"""The bundled games as they are now: whether results are of the same rules and numbers."""
+"""The current bundled games, to compare the rules and numbers of results with."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -15,16 +15,16 @@ from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.games_folder import OURS, bundled, find_game
 
-ROUNDING = 1e-5  # of numbers that were float32 on their way
+ROUNDING = 1e-5  # tolerance for numbers that were stored as float32
 
 
 def _file(name: str) -> Source:
-    return read_source(find_game(f"{OURS}:{name}"))  # an installed package may have a game of this name, too
+    return read_source(find_game(f"{OURS}:{name}"))  # an installed package may have a game of the same name
 
 
 @cache
 def _game(name: str, variant: str) -> ir.Game | None:
-    """Returns the rules of a bundled game as it is now; None for another game, or a variant that is gone."""
+    """Returns the current rules of a bundled game; None for another game, or a variant that no longer exists."""
     if name not in bundled():
         return None
     try:
@@ -34,14 +34,14 @@ def _game(name: str, variant: str) -> ir.Game | None:
 
 
 def rules_now(name: str, variant: str) -> tuple[str, int] | None:
-    """Returns the hash and the number of agents of a bundled game as it is now; None for another game, or a variant that is gone."""
+    """Returns the current hash and number of agents of a bundled game; None for another game, or a variant that no longer exists."""
     game = _game(name, variant)
     return None if game is None else (game_hash(game), game.agents.number)
 
 
 @cache
 def variant_now(name: str, rules: str) -> str | None:
-    """Returns the variant of a bundled game that has a hash now, `""` for the game itself; None for other rules, or another game."""
+    """Returns the variant of a bundled game with this hash, `""` for the game itself; None for other rules, or another game."""
     if name not in bundled():
         return None
     variants = ["", *compose(_file(name)).variants]
@@ -49,10 +49,10 @@ def variant_now(name: str, rules: str) -> str | None:
 
 
 def other_numbers(described: Mapping[str, Any]) -> list[str]:
-    """Returns the numbers of a run's game that are not those of the bundled game, as `name=value`; nothing of another game.
+    """Returns the numbers of a run's game that differ from the bundled game's, as `name=value`; empty for another game.
 
     Args:
-      described: `name` and `params` of the game as a manifest has them.
+      described: the game in a manifest, with `name` and `params`.
     """
     game = _game(described["name"], "")
     usual = {} if game is None else {param_attribute(param.name): param.value for param in game.params}
@@ -61,11 +61,11 @@ def other_numbers(described: Mapping[str, Any]) -> list[str]:
 
 
 def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
-    """Returns whether a bundled game, with a variant of it, has this value of a parameter without being asked; False of another game.
+    """Returns whether a bundled game, with a variant, has this value of a parameter by default; False for another game.
 
     Args:
-      param: as Python names it, or `num_agents`.
-      value: as it was asked for.
+      param: its Python name, or `num_agents`.
+      value: the value that the user has set.
     """
     game = _game(name, variant)
     if game is None:
@@ -79,7 +79,7 @@ def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
 
 
 def _is_numeric(value: Any) -> bool:
-    """Returns whether a value is a number or a table of numbers, also as they are typed."""
+    """Returns whether a value is a number or a table of numbers, or text of one."""
     try:
         np.asarray(value, np.float64)
     except (TypeError, ValueError):
@@ -88,7 +88,7 @@ def _is_numeric(value: Any) -> bool:
 
 
 def _same(value: Any, usual: Any) -> bool:
-    """Returns whether numbers are the same to rounding; words of the language, which are encoded as numbers elsewhere, are not compared."""
+    """Returns whether numbers are equal up to rounding; words of the language, which may be stored as numbers, count as equal."""
     try:
         before, now = np.asarray(usual, np.float64), np.asarray(value, np.float64)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Figures of tables: each once as text, for people, and as numbers, for a CSV. Nothing else formats them."""
+"""Figures of tables, each both as text and as numbers for a CSV."""
 
 import json
 import math
@@ -17,7 +17,7 @@ SHOWN = 4  # digits
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure: its text, and its numbers by what they are."""
+    """A figure: its text, and its numbers by name."""
 
     text: str
     numbers: Mapping[str, Any] = field(default_factory=dict)
@@ -28,11 +28,11 @@ EMPTY = Figure("")
 
 @dataclass(frozen=True)
 class Cell:
-    """One figure of one way of training, by its seeds. Where a seed has failed there is no mean: nothing is averaged without it."""
+    """One figure of one way of training, by seed. It has no mean if a seed has failed."""
 
     run: str
-    values: tuple[float, ...]  # of the seeds that are done
-    failed: int  # seeds whose loss was not finite
+    values: tuple[float, ...]  # of the finished seeds
+    failed: int  # diverged seeds
     steps: int  # environment steps of a seed
     preset: str
     hardware: str
@@ -40,12 +40,12 @@ class Cell:
 
     @cached_property
     def estimate(self) -> Estimate | None:
-        """The mean over seeds with its 95 % interval by Student's t; None where a seed has failed."""
+        """The mean over seeds with its 95 % interval by Student's t; None if a seed has failed."""
         return None if self.failed or not self.values else estimate(np.array(self.values))
 
     @property
     def seeds(self) -> int:
-        """How many seeds there are, failed ones included."""
+        """The number of seeds, including failed ones."""
         return len(self.values) + self.failed
 
     @property
@@ -66,12 +66,12 @@ def counted(number: int, what: str) -> str:
 
 
 def number(value: float) -> str:
-    """Returns a number in four digits at most: `0.91`, `163.2`, `1,780`."""
+    """Returns a number with at most four digits: `0.91`, `163.2`, `1,780`."""
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value + 0.0:.{SHOWN}g}"
 
 
 def short(value: float) -> str:
-    """Returns a large number in three digits at most: `3M`, `1.5M`, `20k`."""
+    """Returns a large number with at most three digits: `3M`, `1.5M`, `20k`."""
     for size, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
         if value >= size:
             return f"{value / size:.3g}{letter}"
@@ -79,14 +79,14 @@ def short(value: float) -> str:
 
 
 def interval(mean: float, low: float | None, high: float | None) -> Figure:
-    """Returns `163.2 [160.1, 166.3]`; the mean alone where a bound is None, NaN or infinite, as of one sample."""
+    """Returns `163.2 [160.1, 166.3]`; just the mean if a bound is None, NaN or infinite, as for one sample."""
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high)):
         return Figure(number(mean), {"mean": mean})
     return Figure(f"{number(mean)} [{number(low)}, {number(high)}]", {"mean": mean, "low": low, "high": high})
 
 
 def of_cell(cell: Cell | None) -> Figure:
-    """Returns a cell: nothing where there is none, `failed` where a seed has."""
+    """Returns the figure of a cell: empty for None, `failed` if a seed has failed."""
     if cell is None:
         return EMPTY
     behind = {"seeds": cell.seeds, "failed": cell.failed, "steps": cell.steps, "hardware": cell.hardware, "run": cell.run}
@@ -97,7 +97,7 @@ def of_cell(cell: Cell | None) -> Figure:
 
 
 def of_comparison(found: Comparison | None) -> tuple[Figure, Figure]:
-    """Returns a difference with its interval, and p; nothing where there is none."""
+    """Returns a difference with its interval, and p; both empty for None."""
     if found is None:
         return EMPTY, EMPTY
     p = EMPTY if found.p is None else Figure("< 0.001" if found.p < 0.001 else number(found.p), {"": found.p})
@@ -105,11 +105,11 @@ def of_comparison(found: Comparison | None) -> tuple[Figure, Figure]:
 
 
 def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ()) -> list[str]:
-    """Returns which settings of cells that are read side by side differ, a sentence a setting.
+    """Returns the settings in which cells of one comparison differ, one sentence each.
 
     Args:
-      cells: by where each stands.
-      but: settings that differ by what the cells are.
+      cells: by the name of their column.
+      but: settings that are meant to differ.
     """
     settings = {place: json.loads(cell.settings) for place, cell in cells.items() if cell is not None}
     found = []
@@ -125,7 +125,7 @@ def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ())
 
 @dataclass(frozen=True)
 class Table:
-    """A table: a row a tuple of words and figures, the first `labels` columns words. Its CSV has the numbers behind the texts."""
+    """A table of words and figures, with words in the first `labels` columns. Its CSV has the numbers of the figures."""
 
     name: str  # of its CSV
     title: str
@@ -135,7 +135,7 @@ class Table:
 
     @property
     def records(self) -> list[dict[str, Any]]:
-        """Returns each row as numbers by column: `common mean`, `common low`; words as they are."""
+        """Each row as numbers by column, such as `common mean` and `common low`; words unchanged."""
         return [
             {
                 f"{heading} {name}".strip(): value

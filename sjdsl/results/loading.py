@@ -1,19 +1,19 @@
-"""Loads results as a table: a row a seed and its evaluation, of ids and numbers, without labels.
+"""Loads results as a table with one row for each seed and its evaluation.
 
     folders --load--> DataFrame --sections--> tables and pictures
 
 Columns, in this order:
 
-* `record`: what a row is of: `seed` (the last policy of a training seed, evaluated), `random` (a random policy), `mixture` (what an agent
-  of a policy earned in a mixture of cross-play) or `diagram` (a Schelling diagram).
-* `game`, `hash` (of its rules), `variant`, `params` (numbers that were asked for, `a=1 b=2`), `map`, `num_agents`.
-* `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained alike and may be averaged.
+* `record`: the kind of a row: `seed` (the evaluation of the last policy of a training seed), `random` (a random policy), `mixture` (the
+  return of an agent of a policy in a mixture of cross-play) or `diagram` (a Schelling diagram).
+* `game`, `hash` (of its rules), `variant`, `params` (changed numbers, `a=1 b=2`), `map`, `num_agents`.
+* `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained the same and may be averaged.
   `algorithm`, `reward`, `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of a sweep of
-  SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps asked for), `settings` (JSON: what else isn't the default).
-* `preset`: the preset of this version that has the same settings, `""` where none has.
-* `seed`, `status` (`done`, `failed`: the loss was not finite, `unfinished`), `steps` (environment steps learnt from), `hardware`, `folder`.
-* `episodes`, `collective_return` (mean over the episodes, summed over agents), `low` and `high` (of rows without a seed: its 95 % interval).
-* Each further figure of an evaluation has a column of its name: `event eaten`, `mean apples_left`. Mixtures have `mixture`, `policy`,
+  SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that aren't the default).
+* `preset`: the preset of this version with the same settings, or `""`.
+* `seed`, `status` (`done`, `failed`: it diverged, `unfinished`), `steps` (environment steps of its training), `hardware`, `folder`.
+* `episodes`, `collective_return` (mean over the episodes, summed over agents), `low` and `high` (its 95 % interval, in rows without a seed).
+* Each further figure of an evaluation has a column with its name: `event eaten`, `mean apples_left`. Mixtures have `mixture`, `policy`,
   `mean`, `unit` and `units`; diagrams have `cooperators`, `defectors`, `outcome`, `fear`, `greed`, and A, B, fear and greed with bounds.
 """
 
@@ -56,7 +56,7 @@ TEXTS = {"record", *SETTING[:-1], "run", *WAY[:3], "network", "settings", "prese
 TEXTS |= {"mixture", "policy", "unit", "cooperators", "defectors", "outcome", "reason", "caution"}
 COUNTS = {"num_agents", "total_timesteps", "seed", "steps", "episodes", "units", "env_steps"}
 NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "stage", "collective_return", "low", "high"}
-# What makes two rows say the same thing.
+# Columns that identify a result.
 KEY = ("record", "game", "hash", "params", "num_agents", "run", "seed", "mixture", "policy", "cooperators", "defectors")
 CONTRASTS = ("A", "B", "fear", "greed")
 OF_EXPERIMENT = (
@@ -68,35 +68,35 @@ RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a repor
 SWEEP, CELLS, STATUS = "sweep.json", "cells", "status.csv"
 ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
 FORMAT = 1  # of the files of experiments
-EPISODES = 30  # of the evaluation of a seed, at least: the default of `sjdsl train` and `sjdsl evaluate`
-POINTS = 40  # of the learning curve of a seed, at most
+EPISODES = 30  # at least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`
+POINTS = 40  # at most, of the learning curve of a seed
 RETURN = "collective return"  # its name in an evaluation
-DIGITS = 6  # significant ones that are kept of a figure, here and in a CSV
-# Settings that do not make a run another: which seeds, and what is written when.
+DIGITS = 6  # significant digits of a figure, here and in a CSV
+# Settings that don't affect learning: seeds, and what is written when.
 NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
-# Settings that runs of earlier versions lack, with what these did.
+# Settings that runs of earlier versions lack, with the values they had.
 AS_EVER = {"own": {}, "loss": "ppo"}
 KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
 
 
 def load(*folders: str | Path) -> "pd.DataFrame":
-    """Returns what folders have found: a row a seed and its evaluation, with the columns that this module names.
+    """Returns the results in folders: one row for each seed and its evaluation, with the columns listed in this module.
 
     Args:
-      folders: of runs, sweeps, diagrams, cross-play, the `data` of a report, or folders of these. Of what is found twice, that of the
-        folder named later counts; a seed that is done is never replaced by one that isn't.
+      folders: of runs, sweeps, diagrams, cross-play, the `data` of a report, or folders of these. If a result is found twice, that of the
+        folder named later is used; a finished seed is never replaced by an unfinished one.
     Raises:
-      ResultsError: a folder isn't there or holds nothing that can be read; a file is damaged.
+      ResultsError: a folder doesn't exist or holds no results; a file is damaged.
     Warns:
-      ResultsWarning: what is left out, and what to do about it.
+      ResultsWarning: something is left out.
     """
     return load_both(folders)[0]
 
 
 def load_curves(*folders: str | Path) -> "pd.DataFrame":
-    """Returns the learning curves of the seeds that are done: `run`, `seed`, `env_steps`, `collective_return`, `folder`.
+    """Returns the learning curves of the finished seeds: `run`, `seed`, `env_steps`, `collective_return`, `folder`.
 
-    At most 40 points a seed, each the mean over neighbouring updates of the episodes that ended about then. Raises and warns as `load`.
+    Each seed has at most 40 points, each the mean of episodes that ended in neighbouring updates. Raises and warns as `load`.
     """
     return load_both(folders)[1]
 
@@ -114,7 +114,7 @@ def load_both(folders: Iterable[str | Path], more: Iterable[dict[str, Any]] = ()
 
 
 def read_frame(path: Path, columns: Iterable[str]) -> "pd.DataFrame":
-    """Returns a CSV that `write_frame` wrote. Raises ResultsError where it lacks a column, or a value is none of its column."""
+    """Returns a CSV written by `write_frame`. Raises ResultsError if it lacks a column, or a value has the wrong type."""
     try:
         kinds = {**dict.fromkeys(TEXTS, "string"), **dict.fromkeys(COUNTS, "Int64")}
         frame = _typed(pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""]))
@@ -127,7 +127,7 @@ def read_frame(path: Path, columns: Iterable[str]) -> "pd.DataFrame":
 
 
 def write_frame(frame: "pd.DataFrame") -> str:
-    """Returns a table as CSV, figures in six digits. The folders of runs stay out of it: they are of one machine."""
+    """Returns a table as CSV, with figures in six digits, and without folders, which are of one machine."""
     return str(frame.drop(columns="folder", errors="ignore").to_csv(index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"))
 
 
@@ -151,13 +151,13 @@ def _evaluations(rows: Rows) -> "pd.DataFrame":
     for names, same in told.groupby(key, dropna=False):
         if len(same.drop_duplicates()) > 1:
             what = " ".join(str(name) for name in names if not pd.isna(name) and name != "")
-            _warn(f"{what} was found twice, with different figures: those of the folder named later are shown")
+            _warn(f"{what} was found twice with different figures; those of the folder named later are used")
     frame = frame.drop_duplicates(key, keep="last")
     return _named_variants(frame).sort_values(key, kind="stable", ignore_index=True)
 
 
 def _named_variants(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Returns the table with the variant of each experiment: that of runs with the same rules, else that of the bundled game."""
+    """Returns the table with the variant of each experiment: that of runs with the same rules, else of the bundled game."""
     trained = frame[frame.record == "seed"].drop_duplicates(["game", "hash"]).set_index(["game", "hash"])[["variant", "map"]]
     for place, row in frame[frame.record.isin(("mixture", "diagram"))].iterrows():
         if (row.game, row.hash) in trained.index:
@@ -197,7 +197,7 @@ def _read(path: Path) -> Found:
 
 
 def _reader(path: Path) -> Callable[[Path], Found] | None:
-    """Returns what reads a folder, by the files in it; None where nothing does."""
+    """Returns the reader of a folder, by the files in it; None if there is none."""
     if not path.is_dir():
         return None
     if (path / SWEEP).is_file():
@@ -239,7 +239,7 @@ def _sweep(path: Path) -> Found:
     there = [name for name in stages if (path / CELLS / name / MANIFEST).is_file()]
     absent = len(stages) - len(there)
     if absent:
-        _warn(f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} still to be trained")
+        _warn(f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} not trained yet")
     if (path / STATUS).is_file():
         with open(path / STATUS, encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
@@ -250,14 +250,14 @@ def _sweep(path: Path) -> Found:
 
 
 def _cell(path: Path) -> Found:
-    """Reads a run, which may be a cell that is named without its sweep, as in `SWEEP/cells/*`."""
+    """Reads a run, which may be a cell named without its sweep, as in `SWEEP/cells/*`."""
     folder = path.resolve()
     is_cell = folder.parent.name == CELLS and (folder.parents[1] / SWEEP).is_file()
     return _run(path, _stages(folder.parents[1]).get(folder.name) if is_cell else None)
 
 
 def _stages(path: Path) -> dict[str, int | None]:
-    """Returns the cells of a sweep by name; of a sweep of svo with their stage, for the two stages never share seeds."""
+    """Returns the cells of a sweep by name, with their stage in a sweep of svo, whose two stages never share seeds."""
     try:
         stored = read_json(path / SWEEP)
         if any(Path(name).name != name for name in stored["cells"]):
@@ -289,12 +289,12 @@ def _run(path: Path, stage: int | None = None) -> Found:
 
 
 def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, Any]:
-    """Returns what a run is of, by column, from its manifest; `stage`: of a sweep of svo."""
+    """Returns the game, way of training and settings of a run, by column, from its manifest; `stage`: of a sweep of svo."""
     game, config = manifest["game"], manifest["config"]
     made = manifest.get("provenance") or {}
     way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith("checkpoint_")}
     way = {key: value for key, value in way.items() if key not in AS_EVER or value != AS_EVER[key]}
-    if way.get("init_from"):  # seeds that began with a policy of their own each were trained alike
+    if way.get("init_from"):  # seeds that each started from their own policy count as trained the same
         way["init_from"] = "a policy"
     everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": way, "stage": stage}
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
@@ -327,7 +327,7 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, A
 
 
 def _check(row: Mapping[str, Any]) -> None:
-    """Raises ValueError, TypeError or OverflowError for a value that is none of its column."""
+    """Raises ValueError, TypeError or OverflowError for a value of the wrong type for its column."""
     for name, value in row.items():
         of_kind = isinstance(value, str) if name in TEXTS else isinstance(value, int) and abs(value) < 2**63 if name in COUNTS else True
         if value is not None and not of_kind:
@@ -337,9 +337,9 @@ def _check(row: Mapping[str, Any]) -> None:
 
 
 def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
-    """Returns what was asked for besides the game and a variant: numbers of the game, and of agents, that it would not have otherwise.
+    """Returns the changed numbers of the game, including that of agents, besides its variant.
 
-    A run that was started from Python may not say what was asked for: then the numbers that a bundled game has otherwise.
+    The manifest of a run that was started from Python may lack them: then they are the differences from the bundled game.
     """
     if "game" not in made:
         return other_numbers(game)
@@ -380,7 +380,7 @@ def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str
 def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Returns environment steps and collective returns, `[P]` each: at most `POINTS`, each the mean of neighbouring updates.
 
-    The steps are those at the ends of as many equal parts of the run: seeds of a run have them alike.
+    The steps are the ends of equal parts of the run, the same for all seeds.
     """
     steps, returns = figures(read_rows(folder / METRICS_JSONL), "collective_return")
     if not np.isfinite(returns).any():
@@ -393,9 +393,9 @@ def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _evaluation(path: Path) -> tuple[dict[str, float], int]:
-    """Returns the means of an evaluation of the last policy, without those of single agents, and its episodes.
+    """Returns the means of an evaluation of the last policy, without those of single agents, and its number of episodes.
 
-    Nothing where there is none, or where its actions were chosen otherwise than the run's own evaluation chooses them.
+    Empty if there is none, or if it was made with `--greedy` or `--drawn`.
     """
     try:
         stored = read_json(path)
@@ -419,12 +419,12 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
     wanting = [row for row in done if "collective_return" not in row]
     damaged = [row for row in wanting if not (Path(row["folder"]) / POLICIES).is_dir()]
     for row in damaged:
-        _warn(f"`{row['folder']}` is incomplete, for it has no `{POLICIES}`: it is left out")
+        _warn(f"`{row['folder']}` is incomplete, as it has no `{POLICIES}`: it is left out")
     if len(wanting) > len(damaged):
-        _warn(f"`{path}` isn't evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {path}` does it as the tables want it")
+        _warn(f"`{path}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {path}`")
     few = [row["episodes"] for row in done if "collective_return" in row and row["episodes"] < EPISODES]
     if few:
-        _warn(f"`{path}` was evaluated in {min(few)} episodes a seed, others in {EPISODES}: `sjdsl evaluate {path}` does it so")
+        _warn(f"`{path}` was evaluated in {min(few)} episodes a seed, others in {EPISODES}: run `sjdsl evaluate {path}`")
 
 
 # Experiments with policies.
@@ -459,7 +459,7 @@ def _diagram(stored: Mapping[str, Any]) -> Rows:
 
 
 def _cross_play(stored: Mapping[str, Any]) -> Rows:
-    """Returns a row a policy and mixture; of random policies alone also what they earn together."""
+    """Returns a row for each policy and mixture, and one with the collective return of random policies alone."""
     rows = []
     number = stored["game"]["num_agents"]
     plain = not other_numbers(stored["game"])

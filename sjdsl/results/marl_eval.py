@@ -17,7 +17,7 @@ METRIC = "return"  # collective return of an episode
 
 
 def marl_eval(frame: "pd.DataFrame", curves: "pd.DataFrame") -> tuple[dict[str, Any], list[str]]:
-    """Returns the nested data, and what marl-eval will not take as it is: it wants the same algorithms and runs in every task."""
+    """Returns the nested data, and warnings about data that marl-eval rejects, which needs the same algorithms and runs in every task."""
     tasks: dict[str, Any] = {}
     for setting, rows in games(frame):
         whole = rows[~rows.run.isin(rows[rows.status == "failed"].run)]  # where a seed has failed, others would be averaged
@@ -38,8 +38,8 @@ def _runs(seeds: "pd.DataFrame", curves: "pd.DataFrame") -> dict[str, Any]:
 
 def _unequal(tasks: dict[str, Any]) -> list[str]:
     if len({tuple(algorithms) for algorithms in tasks.values()}) > 1:
-        return ["marl-eval wants the same ways of training in every game: here they differ, and `marl_eval.json` has them as they are"]
+        return ["marl-eval needs the same ways of training in every game; they differ here, so marl-eval will reject `marl_eval.json`"]
     counts = {(len(runs), *(len(steps) for steps in runs.values())) for algorithms in tasks.values() for runs in algorithms.values()}
     if len(counts) > 1:
-        return ["marl-eval wants equally many seeds and steps everywhere: here they differ, and `marl_eval.json` has them as they are"]
+        return ["marl-eval needs equally many seeds and steps everywhere; they differ here, so marl-eval will reject `marl_eval.json`"]
     return []

@@ -1,4 +1,4 @@
-"""A page of results as Markdown: sections with tables, pictures and commands; and the files beside it."""
+"""A page of results as Markdown: sections with tables, pictures and commands; and the files that go with it."""
 
 import csv
 import io
@@ -19,7 +19,7 @@ ENDINGS = ("png", "svg")
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture that is drawn when it is written."""
+    """A picture, drawn only when it is written."""
 
     name: str
     title: str
@@ -28,7 +28,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page. text: paragraphs; fill: commands that find what is empty."""
+    """A section of a page. text: paragraphs; fill: commands that produce what is missing."""
 
     title: str
     text: tuple[str, ...] = ()
@@ -38,10 +38,10 @@ class Section:
 
 
 def page_text(title: str, made: str, sections: Iterable[Section], method: Sequence[str], notes: Sequence[str], folder: str = "") -> str:
-    """Returns the page: its heading and what made it, its sections, how they are to be read, and notes.
+    """Returns the page: its heading and what made it, its sections, the method, and notes.
 
     Args:
-      folder: where pictures and tables are as seen from the page: empty, or with a `/` at its end.
+      folder: the folder of pictures and tables relative to the page: empty, or ending in `/`.
     """
     parts = [f"# {title}", made, *(_section_text(section, folder) for section in sections), "## Method", *method]
     if notes:
@@ -55,7 +55,7 @@ def _section_text(section: Section, folder: str) -> str:
         parts += [f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):", _table_text(table)]
     parts += [f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
     if section.fill:
-        missing = "What is empty is found by:" if section.tables or section.pictures else "Nothing is known of it yet. It is found by:"
+        missing = "To fill the empty cells:" if section.tables or section.pictures else "There are no results yet. To produce them:"
         parts += [missing, "```\n" + "\n".join(section.fill) + "\n```"]
     return "\n\n".join(parts)
 
@@ -67,12 +67,12 @@ def _table_text(table: Table) -> str:
 
 
 def file_texts(sections: Iterable[Section]) -> dict[str, str]:
-    """Returns the CSV of each table by the name of its file."""
+    """Returns the CSV of each table by file name."""
     return {f"{TABLES}/{table.name}.csv": _csv(table.records) for section in sections for table in section.tables}
 
 
 def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
-    """Returns each picture as PNG and SVG, by the names of the files."""
+    """Returns each picture as PNG and SVG by file name."""
     files: dict[str, bytes] = {}
     for picture in (picture for section in sections for picture in section.pictures):
         drawing = picture.draw()
@@ -94,10 +94,10 @@ def _escaped(cell: str) -> str:
 
 
 def inert(text: str) -> str:
-    """Returns text in which nothing begins an element of HTML: names of folders, and what stands in their files, come from anybody."""
+    """Escapes HTML tags: names and contents of folders may come from anybody."""
     return re.sub(r"<(?=[a-zA-Z/!?])", "&lt;", text)
 
 
 def _sentence(note: str) -> str:
-    """Returns a note as a sentence; one that begins with a name keeps it."""
+    """Returns a note as a sentence, capitalised unless it begins with something like a path."""
     return f"{note[0].upper()}{note[1:]}." if note[:1].isalpha() and " " in note else f"{note}."

@@ -1,4 +1,4 @@
-"""Writes a report of results to a folder; touches nothing that no report has written."""
+"""Writes a report of results to a folder, without touching files that no report has written."""
 
 import json
 import warnings
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sjdsl.experiments.result_files import write_compact_json
+from sjdsl.experiments.folder import write_compact_json
 from sjdsl.files import UNFINISHED, read_json, write_whole
 from sjdsl.results.figures import counted
 from sjdsl.results.loading import CURVES, KEY, RESULTS, load_both, write_frame
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 PAGE, LISTED, MARL_EVAL, DATA = "report.md", "report_files.json", "marl_eval.json", "data"
 METHOD = (
-    "A cell is the mean over training seeds with its 95 % interval by Student's t, in brackets. One seed has no interval. "
-    "A cell with a seed whose loss was not finite has failed, and has no mean. "
-    "Returns are summed over agents, and are means over the episodes in which the last policy of a seed was evaluated.",
-    "Seeds of different settings are never averaged. `rules` and six letters mark results under rules that the bundled game no longer has.",
+    "A cell is the mean over training seeds, with its 95 % interval (Student's t) in brackets. A single seed has no interval. "
+    "A cell with a diverged seed (non-finite loss) has failed, and has no mean. "
+    "Returns are summed over agents, and averaged over the episodes in which the last policy of a seed was evaluated.",
+    "Seeds with different settings are never averaged. `rules` and six letters mark results under rules that the bundled game no longer has.",
 )
 
 
 @dataclass(frozen=True)
 class Report:
-    """What was written: the number of runs, seeds, tables and pictures; notes: what is left out or to be known, a sentence each."""
+    """What was written: the numbers of runs, seeds, tables and pictures; notes: what is left out or needs care, a sentence each."""
 
     runs: int
     seeds: int
@@ -41,15 +41,15 @@ class Report:
 
 
 def write_report(sources: Sequence[Path], output: Path, command: str, nested: bool = False) -> Report:
-    """Writes the page, the CSV of its tables and of its data, and its pictures as PNG and SVG, each file whole or not at all.
+    """Writes the page, its tables and data as CSV, and its pictures as PNG and SVG, each file atomically.
 
     Args:
       sources: folders, as `load` takes them.
-      output: a folder; new, empty, or that of an earlier report.
-      command: the call that makes the report.
-      nested: whether `marl_eval.json` is written, too.
+      output: a folder: new, empty, or holding an earlier report.
+      command: the command that makes the report.
+      nested: whether to write `marl_eval.json` too.
     Raises:
-      ResultsError: what `load` refuses; the place holds something else, or results that would be lost.
+      ResultsError: as `load`; or the folder holds something else, or results that would be lost.
     """
     before = require_place(output)
     with warnings.catch_warnings(record=True) as caught:
@@ -58,7 +58,7 @@ def write_report(sources: Sequence[Path], output: Path, command: str, nested: bo
     require_nothing_lost(output, frame)
     notes = [str(warning.message) for warning in caught if issubclass(warning.category, ResultsWarning)]
     few = [run for _, rows in games(frame) for run, seeds in rows.groupby("run") if len(seeds) < 2]
-    notes += [f"too few seeds for an interval, which takes two at least: {', '.join(few)}"] if few else []
+    notes += [f"too few seeds for an interval, which needs at least two: {', '.join(few)}"] if few else []
     sections = report_sections(frame, curves)
     contents: dict[str, bytes] = {name: text.encode() for name, text in file_texts(sections).items()}
     pictures = drawn(sections)
@@ -67,7 +67,7 @@ def write_report(sources: Sequence[Path], output: Path, command: str, nested: bo
         found, unequal = marl_eval(frame, curves)
         contents[MARL_EVAL] = json.dumps(found, indent=1).encode()
         notes += unequal
-    method = (*METHOD, f"All that the page is made of is in [{DATA}]({DATA}): the same command on it makes the page again.")
+    method = (*METHOD, f"The data behind the page are in [{DATA}]({DATA}): the same command on them makes the page again.")
     page = page_text("Results", f"Written by `{command}`.", sections, method, notes)
     contents[PAGE] = page.encode()
     _write(output, contents, before)
@@ -87,12 +87,12 @@ def _write(folder: Path, contents: dict[str, bytes], before: set[str]) -> None:
 
 
 def require_place(folder: Path) -> set[str]:
-    """Returns the files of the report in a folder that a new one may replace: it is new or empty, or holds a report and nothing else.
+    """Returns the files that a new report may replace in a folder, which must be new or empty, or hold a report and nothing else.
 
-    What an interrupted command was writing does not count.
+    Unfinished files of an interrupted command don't count.
 
     Raises:
-      ResultsError: there are other files, which are named.
+      ResultsError: there are other files.
     """
     if folder.exists() and not folder.is_dir():
         raise ResultsError(f"`{folder}` is a file, expected a folder; name another place")
@@ -106,20 +106,20 @@ def require_place(folder: Path) -> set[str]:
 
 
 def _listed(folder: Path) -> set[str]:
-    """Returns the files of the report that is there, by their names in its folder."""
+    """Returns the names of the files of the report in a folder."""
     try:
         listed = set(map(str, read_json(folder / LISTED)["files"]))
     except (OSError, ValueError, KeyError, TypeError):
         return set()
-    inside = folder.resolve()  # what is listed and not written again is removed: nothing outside, whoever wrote the list
+    inside = folder.resolve()  # files listed here get removed, so ignore names outside the folder
     return {name for name in listed if (inside / name).resolve().is_relative_to(inside)}
 
 
 def require_nothing_lost(folder: Path, frame: "pd.DataFrame") -> None:
-    """Checks that what the report in a folder was made of is in the new results, too.
+    """Checks that the new results include those of the report in a folder.
 
     Raises:
-      ResultsError: something is not: then its `data` has to be named among what is read.
+      ResultsError: some are missing, so its `data` has to be named as a source.
     """
     data = folder / DATA
     if not (data / RESULTS).is_file():
@@ -128,8 +128,8 @@ def require_nothing_lost(folder: Path, frame: "pd.DataFrame") -> None:
     lost = _keys(before) - _keys(frame)
     if lost:
         raise ResultsError(
-            f"`{data}` has {counted(len(lost), 'row')} that are not among what was read; name `{data}`, too, and they stay, "
-            "or write the report to another place"
+            f"`{data}` has {counted(len(lost), 'row')} that the new results lack; name `{data}` as well to keep them, "
+            "or write the report to another folder"
         )
 
 

@@ -1,8 +1,8 @@
-"""The sections of a report: each is a function of the table of results, and makes its own tables and pictures."""
+"""The sections of a report: each is a function of the table of results, and makes its tables and pictures."""
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 BEHIND = "seeds, steps, preset, hardware"
-OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing of other training seeds
-USUAL = {"algorithm": "ippo", "reward": "individual", "sharing": "shared"}  # what ways of training are compared with
-REWARD = ("reward", "exchange_ratio", "svo_weight", "svo_angle")  # one choice
+OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing about other training seeds
+USUAL = {"algorithm": "ippo", "reward": "individual", "sharing": "shared"}  # the values that others are compared with
+REWARD = ("reward", "exchange_ratio", "svo_weight", "svo_angle")  # together they are one choice
 Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
 Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]  # game -> way of training -> its cell, and the scores of its seeds
 
 
 def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
-    """Yields the ways of training of one game, in words, and their seeds; where two have the same words, with the settings that differ."""
+    """Yields the ways of training in one game, in words, and their seeds; if two have the same words, the settings that differ are added."""
     runs = [(in_words(seeds.iloc[0]), seeds) for _, seeds in rows.groupby("run")]
     for words, seeds in sorted(runs, key=lambda pair: (pair[0].casefold(), pair[1].iloc[0].run)):
         own = seeds.iloc[0]
@@ -42,7 +42,7 @@ def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
 
 
 def returns(frame: "pd.DataFrame") -> Section:
-    """Returns the section of what each way of training earned in each game."""
+    """Returns the section on the return of each way of training in each game."""
     rows = []
     for setting, own in games(frame):
         for words, seeds in ways(own):
@@ -53,7 +53,7 @@ def returns(frame: "pd.DataFrame") -> Section:
 
 
 def comparisons(frame: "pd.DataFrame") -> Section:
-    """Returns the section that compares ways of training which differ in one choice: algorithm, reward, parameters or a setting."""
+    """Returns the section on pairs of ways of training that differ in one choice: algorithm, reward, sharing or a setting."""
     lines: list[Pair] = []
     for setting, own in games(frame):
         named = [(words, seeds.iloc[0], cell_of(seeds)) for words, seeds in ways(own)]
@@ -61,14 +61,16 @@ def comparisons(frame: "pd.DataFrame") -> Section:
             for other_words, other, other_cell in named:
                 if _differ_in_one_choice(other, row):
                     lines.append(((setting.label, other_words, words), other_cell, cell))
-    text = "Two ways of training that differ in one choice: the algorithm, the reward, whether agents share parameters, or one setting."
-    p = "p is of each pair alone (Welch), and not corrected for their number."
+    text = (
+        "Pairs of ways of training that differ in one choice: the algorithm, the reward, whether agents share parameters, or one setting."
+    )
+    p = "p is for each pair alone (Welch's test), not corrected for their number."
     table = compared_table("comparisons", "Collective return", ("game", "first", "second"), ("first", "second"), lines)
-    return Section("Comparisons", (text, p), (table,)) if lines else Section("Comparisons", (text, "There is no such pair yet."))
+    return Section("Comparisons", (text, p), (table,)) if lines else Section("Comparisons", (text, "There are no such pairs yet."))
 
 
 def _differ_in_one_choice(usual: Any, other: Any) -> bool:
-    """Returns whether `usual` has what is usual, or the default, where `other` has something else, and nothing else differs."""
+    """Returns whether two ways of training differ in one choice only, for which `usual` has the usual value or the default."""
 
     def choices(row: Any) -> dict[str, Any]:
         own: dict[str, Any] = {name: None if (value := row[name]) != value else value for name in WAY if name not in REWARD}
@@ -84,7 +86,7 @@ def _differ_in_one_choice(usual: Any, other: Any) -> bool:
 
 
 def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]) -> Table:
-    """Returns a table of pairs of cells: both, how much more the second has with its 95 % interval, and p."""
+    """Returns a table of pairs of cells, with their difference, its 95 % interval, and p."""
     rows: list[tuple[str | Figure, ...]] = []
     for said, first, second in lines:
         known = first is not None and second is not None and first.estimate is not None and second.estimate is not None
@@ -95,7 +97,7 @@ def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[s
 
 
 def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
-    """Returns a picture for each game: the mean over seeds, with the band of its 95 % interval by Student's t."""
+    """Returns the section with a picture for each game: the mean over seeds with a band for its 95 % interval (Student's t)."""
     pictures = []
     for setting, own in games(frame):
         whole = own[~own.run.isin(own[own.status == "failed"].run)]
@@ -103,18 +105,16 @@ def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
         if lines:
             name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
             pictures.append(Picture(name, setting.label, partial(_draw_curves, lines, setting.label)))
-    text = ["Mean over seeds, with the band of its 95 % interval (Student's t). One seed has no band."]
+    text = ["Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no band."]
     if (frame.algorithm == "vdn").any():
-        text.append(
-            "The curves of VDN are of episodes in which it explores. The last policies, in the tables, are evaluated without exploring."
-        )
+        text.append("The curves of VDN are from episodes in which it explores. The tables evaluate its last policies without exploration.")
     if (frame.status == "failed").any():
-        text.append("Ways of training of which a seed has failed have no curve.")
+        text.append("Ways of training with a failed seed have no curve.")
     return Section("Learning curves", tuple(text), pictures=tuple(pictures))
 
 
 def _line(words: str, points: "pd.DataFrame") -> Line | None:
-    """Returns the curve of a run, at the steps that all of its seeds have; None where there are none."""
+    """Returns the curve of a run at the steps that all of its seeds have; None if there are none."""
     by_step = points.pivot(index="env_steps", columns="seed", values="collective_return").dropna()
     if by_step.empty:
         return None
@@ -133,7 +133,7 @@ def _draw_curves(lines: Sequence[Line], title: str) -> "Drawing":
 
 
 def over_games(frame: "pd.DataFrame") -> Section:
-    """Returns the section of statistics over games, with scores between a random policy and the best way of training of each game."""
+    """Returns the section on statistics over games, with scores between a random policy and the best way of training in each game."""
     scores = {}
     for setting, own in games(frame):
         cells = {words: cell for words, seeds in ways(own) if (cell := cell_of(seeds)) is not None}
@@ -145,7 +145,7 @@ def over_games(frame: "pd.DataFrame") -> Section:
 
 
 def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[str, Cell]) -> dict[str, tuple[Cell, np.ndarray]]:
-    """Returns the scores of cells of two seeds at least, between a random policy and `best`; none where no random policy was played."""
+    """Returns the scores of cells with at least two seeds, between a random policy and `best`; empty if no random policy was played."""
     random = frame[(frame.record == "random") & (frame.game == setting.game) & (frame.hash == setting.hash)].collective_return
     if random.empty or setting.params or best <= random.iloc[-1]:
         return {}
@@ -155,16 +155,16 @@ def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[
 
 
 def section_over_games(scores: Scores, what: str, fill: Sequence[str] = ()) -> Section:
-    """Returns the section of the ways of training that were tried in the same two games or more, with two seeds at least.
+    """Returns the section on ways of training with at least two seeds in the same games, of which there are at least two.
 
-    The games are those in which most can be compared; ways that lack one of them are left out, and seeds beyond the fewest.
+    The games are those that allow the most comparisons; ways that lack one of them are left out, and so are surplus seeds.
     """
     text = [
-        f"{what} Intervals are of 95 %, by resampling the seeds of each game (stratified bootstrap). None of this says anything of a single game."
+        f"{what} The 95 % intervals are from resampling the seeds of each game (stratified bootstrap). None of this applies to a single game."
     ]
     chosen = chosen_games(scores)
     if not chosen:
-        none = "There are no two games yet with the same way of training, two seeds, and a random policy."
+        none = "No way of training has two seeds in each of two games with a random policy yet."
         return Section("Over games", (*text, none), fill=tuple(fill))
     tables, behind, remarks = {}, {}, []
     for way in sorted({way for found in scores.values() for way in found}):
@@ -175,17 +175,17 @@ def section_over_games(scores: Scores, what: str, fill: Sequence[str] = ()) -> S
         cells, values = zip(*(scores[game][way] for game in chosen), strict=True)
         fewest = min(map(len, values))
         if max(map(len, values)) > fewest:
-            remarks.append(f"* Of {way} the first {fewest} seeds of each game are taken, for in some games there are no more.")
+            remarks.append(f"* For {way}, only the first {fewest} seeds of each game are used, as some games have no more.")
         tables[way] = np.stack([each[:fewest] for each in values], axis=1)
         steps = sorted({cell.steps for cell in cells})
         lengths = " to ".join(dict.fromkeys((short(steps[0]), short(steps[-1]))))
         origins = list(dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells))
         behind[way] = f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, {' and '.join(origins)}"
-    text += [f"Of the games {', '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
+    text += [f"Games: {', '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
     means = [(way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()]
     made = [Table("over_games", "Interquartile mean of the scores", ("way of training", "interquartile mean", BEHIND), means)]
     if len(tables) > 1:
-        title = "Probability that a seed of the first way earns more than one of the second, on average over games"
+        title = "Probability that a seed of the first way earns more than one of the second, averaged over games"
         rows = [(first, second, interval(*found)) for (first, second), found in improvements(tables).items()]
         made.append(Table("improvement", title, ("way of training", "over", "probability"), rows, 2))
     picture = Picture("performance_profiles", "performance profiles", partial(draw_profiles, tables))
@@ -193,10 +193,10 @@ def section_over_games(scores: Scores, what: str, fill: Sequence[str] = ()) -> S
 
 
 def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
-    """Returns the games, two at least, in which the most pairs of a game and a way of training are left; none where there are no two.
+    """Returns the set of at least two games that keeps the most pairs of a game and a way of training; empty if there is none.
 
-    If possible, two ways have all of them. Of sets with as many pairs it is the one with more games, then the first in their order.
-    Larger sets than those that some ways have in common would not have more ways, so these are all that are looked at.
+    If possible, at least two ways have all of the games. Ties go to more games, then to the first in their order. Only sets of games that
+    some ways have in common are considered, as larger ones would not have more ways.
     """
     order = list(scores)
     played = {way: frozenset(game for game in order if way in scores[game]) for found in scores.values() for way in found}
@@ -213,12 +213,12 @@ def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
 
 
 def diagrams(frame: "pd.DataFrame") -> Section:
-    """Returns the section of the contrasts of each Schelling diagram, and its verdict."""
+    """Returns the section on the contrasts and the verdict of each Schelling diagram."""
     rows = [diagram_row(row) for row in of_record(frame, "diagram")]
     text = [
-        "A: all cooperating against all defecting. B: cooperating together against cooperating alone. Fear: defecting against cooperating "
-        "where the others defect. Greed: the same where the others cooperate.",
-        "The intervals of the four hold together at 95 %. A dilemma has A and B above 0, and fear or greed.",
+        "A: all cooperate minus all defect. B: cooperating together minus cooperating alone. Fear: defecting minus cooperating while the "
+        "others defect. Greed: the same while the others cooperate.",
+        "The four intervals hold jointly at 95 %. In a dilemma, A and B are above 0, and so is fear or greed.",
         *(f"{setting_of(row).label}: {row.caution}" for row in of_record(frame, "diagram") if row.caution),
     ]
     headings = ("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "over")
@@ -227,12 +227,12 @@ def diagrams(frame: "pd.DataFrame") -> Section:
 
 
 def of_record(frame: "pd.DataFrame", record: str) -> Iterator[Any]:
-    """Yields the rows of a kind."""
+    """Yields the rows of one kind of record."""
     return (row for _, row in frame[frame.record == record].iterrows())
 
 
 def diagram_row(row: Any) -> tuple[str | Figure, ...]:
-    """Returns the cells of a diagram."""
+    """Returns the table cells of a diagram."""
     contrasts = (interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS)
     shape = " and ".join(name for name in ("fear", "greed") if row[name])
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
@@ -244,7 +244,7 @@ def _over(row: Any) -> str:
 
 
 def cross_play(frame: "pd.DataFrame") -> Section:
-    """Returns the section of what an agent of a policy earned in each mixture."""
+    """Returns the section on the return of an agent of each policy in each mixture."""
     found = list(of_record(frame, "mixture"))
     rows = [(setting_of(row).label, row.mixture, f"`{row.policy}`", interval(row["mean"], row.low, row.high), _over(row)) for row in found]
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
@@ -254,13 +254,6 @@ def cross_play(frame: "pd.DataFrame") -> Section:
 
 def report_sections(frame: "pd.DataFrame", curves: "pd.DataFrame") -> list[Section]:
     """Returns the sections of a report that have something to show."""
-    made: list[Callable[[], Section]] = [
-        partial(returns, frame),
-        partial(comparisons, frame),
-        partial(learning_curves, frame, curves),
-        partial(over_games, frame),
-        partial(diagrams, frame),
-        partial(cross_play, frame),
-    ]
-    sections = [make() for make in made]
+    summaries = (returns(frame), comparisons(frame), learning_curves(frame, curves), over_games(frame))
+    sections = (*summaries, diagrams(frame), cross_play(frame))
     return [section for section in sections if section.tables or section.pictures or section.fill]

@@ -1,4 +1,4 @@
-"""Selects rows of results: the games, the ways of training in one, and the seeds that make a cell of a table."""
+"""Selects rows of results: games, ways of training, and the seeds of a table cell."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -27,7 +27,7 @@ class Setting(NamedTuple):
 
     @property
     def label(self) -> str:
-        """The game, and what differs from the bundled one as it is now."""
+        """The game, with its differences from the current bundled one."""
         now = rules_now(self.game, self.variant)
         other = f"rules {self.hash[:6]}" if now is not None and now[0] != self.hash and not (self.params or self.map) else ""
         agents = f"{self.num_agents} agents" if other and now is not None and now[1] != self.num_agents else ""
@@ -41,12 +41,12 @@ def setting_of(row: Any) -> Setting:
 
 
 def seeds_of(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Returns the seeds that have ended: done, or failed."""
+    """Returns the seeds that are done or failed."""
     return frame[(frame.record == "seed") & (frame.status != "unfinished")]
 
 
 def games(frame: "pd.DataFrame") -> Iterator[tuple[Setting, "pd.DataFrame"]]:
-    """Yields each game that was trained in, as it was played, and the rows of its seeds."""
+    """Yields each trained game, as it was played, and the rows of its seeds."""
     for names, rows in seeds_of(frame).groupby([*SETTING], sort=True):
         yield Setting(*names), rows
 
@@ -59,10 +59,9 @@ def select(frame: "pd.DataFrame", **wanted: Any) -> "pd.DataFrame":
 
 
 def cell_of(frame: "pd.DataFrame", figure: str = "collective_return") -> Cell | None:
-    """Returns the cell of a table that seeds of one game make; None where there are none with the figure.
+    """Returns the table cell of seeds of one game; None if none have the figure.
 
-    Where the rows are of several runs (other settings, another length) it is of the one with the most steps, then the most seeds, for
-    seeds of different settings are never averaged.
+    Seeds with different settings are never averaged: of several runs, the cell is that of the one with the most steps, then the most seeds.
     """
     cells = [cell for _, rows in frame.groupby("run") if (cell := _of_run(rows, figure)) is not None]
     return min(cells, key=lambda cell: (-cell.steps, -cell.seeds, cell.run), default=None)
@@ -83,11 +82,11 @@ def in_words(row: Any, sharing: bool = True) -> str:
 
     Args:
       row: of a seed.
-      sharing: whether to say that parameters are not shared.
+      sharing: whether to mention separate parameters.
     """
     name = NAMES.get(row.algorithm, short_name(row.algorithm))
     if row.algorithm == "vdn":
-        return name  # it always learns from the sum of all rewards
+        return name  # VDN always learns from the sum of all rewards
     reward = short_name(row.reward)
     if row.reward == "exchange":
         reward = f"exchange {row.exchange_ratio:g}"

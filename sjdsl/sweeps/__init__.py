@@ -6,18 +6,19 @@ from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .axes import Axis
-    from .plan import Asked, plan_sweep
+    from .cells import SweepSpec
+    from .plan import plan_sweep
     from .running import Outcome, prepare, sweep
     from .work import Watch, run_cell
 
-__all__ = ["Asked", "Axis", "Outcome", "Watch", "plan_sweep", "prepare", "run_cell", "sweep"]
+__all__ = ["Axis", "Outcome", "SweepSpec", "Watch", "plan_sweep", "prepare", "run_cell", "sweep"]
 
 __getattr__ = lazy_names(
     __name__,
     {
-        "Asked": "plan",
         "Axis": "axes",
         "Outcome": "running",
+        "SweepSpec": "cells",
         "Watch": "work",
         "plan_sweep": "plan",
         "prepare": "running",

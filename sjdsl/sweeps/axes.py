@@ -1,7 +1,7 @@
-"""The axes of a sweep: what is varied, read from `NAME=v,v,…`."""
+"""The axes of a sweep: what varies, read from `NAME=v,v,…`."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,12 +12,12 @@ from sjdsl.trainers.own_settings import OWN
 
 PARAM = "param."  # before the name of one of the game's numbers
 VARIANT = "variant"
-SEEDS = ("seed", "seeds")  # every cell has all seeds: they are no axis
+SEEDS = ("seed", "seeds")  # every cell has all seeds, so neither is an axis
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What is varied, and the values it takes: as they were written, or as they are."""
+    """What varies, and the values it takes: as they were written, or as they are."""
 
     name: str  # a key of the configuration, `own.NAME`, `variant`, or `param.NAME`, NAME a number of the game, `table[word]` included
     values: tuple[Any, ...]
@@ -27,17 +27,17 @@ def read_axis(text: str) -> Axis:
     """Returns the axis of `NAME=v,v,…`; commas inside brackets belong to a value: `roles=[0,0,1],[0,1,1]`.
 
     Raises:
-      ExperimentError: it has another form, or there is no such axis.
+      ExperimentError: the text has another form, or there is no such axis.
     """
     name, equals, listed = text.partition("=")
     values = tuple(value.strip() for value in split_values(listed))
     if not equals or not name.strip() or not all(values):
-        raise ExperimentError(f"`{text}` must have the form NAME=value,value,… with a value or more, as in reward=individual,common")
+        raise ExperimentError(f"`{text}` must have the form NAME=value,value,… with at least one value, as in reward=individual,common")
     return Axis(check_name(name.strip()), values)
 
 
 def split_values(text: str) -> list[str]:
-    """Returns the parts between the commas of a text that stand in no bracket."""
+    """Returns the parts of a text between its commas; commas inside brackets don't count."""
     parts, depth = [""], 0
     for character in text:
         depth += (character in "[({") - (character in "])}")
@@ -49,26 +49,18 @@ def split_values(text: str) -> list[str]:
 
 
 def check_name(name: str) -> str:
-    """Returns the name of an axis. Raises ExperimentError where there is none of that name."""
+    """Returns the name of an axis. Raises ExperimentError if there is no such axis."""
     if name in SEEDS:
-        raise ExperimentError(f"`{name}` is no axis, for each cell has all seeds: say --seed and --seeds")
-    keys = [key for key in dict.fromkeys(key for known in KEYS_OF.values() for key in known) if key not in SEEDS]
+        raise ExperimentError(f"`{name}` can't be an axis, as each cell has all seeds: use --seed and --seeds")
     if any(name.startswith(prefix) and name != prefix for prefix in (PARAM, OWN)):
         return name
-    if name not in (*keys, VARIANT):
-        near = meant(name, [*keys, VARIANT, PARAM, OWN], "")
+    known = [*dict.fromkeys(key for keys in KEYS_OF.values() for key in keys if key not in SEEDS), VARIANT]
+    if name not in known:
+        near = meant(name, [*known, PARAM, OWN], "")
         raise ExperimentError(
             f"there is no axis `{name}`{near or ': an axis is a key of the configuration (`sjdsl train --keys` lists them), own.NAME, variant, or param.NAME'}"
         )
     return name
-
-
-def check_axes(axes: Sequence[Axis]) -> None:
-    """Raises ExperimentError where two axes are one."""
-    names = [axis.name for axis in axes]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice:
-        raise ExperimentError(f"the axis `{twice}` is given twice; name all its values at once: --axis {twice}=value,value")
 
 
 def as_configured(value: Any) -> Any:

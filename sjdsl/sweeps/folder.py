@@ -1,4 +1,4 @@
-"""The folder of a sweep: what was asked, in `sweep.json`, and how far each cell is."""
+"""The folder of a sweep: its specification in `sweep.json`, and the progress of each cell."""
 
 import json
 import shutil
@@ -14,9 +14,9 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.experiments.folder import differences, read_json
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
-from sjdsl.sweeps.cells import Cell
+from sjdsl.sweeps.cells import Cell, SweepSpec
 from sjdsl.sweeps.locks import is_running
-from sjdsl.sweeps.plan import Asked, Plan, made_again
+from sjdsl.sweeps.plan import Plan, remake_cell
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.config import ConfigError, stored_config
 from sjdsl.trainers.manifest import read_manifest
@@ -25,7 +25,7 @@ from sjdsl.trainers.run_errors import RunError
 from sjdsl.trainers.run_files import plain, write_json
 from sjdsl.trainers.run_folder import versions
 from sjdsl.trainers.run_state import FINISHED
-from sjdsl.trainers.updates import divergence
+from sjdsl.trainers.updates import describe_divergence
 
 FORMAT = 1
 SWEEP = "sweep.json"
@@ -36,7 +36,7 @@ State = Literal["waiting", "running", "stopped", "done", "failed"]
 
 
 class _Cell(BaseModel):
-    """A cell as `sweep.json` has it."""
+    """A cell in `sweep.json`."""
 
     model_config = ConfigDict(strict=True, extra="forbid")
 
@@ -58,12 +58,12 @@ class _Cell(BaseModel):
         return config
 
 
-# The name of a cell is one of a folder: a path would lead elsewhere.
+# The name of a cell is that of a folder: a path would lead elsewhere.
 NAME = Annotated[str, StringConstraints(pattern=r"^\w[\w.+\-]*$", max_length=200)]
 
 
 class _Sweep(BaseModel):
-    """What `sweep.json` says."""
+    """The content of `sweep.json`."""
 
     model_config = ConfigDict(strict=True, extra="allow")
 
@@ -79,7 +79,7 @@ class _Sweep(BaseModel):
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a cell is."""
+    """The progress of a cell."""
 
     state: State
     update: int = 0  # done
@@ -91,19 +91,19 @@ class Progress:
         return f"{self.state}: {self.reason}" if self.reason else self.state
 
 
-def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:
-    """Returns what `sweep.json` says of a sweep, before it has been merged with what the folder holds."""
-    axes: dict[str, list[Any]] = {axis.name: [] for axis in asked.axes}
+def describe_sweep(spec: SweepSpec, cells: Sequence[Cell]) -> dict[str, Any]:
+    """Returns the content of `sweep.json` for a sweep, before it is merged with what the folder holds."""
+    axes: dict[str, list[Any]] = {axis.name: [] for axis in spec.axes}
     for cell in cells:
         for name, values in axes.items():
             if cell.values[name] not in values:
                 values.append(cell.values[name])
     return {
         "format": FORMAT,
-        "protocol": asked.protocol,
+        "protocol": spec.protocol,
         "axes": axes,
-        "episodes": asked.episodes,
-        "loggers": list(asked.loggers),
+        "episodes": spec.episodes,
+        "loggers": list(spec.loggers),
         "versions": versions(),
         "games": {cell.game: cell.hash for cell in cells},
         "cells": {cell.name: cell.described() for cell in cells},
@@ -111,10 +111,10 @@ def describe_sweep(asked: Asked, cells: Sequence[Cell]) -> dict[str, Any]:
 
 
 def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) -> dict[str, Any]:
-    """Returns what `sweep.json` is to say: what is wanted now, added to what the folder holds.
+    """Returns the new content of `sweep.json`: the wanted sweep added to the one in the folder.
 
     Args:
-      plan: from which that is; with it, cells that are not named again are looked at, too. None: they have been before.
+      plan: the plan of the wanted sweep, to check also the cells that it doesn't name again. None: they have been checked before.
     Raises:
       ExperimentError: the folder holds something else; nothing in it is changed.
     """
@@ -123,11 +123,11 @@ def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) ->
         raise ExperimentError(f"{folder} is a file, and a sweep is a folder; name another")
     before = read_json(folder / SWEEP)
     if before is None and (folder / SWEEP).exists():
-        raise ExperimentError(f"{folder / SWEEP} is damaged: what was asked there cannot be read. Name another folder, or remove this one")
+        raise ExperimentError(f"{folder / SWEEP} is damaged and can't be read. Name another folder, or remove this one")
     if before is None:
         inside = sorted(path.name for path in folder.iterdir() if not path.name.endswith(UNFINISHED)) if folder.is_dir() else []
         if inside:
-            raise ExperimentError(f"{folder} is not empty and holds no sweep to go on with ({', '.join(inside[:3])}); name another folder")
+            raise ExperimentError(f"{folder} is not empty and holds no sweep to resume ({', '.join(inside[:3])}); name another folder")
         return dict(wanted)
     fault = "; ".join(_faults(before, wanted, plan))
     if fault:
@@ -139,14 +139,14 @@ def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) ->
 
 
 def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any], plan: Plan | None) -> Iterator[str]:
-    """Yields why what is wanted is no continuation of a sweep.
+    """Yields the reasons why the wanted sweep doesn't continue the one from before.
 
-    A cell that isn't named again is made once more, by what is asked now: whatever else than an axis has changed, in the game's file, the
-    preset or the settings, makes it another. One for each algorithm, reward and variant tells, for presets and files have a part for each.
+    A cell that isn't named again is made once more from the new plan: any change other than a new value of an axis (in the game's file, the
+    preset or the settings) gives a different cell. One for each algorithm, reward and variant is enough, as presets and files have a part
+    for each.
     """
-    wrong = _wrong(before)
-    if wrong:
-        yield wrong
+    if fault := _format_fault(before):
+        yield fault
         return
     if before["protocol"] != wanted["protocol"]:
         yield f"its protocol is {before['protocol'] or 'none'}, here {wanted['protocol'] or 'none'}"
@@ -168,36 +168,35 @@ def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any], plan: Plan | N
                 continue
             try:
                 cell.require_code()
-                here = plain(made_again(plan, cell).described())
+                here = plain(remake_cell(plan, cell).described())
             except (ExperimentError, CompileError, ConfigError) as error:
-                yield f"its cell {cell.name} can no longer be made: {str(error).splitlines()[0]}"
+                yield f"its cell {cell.name} can't be made any more: {str(error).splitlines()[0]}"
                 return
         compared.add(part)
         what = "; ".join(differences(_flat(cell.described()), _flat(here)))
         if what:
             yield f"its cell {cell.name} has {what}"
-            return  # the others most likely for the same reason
+            return  # the others probably differ for the same reason
 
 
 def _flat(cell: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what makes a cell, under names that differ."""
+    """Returns what defines a cell, under unique names."""
     of_game = {f"{key} of the game": value for key, value in cell["provenance"].items()}
     return {"hash of the game": cell["hash"], **cell["config"], **of_game}
 
 
 def read_sweep(folder: Path) -> dict[str, Any]:
-    """Returns what the folder of a sweep says. Raises ExperimentError where it is none."""
+    """Returns the content of a sweep's `sweep.json`. Raises ExperimentError if the folder is not a sweep's."""
     found = read_json(folder / SWEEP)
     if found is None:
-        raise ExperimentError(f"{folder} is not the folder of a sweep: there is no {SWEEP} in it that can be read")
-    wrong = _wrong(found)
-    if wrong:
-        raise ExperimentError(f"{folder} is not the folder of a sweep: {wrong}")
+        raise ExperimentError(f"{folder} is not the folder of a sweep: it has no readable {SWEEP}")
+    if fault := _format_fault(found):
+        raise ExperimentError(f"{folder} is not the folder of a sweep: {fault}")
     return found
 
 
-def _wrong(known: Mapping[str, Any]) -> str:
-    """Returns what is wrong with what a `sweep.json` says; empty where nothing is."""
+def _format_fault(known: Mapping[str, Any]) -> str:
+    """Returns what is wrong with the content of a `sweep.json`; empty if nothing is."""
     try:
         _Sweep.model_validate(known)
     except ValidationError as error:
@@ -207,7 +206,7 @@ def _wrong(known: Mapping[str, Any]) -> str:
 
 
 def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
-    """Adds what is wanted to `sweep.json`, which is written if that changes it; returns what it says now."""
+    """Adds the wanted sweep to `sweep.json`, which is written only if that changes it; returns its content."""
     known = merged(folder, wanted)
     folder.mkdir(parents=True, exist_ok=True)
     if known != read_json(folder / SWEEP):
@@ -222,7 +221,7 @@ def cells_of(known: Mapping[str, Any]) -> list[Cell]:
 
 
 def cells_at(folders: Sequence[Path | str]) -> tuple[Path, dict[str, Any], list[Cell]]:
-    """Returns the folder of a sweep, what its `sweep.json` says, and the cells that are in these folders `DIR/cells/NAME`.
+    """Returns the folder of a sweep, the content of its `sweep.json`, and the cells in these folders `DIR/cells/NAME`.
 
     Raises:
       ExperimentError: they aren't folders of cells of one sweep.
@@ -243,13 +242,14 @@ def run_dir(folder: Path, cell: Cell) -> Path:
 
 
 def progress_of(folder: Path, cell: Cell, episodes: int) -> Progress:
-    """Returns how far a cell is, from its files and its lock.
+    """Returns the progress of a cell, from its files and its lock.
 
     Args:
       episodes: of its evaluation.
     """
     path = run_dir(folder, cell)
-    update = _updates(path)
+    checkpoints = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdecimal()]
+    update = max([manifest_of(path).get("updates", 0), *checkpoints])
     failed = read_json(folder / FAILED / f"{cell.name}.json")
     if failed is not None:
         return Progress("failed", update, reason=str(failed.get("reason", "")))
@@ -260,15 +260,8 @@ def progress_of(folder: Path, cell: Cell, episodes: int) -> Progress:
     return Progress("stopped" if path.is_dir() and any(path.iterdir()) else "waiting", update)
 
 
-def _updates(path: Path) -> int:
-    """Returns the updates that a run has done, as far as they are kept."""
-    kept = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdecimal()]
-    done: int = manifest_of(path).get("updates", 0)
-    return max([done, *kept])
-
-
 def manifest_of(path: Path) -> dict[str, Any]:
-    """Returns the manifest of a run; an empty one where there is none that can be read."""
+    """Returns the manifest of a run, or an empty one if it can't be read."""
     try:
         return read_manifest(path)
     except RunError:
@@ -278,7 +271,7 @@ def manifest_of(path: Path) -> dict[str, Any]:
 def is_finished(path: Path) -> bool:
     """Whether a run has done all its updates, with every seed."""
     manifest = manifest_of(path)
-    return manifest.get("status") == "finished" and not manifest.get("diverged")
+    return manifest.get("status") == FINISHED and not manifest.get("diverged")
 
 
 def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
@@ -288,9 +281,9 @@ def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
 
 
 def evaluation_of(path: Path, seed: int, episodes: int) -> dict[str, Any] | None:
-    """Returns the evaluation of a seed's last policy that its results are read from.
+    """Returns the evaluation of a seed's last policy from which the sweep reads its results.
 
-    None where there is none, or another has taken its place: `sjdsl evaluate` writes with the seed and the episodes that it is given.
+    None if it is missing, or replaced by another: `sjdsl evaluate` writes the same file, with other seeds or episodes.
     """
     found = read_json(path / EVALUATION)
     if found is None or not isinstance(found.get("summary"), dict):
@@ -305,36 +298,32 @@ def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
 
 
 def diverged_in(path: Path) -> str:
-    """Returns which seeds of a run diverged when, in words; empty where none did."""
-    return divergence({entry["seed"]: entry["update"] for entry in manifest_of(path).get("diverged", ())})
+    """Returns which seeds of a run diverged when, in words; empty if none did."""
+    return describe_divergence({entry["seed"]: entry["update"] for entry in manifest_of(path).get("diverged", ())})
 
 
 def record_failure(folder: Path, cell: Cell, reason: str) -> None:
-    """Writes down why a cell has failed: it is not run again before `retry`."""
+    """Records why a cell failed; it isn't run again until `retry`."""
     (folder / FAILED).mkdir(exist_ok=True)
     at = datetime.now(UTC).isoformat(timespec="seconds")
     write_json(folder / FAILED / f"{cell.name}.json", {"reason": reason, "at": at})
 
 
 def retry(folder: Path, cell: Cell) -> None:
-    """Has a failed cell run again from its last checkpoint; or anew, where none could help.
+    """Lets a failed cell run again from its last checkpoint, or from the start if no checkpoint could help.
 
-    That is where a loss was not finite, its manifest cannot be read, or it has finished and the last policy of a seed is lost. What is run
-    anew has its old files put aside.
+    That is so if a loss wasn't finite, the manifest can't be read, or the run finished and the last policy of a seed is lost. Then the old
+    files are moved aside.
     """
     path = run_dir(folder, cell)
-    if path.is_dir() and (diverged_in(path) or not manifest_of(path) or _has_lost_a_policy(path, cell)):
+    manifest = manifest_of(path)
+    has_policies = all((seed / POLICIES / f"last{SUFFIX}").is_file() for seed in seed_dirs(path, cell).values())
+    if path.is_dir() and (not manifest or diverged_in(path) or (manifest.get("status") == FINISHED and not has_policies)):
         number = 1
         while (aside := folder / FAILED / f"{cell.name}_{number}").exists():
             number += 1
         shutil.move(path, aside)
     (folder / FAILED / f"{cell.name}.json").unlink(missing_ok=True)
-
-
-def _has_lost_a_policy(path: Path, cell: Cell) -> bool:
-    """Returns whether a run has finished and not every seed has its last policy: nothing would be trained again."""
-    finished = manifest_of(path).get("status") == FINISHED
-    return finished and not all((seed / POLICIES / f"last{SUFFIX}").is_file() for seed in seed_dirs(path, cell).values())
 
 
 def steps_of(cell: Cell) -> int:
@@ -344,7 +333,7 @@ def steps_of(cell: Cell) -> int:
 
 
 def as_text(value: Any) -> str:
-    """Returns a value of an axis as tables have it."""
+    """Returns a value of an axis as text for tables."""
     if isinstance(value, list):
         return ";".join(map(as_text, value))
     if isinstance(value, Mapping):

@@ -1,15 +1,15 @@
-"""The lock of a cell: of several processes one runs it. The system takes the lock back when the process ends, however that is."""
+"""The lock of a cell: only one process runs it. The system releases the lock however the process ends."""
 
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
 LOCKS = "locks"  # folder of a sweep
-PATIENCE = 1.0  # seconds: a process that only looks whether a cell is run holds its lock for far less
+PATIENCE = 1.0  # seconds: a process that only checks whether a cell is running holds its lock for far less
 
 
 def take(sweep: Path, name: str) -> FileLock | None:
-    """Returns the lock of a cell, to be released; None where another process has it."""
+    """Takes the lock of a cell and returns it, for the caller to release; None if another process has it."""
     (sweep / LOCKS).mkdir(exist_ok=True)
     lock = FileLock(_path(sweep, name))
     try:
@@ -20,7 +20,7 @@ def take(sweep: Path, name: str) -> FileLock | None:
 
 
 def is_running(sweep: Path, name: str) -> bool:
-    """Whether a process, perhaps this one, runs a cell."""
+    """Whether a process (perhaps this one) is running a cell."""
     if not _path(sweep, name).exists():
         return False
     lock = FileLock(_path(sweep, name))

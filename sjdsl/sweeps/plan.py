@@ -1,127 +1,118 @@
-"""The plan of a sweep: from games, axes and a protocol to cells, in the order in which they are run."""
+"""The plan of a sweep: from games, axes and a protocol to cells, in the order in which they run."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.near_names import meant
-from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, check_axes
-from sjdsl.sweeps.cells import Cell, Describe, Fixed, make_cell
+from sjdsl.sweeps.axes import PARAM, VARIANT, Axis
+from sjdsl.sweeps.cells import Cell, Describe, SweepSpec, make_cell
 from sjdsl.sweeps.protocols import PROTOCOLS, SETS, angles_at, points_of
 from sjdsl.trainers.own_settings import OWN, spread
-
-if TYPE_CHECKING:
-    from sjdsl.trainers.loggers import LoggerName
 
 MOST = 10_000  # cells
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What a sweep is to be."""
-
-    games: Sequence[str]  # names, or files
-    axes: Sequence[Axis] = ()
-    protocol: str | None = None
-    settings: Mapping[str, Any] = field(default_factory=dict)  # of the configuration, of all cells; `seed` and `seeds` among them
-    preset: str | None = None
-    variant: str | None = None
-    params: Mapping[str, Any] = field(default_factory=dict)
-    episodes: int = 30  # of the evaluation of each seed's last policy
-    loggers: "Sequence[LoggerName]" = ()  # where metrics of cells that are begun from now on go besides: tensorboard, wandb
-
-
-@dataclass(frozen=True)
 class Plan:
-    """What is to be run."""
+    """What to run."""
 
-    asked: Asked
+    spec: SweepSpec
     describe: Describe
     cells: tuple[Cell, ...]  # of the first stage
 
     @property
-    def follows(self) -> bool:
-        """Whether there is a second stage, which depends on what comes of the first."""
-        return self.asked.protocol == "svo"
+    def has_second_stage(self) -> bool:
+        """Whether there is a second stage, which depends on the results of the first."""
+        return self.spec.protocol == "svo"
 
 
-def plan_sweep(asked: Asked, describe: Describe) -> Plan:
+def plan_sweep(spec: SweepSpec, describe: Describe) -> Plan:
     """Returns the plan of a sweep; needs no JAX.
 
     Raises:
-      ExperimentError: games, axes and protocol do not fit each other. What `describe` raises.
+      ExperimentError: games, axes and protocol don't fit each other. What `describe` raises.
     """
-    _check(asked)
-    fixed = _fixed(asked, describe)
+    _check(spec)
     cells = []
-    for game in asked.games:
-        for point in points_of(asked.protocol, Path(game).stem, asked.settings):
-            for values in product(*(axis.values for axis in asked.axes)):
-                chosen = {axis.name: value for axis, value in zip(asked.axes, values, strict=True)}
-                cells.append(make_cell(game, point, chosen, fixed))
+    for game in spec.games:
+        for point in points_of(spec.protocol, Path(game).stem, spec.settings):
+            for values in product(*(axis.values for axis in spec.axes)):
+                chosen = {axis.name: value for axis, value in zip(spec.axes, values, strict=True)}
+                cells.append(make_cell(game, point, chosen, spec, describe))
     _check_names(cells)
     _check_angles(cells)
-    _check_settings(asked, cells)
-    return Plan(asked, describe, tuple(cells))
+    _check_settings(spec, cells)
+    return Plan(spec, describe, tuple(cells))
 
 
-def made_again(plan: Plan, cell: Cell) -> Cell:
-    """Returns the cell that this plan would have where a sweep with the same axes and protocol has one of its first stage.
+def remake_cell(plan: Plan, cell: Cell) -> Cell:
+    """Returns this plan's version of a first-stage cell of a sweep that has the same axes and protocol.
 
-    It differs from that one where the game's file has changed since, or where other settings are asked for.
+    The two differ if the game's file has changed since, or if the plan has other settings.
 
     Args:
       cell: of one of the plan's games.
 
     Raises:
-      ExperimentError: the plan's settings or the game, as it is now, do not fit those values. What `describe` raises.
+      ExperimentError: the plan's settings, or the game as it is now, don't fit the cell's values. What `describe` raises.
     """
     game = next(other.provenance["game"] for other in plan.cells if other.game == cell.game)
-    point = next(point for point in points_of(plan.asked.protocol, Path(game).stem, plan.asked.settings) if point.place == cell.point)
-    chosen = {axis.name: _of_axis(cell, axis) for axis in plan.asked.axes}
-    return make_cell(game, point, chosen, _fixed(plan.asked, plan.describe))
+    point = next(point for point in points_of(plan.spec.protocol, Path(game).stem, plan.spec.settings) if point.place == cell.point)
+    return make_cell(game, point, _axis_values(cell, plan.spec.axes), plan.spec, plan.describe)
 
 
 def second_stage(plan: Plan, returns: Mapping[str, Sequence[float]]) -> list[Cell]:
-    """Returns the second stage of `svo`: for each game and combination of axes the angles, at the weight that was best.
+    """Returns the second stage of `svo`: for each game and combination of axes, the angles at the weight that was best.
 
-    Its seeds follow those of the first stage. The best of several noisy means is biased upwards, so that figures of the seeds
-    that chose the weight would be too good for 90 degrees; seeds that had no part in the choice are not.
+    Its seeds follow those of the first stage. The best of several noisy means is biased upwards, so the seeds that chose the weight would
+    make 90 degrees look too good; seeds that had no part in the choice don't.
 
     Args:
-      returns: cell of the first stage -> collective return of each seed. Of equal means the smallest weight is taken.
+      returns: cell of the first stage -> collective return of each seed. Of equal means, the smallest weight is taken.
     """
+    groups: dict[str, list[Cell]] = {}
+    for cell in plan.cells:
+        others = {name: value for name, value in cell.values.items() if name != "svo_weight"}
+        groups.setdefault(f"{cell.game} {others}", []).append(cell)
     found = []
-    for members in _alike(plan.cells):
-        best = max(members, key=lambda cell: (_mean(returns[cell.name]), -cell.values["svo_weight"]))
-        fixed = _fixed(plan.asked, plan.describe)
-        game = best.provenance["game"]
-        chosen = {axis.name: _of_axis(best, axis) for axis in plan.asked.axes}
+    for cells in groups.values():
+        best = max(cells, key=lambda cell: (sum(returns[cell.name]) / len(returns[cell.name]), -cell.values["svo_weight"]))
         for point in angles_at(best.values["svo_weight"]):
-            found.append(make_cell(game, point, chosen, fixed, first_seed=best.seeds.stop))
+            chosen = _axis_values(best, plan.spec.axes)
+            found.append(make_cell(best.provenance["game"], point, chosen, plan.spec, plan.describe, first_seed=best.seeds.stop))
     _check_names(found)
     return found
 
 
+def _axis_values(cell: Cell, axes: Iterable[Axis]) -> dict[str, Any]:
+    """Returns a cell's value on each axis as `make_cell` reads it: a list as the text it may be written as."""
+    values = {axis.name: cell.values[axis.name] for axis in axes}
+    return {
+        name: ",".join(map(str, value)) if isinstance(value, list) and not name.startswith(PARAM) else value
+        for name, value in values.items()
+    }
+
+
 def _check_angles(cells: Sequence[Cell]) -> None:
-    """Raises ExperimentError where cells of SVO differ in the angle alone and their weight is 0: they would be one run."""
+    """Raises ExperimentError if cells of SVO with weight 0 differ in their angle alone: they would be the same run."""
     known: dict[str, Cell] = {}
     for cell in cells:
         if "svo_angle" not in cell.values or cell.config.get("svo_weight") != 0:
             continue
         others = {name: value for name, value in cell.values.items() if name != "svo_angle"}
-        other = known.setdefault(f"{cell.game} {others}", cell)
-        if other is not cell:
-            raise ExperimentError(f"{cell.name}: `svo_angle` does nothing where `svo_weight` is 0; sweep over weights above 0")
+        if known.setdefault(f"{cell.game} {others}", cell) is not cell:
+            raise ExperimentError(f"{cell.name}: `svo_angle` has no effect while `svo_weight` is 0; sweep over weights above 0")
 
 
-def _check_settings(asked: Asked, cells: Sequence[Cell]) -> None:
-    """Raises ExperimentError for a setting of all cells that none of them reads."""
+def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
+    """Raises ExperimentError for a setting that no cell reads."""
     unread = [cell.configuration().unread for cell in cells]
-    for name in spread(asked.settings):
+    for name in spread(spec.settings):
         if name.startswith(OWN) and not any(name.removeprefix(OWN) in cell.config["own"] for cell in cells):
             raise ExperimentError(f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your own takes it")
         if all(name in of_cell for of_cell in unread):
@@ -129,66 +120,44 @@ def _check_settings(asked: Asked, cells: Sequence[Cell]) -> None:
             raise ExperimentError(f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is {mark.values}")
 
 
-def _mean(returns: Sequence[float]) -> float:
-    return sum(returns) / len(returns)
-
-
-def _of_axis(cell: Cell, axis: Axis) -> Any:
-    """Returns the value of a cell on an axis as `make_cell` reads it: of a list the text that it may be written as."""
-    value = cell.values[axis.name]
-    return ",".join(map(str, value)) if isinstance(value, list) and not axis.name.startswith(PARAM) else value
-
-
-def _alike(cells: Iterable[Cell]) -> list[list[Cell]]:
-    """Returns the cells that differ in the weight alone, together."""
-    groups: dict[str, list[Cell]] = {}
-    for cell in cells:
-        others = {name: value for name, value in cell.values.items() if name != "svo_weight"}
-        groups.setdefault(f"{cell.game} {others}", []).append(cell)
-    return list(groups.values())
-
-
-def _fixed(asked: Asked, describe: Describe) -> Fixed:
-    return Fixed(asked.settings, asked.preset, asked.variant, asked.params, describe)
-
-
-def _check(asked: Asked) -> None:
+def _check(spec: SweepSpec) -> None:
     """Raises ExperimentError for what can be refused before a game is read."""
-    if not asked.games:
+    if not spec.games:
         raise ExperimentError("name the games to train in, as in `sjdsl sweep coins clean_up --axis reward=individual,common --run DIR`")
-    stems = [Path(game).stem for game in asked.games]
-    twice = next((stem for stem in stems if stems.count(stem) > 1), None)
-    if twice:
+    if twice := _repeated([Path(game).stem for game in spec.games]):
         raise ExperimentError(f"the game `{twice}` is named twice; cells are named by their games")
-    check_axes(asked.axes)
-    if asked.protocol is not None and asked.protocol not in PROTOCOLS:
-        raise ExperimentError(f"there is no protocol `{asked.protocol}`{meant(asked.protocol, PROTOCOLS, 'the protocols are')}")
-    if asked.protocol is None and not asked.axes:
-        raise ExperimentError(f"say what is varied: --axis NAME=value,value,… or --protocol {', '.join(PROTOCOLS)}")
-    sets = SETS.get(asked.protocol or "", ())
-    for axis in asked.axes:
+    if twice := _repeated([axis.name for axis in spec.axes]):
+        raise ExperimentError(f"the axis `{twice}` is given twice; name all its values at once: --axis {twice}=value,value")
+    if spec.protocol is not None and spec.protocol not in PROTOCOLS:
+        raise ExperimentError(f"there is no protocol `{spec.protocol}`{meant(spec.protocol, PROTOCOLS, 'the protocols are')}")
+    if spec.protocol is None and not spec.axes:
+        raise ExperimentError(f"say what varies: --axis NAME=value,value,… or --protocol {', '.join(PROTOCOLS)}")
+    sets = SETS.get(spec.protocol or "", ())
+    fixed = {*spread(spec.settings), *(f"{PARAM}{name}" for name in spec.params), *([VARIANT] if spec.variant is not None else [])}
+    for axis in spec.axes:
         if axis.name in sets:
-            raise ExperimentError(f"the protocol {asked.protocol} sets `{axis.name}` itself: leave out the axis, or the protocol")
-        of_all = {*spread(asked.settings), *(f"{PARAM}{name}" for name in asked.params), *([VARIANT] if asked.variant is not None else [])}
-        if axis.name in of_all:
-            raise ExperimentError(f"`{axis.name}` is an axis, and is also set for all cells; say it once")
-    for name in asked.settings:
+            raise ExperimentError(f"the protocol {spec.protocol} sets `{axis.name}` itself: leave out the axis, or the protocol")
+        if axis.name in fixed:
+            raise ExperimentError(f"`{axis.name}` is an axis, and is also set for all cells; do only one of the two")
+    for name in spec.settings:
         if name in sets:
-            raise ExperimentError(f"the protocol {asked.protocol} sets `{name}` itself: leave it out of the other options")
-    number = len(asked.games)
-    for axis in asked.axes:
-        number *= len(axis.values)
+            raise ExperimentError(f"the protocol {spec.protocol} sets `{name}` itself: leave it out of the other options")
+    number = len(spec.games) * math.prod(len(axis.values) for axis in spec.axes)
     if number > MOST:
-        raise ExperimentError(f"these are {number:,} cells, and {MOST:,} are the most; make the axes shorter")
+        raise ExperimentError(f"this sweep has {number:,} cells, and {MOST:,} are the most; make the axes shorter")
+
+
+def _repeated(names: Sequence[str]) -> str | None:
+    return next((name for name in names if names.count(name) > 1), None)
 
 
 def _check_names(cells: Sequence[Cell]) -> None:
-    """Raises ExperimentError where two cells would have one folder."""
+    """Raises ExperimentError if two cells would have the same folder."""
     known: dict[str, Cell] = {}
     for cell in cells:
         other = known.setdefault(cell.name, cell)
         if other is cell:
             continue
         if other.values == cell.values:
-            raise ExperimentError(f"two cells are one: {cell.name} is asked for twice; name each value of an axis once")
-        raise ExperimentError(f"two cells would have one folder, {cell.name}: {dict(other.values)} and {dict(cell.values)}")
+            raise ExperimentError(f"two cells are the same: {cell.name} is asked for twice; name each value of an axis once")
+        raise ExperimentError(f"two cells would have the same folder, {cell.name}: {dict(other.values)} and {dict(cell.values)}")

@@ -15,12 +15,12 @@ from itertools import pairwise
 from sjdsl.sweeps.folder import cells_at, progress_of, record_failure
 from sjdsl.sweeps.work import Tell, run_cells
 
-Batch = tuple[str, ...]  # folders of cells that are run by one call of `run_cells`
-KILLED = "its process was killed, perhaps because memory ran out; --retry resumes from its last checkpoint"
+Batch = tuple[str, ...]  # folders of cells for one call of `run_cells`
+KILLED = "its process was killed, perhaps because memory ran out; --retry resumes it from its last checkpoint"
 
 
 def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None:
-    """Runs batches of cells, each once. A process that the system kills costs the cells it ran, and is replaced.
+    """Runs batches of cells, each once. If a process is killed, its cells fail, and another process replaces it.
 
     Raises:
       DiskError, OSError: a disk is full; what was written before stays.
@@ -30,7 +30,7 @@ def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None
     with ExitStack() as stack:
 
         def start(cores: tuple[int, ...]) -> ProcessPoolExecutor:
-            """Returns a pool of one process, which is ended with the others."""
+            """Returns a pool of one process, which ends with the others."""
             spawn = multiprocessing.get_context("spawn")
             pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=_keep_to, initargs=(cores,))
             stack.callback(pool.shutdown, cancel_futures=True)
@@ -42,7 +42,7 @@ def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None
                 pool, cores = free.pop(0)
                 try:
                     future = pool.submit(run_cells, left[0])
-                except BrokenProcessPool:  # it was killed while it had nothing to do
+                except BrokenProcessPool:  # its process was killed while idle
                     free.append((start(cores), cores))
                     continue
                 running[future] = left.pop(0), pool, cores
@@ -52,7 +52,7 @@ def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None
                 try:
                     future.result()
                 except BrokenProcessPool:
-                    _fail_open_cells(batch)
+                    _fail_cells_of_dead_worker(batch)
                     pool = start(cores)
                 free.append((pool, cores))
                 sweep, known, cells = cells_at(batch)
@@ -60,8 +60,8 @@ def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None
                     tell(f"{cell.name}: {progress_of(sweep, cell, known['episodes']).summary}")
 
 
-def _fail_open_cells(batch: Batch) -> None:
-    """Writes down that the cells of a batch whose process died have failed, unless they were done or another process runs them."""
+def _fail_cells_of_dead_worker(batch: Batch) -> None:
+    """Marks the cells of a batch whose process died as failed, unless they were done or run in another process."""
     sweep, known, cells = cells_at(batch)
     for cell in cells:
         if progress_of(sweep, cell, known["episodes"]).state in ("waiting", "stopped"):
@@ -69,7 +69,7 @@ def _fail_open_cells(batch: Batch) -> None:
 
 
 def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:
-    """Returns the cores of each of `workers` processes: equal shares but for one core; all of them where there are too few."""
+    """Returns the cores of each of `workers` processes: equal shares to within one core; all cores for each if there are too few."""
     if workers > len(cores):
         return [tuple(cores)] * workers
     bounds = [len(cores) * number // workers for number in range(workers + 1)]
@@ -77,7 +77,7 @@ def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:
 
 
 def _usable_cores() -> list[int]:
-    """Returns the cores that this process may use; none where the system doesn't let a process choose (Linux does)."""
+    """Returns the cores that this process may use; none if the system doesn't let a process choose (Linux does)."""
     return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 

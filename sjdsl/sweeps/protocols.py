@@ -14,7 +14,7 @@ WEIGHTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # of SVO, at 90 degrees; source: the p
 ANGLES = (0.0, 22.5, 45.0, 67.5, 90.0)  # degrees of SVO, at the best weight; source: the paper's table of angles
 FULL = 90.0  # degrees
 
-# What a protocol sets itself: no axis and no other option may.
+# The settings that a protocol sets itself, so that no axis and no other option may.
 SETS: Mapping[str, tuple[str, ...]] = {
     "exchange": ("reward", "exchange_ratio"),
     "svo": ("reward", "svo_weight", "svo_angle"),
@@ -25,7 +25,7 @@ SETS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Point:
-    """One place of a protocol: what it sets, and what it is called there."""
+    """One place of a protocol: the settings it has, and its name."""
 
     values: Mapping[str, Any] = field(default_factory=dict)
     place: Any = None
@@ -33,11 +33,11 @@ class Point:
 
 
 def points_of(protocol: str | None, game: str, settings: Mapping[str, Any]) -> list[Point]:
-    """Returns the points of a protocol's first stage; one that sets nothing where there is no protocol.
+    """Returns the points of a protocol's first stage; without a protocol, one point that sets nothing.
 
     Args:
       game: by the name in its file.
-      settings: of the configuration, which say the ratio of `algorithms` where they have one.
+      settings: of the configuration; if they have an exchange ratio, `algorithms` uses it.
     """
     match protocol:
         case "exchange":
@@ -53,7 +53,7 @@ def points_of(protocol: str | None, game: str, settings: Mapping[str, Any]) -> l
 
 
 def angles_at(weight: float) -> list[Point]:
-    """Returns the second stage of `svo`: the angles, at the weight that was best in the first; of weight 0 one, for all are alike."""
+    """Returns the second stage of `svo`: the angles, at the weight that was best in the first. At weight 0 all are the same, so one."""
     angles = ANGLES if weight > 0 else (FULL,)
     return [Point({"reward": "svo", "svo_weight": weight, "svo_angle": angle}, angle, stage=2) for angle in angles]
 
@@ -63,7 +63,8 @@ def _columns(game: str, settings: Mapping[str, Any]) -> list[Point]:
 
     Its column of exchanged rewards has the best ratio of each game, not ratio 1: the published one, unless the settings have another.
     """
-    ratio = settings.get("exchange_ratio", published_ratio(game))
+    published = tomllib.loads((games_folder() / "published.toml").read_text(encoding="utf-8"))["exchange"]["games"].get(game)
+    ratio = settings.get("exchange_ratio", None if published is None else float(published["chosen"]))  # printed in bold
     exchange = {"algorithm": "ippo", "reward": "exchange"} | ({} if ratio is None else {"exchange_ratio": ratio})
     return [
         Point({"algorithm": "ippo", "reward": "individual"}, "ippo_individual"),
@@ -73,10 +74,3 @@ def _columns(game: str, settings: Mapping[str, Any]) -> list[Point]:
         Point(exchange, "exchange"),
         Point({"algorithm": "ippo", "reward": "svo", "svo_angle": FULL}, "svo_90"),
     ]
-
-
-def published_ratio(game: str) -> float | None:
-    """Returns the ratio of exchanged rewards that the paper prints in bold for a game; None where there is none."""
-    table = tomllib.loads((games_folder() / "published.toml").read_text(encoding="utf-8"))["exchange"]
-    found = table["games"].get(game)
-    return None if found is None else float(found["chosen"])

@@ -1,4 +1,4 @@
-"""Runs cells: whoever calls `run_cell` with a folder, on whatever machine, the cell is run once, and gone on with where it was stopped."""
+"""Runs cells: however many processes call `run_cell` on a folder, on any machine, the cell runs once, and resumes if it was stopped."""
 
 import gc
 import json
@@ -51,7 +51,7 @@ OVER = ("done", "failed")
 
 @dataclass(frozen=True)
 class Watch:
-    """How runs are looked after."""
+    """How to show the progress of runs."""
 
     progress: ProgressStyle = "none"
     tell: Tell = lambda _: None
@@ -61,15 +61,15 @@ ALONE = Watch()
 
 
 def run_cell(folder: Path | str) -> str:
-    """Runs the cell in a folder `DIR/cells/NAME` of a sweep, unless it is done, has failed, or another process runs it.
+    """Runs the cell in a folder `DIR/cells/NAME` of a sweep, unless it is done, has failed, or is running in another process.
 
-    A cell that was stopped goes on from its last checkpoint. The tables of the sweep are brought up to date.
+    A cell that was stopped resumes from its last checkpoint. The tables of the sweep are updated.
 
     Returns:
-      how far the cell is then: `done`, `failed`, `running` (elsewhere).
+      the cell's state afterwards: `done`, `failed`, or `running` (elsewhere).
     Raises:
-      DiskError, OSError: the disk is full; what was written before stays. ExperimentError: it is no cell of a sweep. NotAllowed: it needs
-      code that the caller has not named (`allow_code`).
+      DiskError, OSError: the disk is full; what was written before stays. ExperimentError: the folder isn't a cell of a sweep. NotAllowed:
+      the cell needs code that the caller hasn't allowed (`allow_code`).
     """
     for cell in cells_at([folder])[2]:
         cell.require_code()
@@ -77,22 +77,28 @@ def run_cell(folder: Path | str) -> str:
 
 
 def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
-    """Runs several cells of one sweep, as `run_cell` does: those that differ in numbers without shape as one program."""
+    """Runs several cells of one sweep, as `run_cell` does; those that differ only in numbers without shape run as one program."""
     sweep, known, cells = cells_at(folders)
     for cell in cells:
-        make_config(cell.config, asked=())  # whoever has cells run names their code
+        make_config(cell.config, asked=())  # imports the code that it names
     try:
         with _locked(sweep, cells, known["episodes"]) as ours:
             write_status(sweep, known)
             _run(sweep, ours, known["episodes"], watch)
-    except BaseException:  # also where a user interrupts: nobody runs the cells any more
+    except BaseException:  # an interruption too: the cells aren't running any more
         with suppress(OSError, ExperimentError):  # the disk may be full
             write_status(sweep, read_sweep(sweep))  # another process may have added cells
         raise
     known = read_sweep(sweep)  # another process may have added cells
     write_tables(sweep, known)
     for cell in ours:
-        _tell_end(sweep, cell, known, watch.tell)
+        progress = progress_of(sweep, cell, known["episodes"])
+        if progress.state == "done":
+            returns = collective_returns(sweep, known)[cell.name]
+            seeds = f"mean of {len(returns)} seeds" if len(returns) > 1 else "one seed"
+            watch.tell(f"{cell.name}: done, collective return {sum(returns) / len(returns):.4g} ({seeds})")
+        elif progress.state == "failed":
+            watch.tell(f"{cell.name}: {progress.summary}")
     jax.clear_caches()  # compiled programs would fill the memory in the course of a long sweep
     gc.collect()
     return [progress_of(sweep, cell, known["episodes"]).state for cell in cells]
@@ -100,7 +106,7 @@ def run_cells(folders: Sequence[Path | str], watch: Watch = ALONE) -> list[str]:
 
 @contextmanager
 def _locked(sweep: Path, cells: Sequence[Cell], episodes: int) -> Iterator[list[Cell]]:
-    """Yields the cells that are to be run here, and keeps other processes from running them."""
+    """Yields the cells to run in this process, and holds their locks meanwhile."""
     with ExitStack() as stack:
         ours = []
         for cell in cells:
@@ -108,13 +114,13 @@ def _locked(sweep: Path, cells: Sequence[Cell], episodes: int) -> Iterator[list[
             if lock is None:
                 continue
             stack.callback(lock.release)
-            if progress_of(sweep, cell, episodes).state not in OVER:  # another may have done it meanwhile
+            if progress_of(sweep, cell, episodes).state not in OVER:  # another process may have finished it meanwhile
                 ours.append(cell)
         yield ours
 
 
 def _run(sweep: Path, cells: Sequence[Cell], episodes: int, watch: Watch) -> None:
-    """Trains cells that this process has locked, side by side where that can be, and evaluates them."""
+    """Trains the cells that this process has locked, side by side where possible, and evaluates them."""
     waiting = _groups(sweep, cells)
     while waiting:
         group = waiting.pop(0)
@@ -129,25 +135,25 @@ def _run(sweep: Path, cells: Sequence[Cell], episodes: int, watch: Watch) -> Non
             record_failure(sweep, group[0], str(error))
         except (DiskError, OSError):
             raise
-        except Exception as error:  # a reward, a network or a policy of the user's own may raise anything: the other cells go on
+        except Exception as error:  # code of the user's own may raise anything: the other cells continue
             left = [cell for cell in group if _is_open(sweep, cell)]
             if len(group) > 1 and left:
-                watch.tell(f"{_said(error)}; so {', '.join(cell.name for cell in left)} are run one by one")
+                watch.tell(f"{_message(error)}; running {', '.join(cell.name for cell in left)} one by one")
                 waiting[:0] = [[cell] for cell in left]
             elif left:
-                record_failure(sweep, group[0], _said(error))
+                record_failure(sweep, group[0], _message(error))
         for cell in group:
             _finish(sweep, cell, episodes)
 
 
 def _is_open(sweep: Path, cell: Cell) -> bool:
-    """Whether the run of a cell has updates left to do, and can do them."""
+    """Whether the run of a cell has updates left, and can continue."""
     path = run_dir(sweep, cell)
     return not is_finished(path) and not diverged_in(path)
 
 
-def _said(error: Exception) -> str:
-    """Returns what a fault says: of one that is no refusal of ours also its class."""
+def _message(error: Exception) -> str:
+    """Returns the message of an error, with its class unless it is one of ours."""
     return str(error) if isinstance(error, REFUSALS) else f"{type(error).__name__}: {error}"
 
 
@@ -168,7 +174,7 @@ def _groups(sweep: Path, cells: Sequence[Cell]) -> list[list[Cell]]:
 
 
 def _train(sweep: Path, group: Sequence[Cell], watch: Watch) -> None:
-    """Trains the cells of a group that are not finished."""
+    """Trains the cells of a group that aren't finished."""
     left = [cell for cell in group if _is_open(sweep, cell)]
     if not left:
         return
@@ -185,9 +191,9 @@ def _train(sweep: Path, group: Sequence[Cell], watch: Watch) -> None:
 
 
 def _clear_half_begun(path: Path) -> None:
-    """Removes what a run leaves that was stopped before its manifest was written: nothing but a copy of the policy it starts with, and its lock.
+    """Removes the files of a run that was stopped before it wrote its manifest: a copy of the policy it starts with, and its lock.
 
-    Raises ExperimentError where there is more: these are files of something else, and stay.
+    Raises ExperimentError if there are other files; they stay.
     """
     if not path.is_dir() or (path / MANIFEST).is_file():
         return
@@ -195,19 +201,17 @@ def _clear_half_begun(path: Path) -> None:
     ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK}
     others = [name for name in inside if name not in ours and not name.endswith(UNFINISHED)]
     if others:
-        raise ExperimentError(
-            f"{path} holds {', '.join(others[:3])} and no {MANIFEST} that says of which run; --retry puts it aside and begins anew"
-        )
+        raise ExperimentError(f"{path} holds {', '.join(others[:3])} but no {MANIFEST}; --retry moves it aside and starts again")
     for name in inside:
         (path / name).unlink()
 
 
 def _finish(sweep: Path, cell: Cell, episodes: int) -> None:
-    """Evaluates a cell whose run is finished; writes down that it has failed if a seed has diverged."""
+    """Evaluates a cell whose run is finished; records a failure if a seed has diverged."""
     path = run_dir(sweep, cell)
     diverged = diverged_in(path)
     if diverged:
-        record_failure(sweep, cell, f"{diverged}. Its figures are in no table")
+        record_failure(sweep, cell, f"{diverged}. The tables leave it out")
         return
     if not is_finished(path):
         return
@@ -218,10 +222,10 @@ def _finish(sweep: Path, cell: Cell, episodes: int) -> None:
 
 
 def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
-    """Plays episodes with the last policy of each seed, and writes `evaluation.json` as `sjdsl train` does; what is there is kept.
+    """Plays episodes with the last policy of each seed, and writes `evaluation.json` as `sjdsl train` does, unless it is there already.
 
     Raises:
-      PolicyError: a policy cannot be read. ExperimentError: a return is not finite.
+      PolicyError: a policy can't be read. ExperimentError: a return is not finite.
     """
     env = environment_of(cell)
     trained_as = stored_config(manifest_of(path).get("config", cell.config))
@@ -232,13 +236,13 @@ def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
         parameters, _ = read_parameters(policy_path(own, "last"), env)
         played = play(evaluation_key(seed), parameters)
         if not np.isfinite(played.returns).all():
-            raise ExperimentError(f"the returns of the last policy of seed {seed} are not finite: no mean can be made of them")
+            raise ExperimentError(f"the returns of the last policy of seed {seed} are not finite, so they have no mean")
         save_evaluation(played, own / EVALUATION, {"policy": "last", "seed": seed, "greedy": None})
 
 
 @lru_cache(maxsize=4)
 def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, Any], Evaluation]:
-    """Returns what evaluates policies of one network in one game, compiled once for the seeds of a cell, and for cells alike."""
+    """Returns an evaluator of policies with one network in one game, compiled once for all seeds and cells that share them."""
     env = _environment(provenance)
     config = stored_config(json.loads(acting))
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
@@ -248,13 +252,13 @@ def environment_of(cell: Cell) -> Any:
     """Returns the environment of a cell.
 
     Raises:
-      ExperimentError: its rules have changed since the sweep was begun.
+      ExperimentError: its rules have changed since the sweep began.
     """
     env = _environment(json.dumps(cell.provenance, sort_keys=True))
     if env.hash != cell.hash:
         raise ExperimentError(
-            f"the rules of {cell.game} have changed since the sweep was begun: {cell.hash} then, {env.hash} now; "
-            "go on with the file as it was, or begin another sweep"
+            f"the rules of {cell.game} have changed since the sweep began: {cell.hash} then, {env.hash} now; "
+            "restore the file, or start another sweep"
         )
     return env
 
@@ -263,13 +267,3 @@ def environment_of(cell: Cell) -> Any:
 def _environment(provenance: str) -> Any:
     arguments: Mapping[str, Any] = json.loads(provenance)
     return sjdsl.make(**arguments)
-
-
-def _tell_end(sweep: Path, cell: Cell, known: Mapping[str, Any], tell: Tell) -> None:
-    progress = progress_of(sweep, cell, known["episodes"])
-    if progress.state == "done":
-        returns = collective_returns(sweep, known)[cell.name]
-        seeds = f"mean of {len(returns)} seeds" if len(returns) > 1 else "one seed"
-        tell(f"{cell.name}: done, collective return {sum(returns) / len(returns):.4g} ({seeds})")
-    elif progress.state == "failed":
-        tell(f"{cell.name}: {progress.summary}")

@@ -11,14 +11,12 @@ from click.testing import CliRunner
 
 from bench.speed.__main__ import main
 from bench.speed.everything import Part, Plan, joined, measure_everything, parts_of, read_parts, spread
-from bench.speed.extrapolation import hours_to
 from bench.speed.kernels import Kernels, StepKernels
 from bench.speed.resuming import Resume, differences
 from bench.speed.stored import Found, read_found
 from bench.speed.sweep import Sweep
 from bench.speed.tables import tables_of
-from bench.speed.training import Training
-from bench.speed.training_split import Split
+from bench.speed.training import Split, Training
 from sjdsl.bench import Compilation, Report, Speed, game_task
 from sjdsl.bench.stored import write_found
 from sjdsl.runtime.env import Environment
@@ -32,7 +30,7 @@ def speeds(num_envs: int, peak: int | None = None) -> Report:
 
 
 SPLIT = Split("meadow", 2, "mlp", 4, 8, 1.0, (1.0, 2.0), (0.1,), (0.2,), (0.3,), 1e6, "mappo", "per_agent")
-TRAINING = Training(MACHINE, 1e9, (SPLIT,), 10**9, hours_to(10**9, [SPLIT]), ("meadow, mlp, vdn, shared: no memory",))
+TRAINING = Training(MACHINE, 1e9, (SPLIT,), 10**9, ("meadow, mlp, vdn, shared: no memory",))
 KERNELS = Kernels(MACHINE, 4e9, (StepKernels("meadow", 2, "tokens", 1000, 12, 5000.0, 2000.0, (1e-3,)),))
 RESUME = Resume(MACHINE, "meadow", 40, 20, "--flag", ("loss",), 3.0)
 SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5), 10, (1.0, 3.0), (2e5, 2e5), 1.5, (5e5, 5e5))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sjdsl.cli.bench_games import choose_tasks
+from sjdsl.cli.bench import choose_tasks
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from tests.games.environments import NINE
 

@@ -8,7 +8,8 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from bench.speed.kernels import Kernels, StepKernels, copied_bytes_per_s, count_kernels, measure_kernels
+from bench.gpu_cost import count_kernels
+from bench.speed.kernels import Kernels, StepKernels, copied_bytes_per_s, measure_kernels
 from bench.speed.tables import kernel_table, notes_of
 from sjdsl.bench import game_task
 from sjdsl.runtime.env import Environment

@@ -50,7 +50,7 @@ def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> N
     (folder / "orchard.sj").write_text(GAME.replace("give apple to agent", "give apple + apple to agent"))
     shown = sjdsl("compile", "orchard.sj", "--check")
     assert shown.status == 1
-    assert "generated/orchard.py is not what compiling its game gives now" in shown.out
+    assert "generated/orchard.py differs from what its game compiles to now" in shown.out
 
 
 def test_nothing_is_written_when_one_game_is_wrong(sjdsl: Sjdsl, folder: Path) -> None:

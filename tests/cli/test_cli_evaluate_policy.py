@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.cli.environment_options import describe_environment, make_environment
+from sjdsl.cli.environment_options import EnvironmentOptions, make_environment
 from sjdsl.experiments import cross_play
 from tests.experiments.stored_policies import store
 
@@ -34,14 +34,14 @@ def test_a_policy_of_the_file_is_its_line_up(sjdsl: Sjdsl, folder: Path) -> None
     assert shown.out.endswith("\neater.json\n")
     stored = json.loads((folder / "eater.json").read_text())
     assert (stored["policy"], stored["game"]["name"], stored["seed"], stored["episodes"]) == ("eater", "grove", 4, 3)
-    env = make_environment(describe_environment("grove.sj", "rich", None, None, {}))
+    env = make_environment(EnvironmentOptions("rich").describe("grove.sj"))
     met = cross_play(env, slots=["eater", "eater"], episodes=3, seed=4)
     np.testing.assert_array_equal(np.asarray(stored["per_episode"]["returns"], np.float32), met.parts[0].played.returns)
     assert stored["summary"]["collective return"]["mean"] > 0
 
 
 def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path) -> None:
-    described = describe_environment("grove.sj", None, None, None, {})
+    described = EnvironmentOptions().describe("grove.sj")
     file = store(folder / "runs/one", make_environment(described), 0)
     (folder / "runs/one/manifest.json").write_text(json.dumps({"provenance": described}))
     alone = sjdsl("evaluate", file, *PLAYED, "--drawn", "-o", "alone.json")
@@ -60,7 +60,7 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path
     for missing in (file, folder / "runs/one/kept.safetensors"):
         missing.touch()
         shown = sjdsl("evaluate", missing)
-        assert (shown.status, "for a policy that is no run, add --game GAME" in shown.err) == (1, True), shown.text
+        assert (shown.status, "add --game GAME for a policy that isn't a run" in shown.err) == (1, True), shown.text
 
 
 def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:
@@ -77,14 +77,14 @@ def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:
         (
             ("eater",),
             1,
-            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or, for a policy that is no run, add --game",
+            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or add --game GAME for a policy that isn't a run",
         ),
-        (("random",), 1, "for a policy that is no run, add --game GAME"),
+        (("random",), 1, "add --game GAME for a policy that isn't a run"),
         (("eatr", *PLAYED), 1, "there is no policy `eatr`; did you mean `eater`?"),
         (("eater", "--variant", "rich"), 2, "--variant is for --game"),
-        (("eater", *PLAYED, "--greedy"), 2, "--greedy is for trained policies, and `eater` is none"),
-        (("eater", *PLAYED, "--which", "best"), 2, "--which is for a run"),
-        (("eater", *PLAYED, "-o", "eater"), 2, "-o names the file for the figures, which must end in .json; `eater` does not"),
+        (("eater", *PLAYED, "--greedy"), 2, "--greedy is for trained policies, and `eater` isn't one"),
+        (("eater", *PLAYED, "--which", "best"), 2, "--which is for runs"),
+        (("eater", *PLAYED, "-o", "eater"), 2, "-o names the file for the results, which must end in .json; `eater` doesn't"),
         (("eater", *PLAYED, "-o", "nowhere/eater.json"), 1, "there is no folder `nowhere` to write eater.json to"),
         (("eater", *PLAYED, "--variant", "poor"), 1, "poor"),
     ],

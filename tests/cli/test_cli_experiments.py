@@ -59,8 +59,8 @@ def _refused(shown: Output, status: int, *said: str) -> None:
         ((*DIAGRAM, "--param", "lngth=4"), 1, "length"),
         ((*DIAGRAM, "-o", "nowhere/deep"), 1, "there is no folder `nowhere`"),
         ((*DIAGRAM, "--agents", "9"), 1, "players"),
-        (("crossplay", "orchard.sj"), 2, "name either --slots, a policy for each slot, or --policies"),
-        (("crossplay", "orchard.sj", "--slots", "stay,stay", "--policies", "stay"), 2, "name either --slots"),
+        (("crossplay", "orchard.sj"), 2, "give either --slots, a policy for each slot, or --policies"),
+        (("crossplay", "orchard.sj", "--slots", "stay,stay", "--policies", "stay"), 2, "give either --slots"),
         (("crossplay", "orchard.sj", "--slots", "stay,stay", "--mix", "all"), 2, "--mix is for --policies"),
         (("crossplay", "orchard.sj", "--policies", "stay", "nobody", "--mix", "all"), 1, "there is no policy `nobody`"),
         (("crossplay", "orchard.sj", "--policies"), 2, "--policies"),
@@ -75,11 +75,11 @@ def test_what_is_refused_at_once(sjdsl: Sjdsl, arguments: tuple[str, ...], statu
 def test_what_is_refused_once_the_game_is_made(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "own.py").write_text("def idle(key, observation):\n    return observation[:, 0, 0, 0]\n")
     _refused(sjdsl(*DIAGRAM[:-4], "--defectors", "own.py:nobody"), 1, "own.py has no `nobody`")
-    _refused(sjdsl(*DIAGRAM, "--agents", "1"), 1, "a Schelling diagram needs two agents at least, and orchard has one here")
-    _refused(sjdsl("crossplay", "orchard.sj", "--slots", "stay"), 1, "orchard has 2 slots, and 1 policies are given for them")
+    _refused(sjdsl(*DIAGRAM, "--agents", "1"), 1, "a Schelling diagram needs at least two agents, and orchard has one here")
+    _refused(sjdsl("crossplay", "orchard.sj", "--slots", "stay"), 1, "orchard has 2 slots, but 1 policies are given")
     (folder / "kept").mkdir()
     (folder / "kept/notes.txt").write_text("mine")
-    _refused(sjdsl(*DIAGRAM, "-o", "kept"), 1, "kept is not empty and holds no experiment to go on with (notes.txt)")
+    _refused(sjdsl(*DIAGRAM, "-o", "kept"), 1, "kept is not empty and holds no experiment to resume (notes.txt)")
 
 
 @pytest.mark.slow

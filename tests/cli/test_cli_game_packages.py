@@ -10,7 +10,7 @@ from command_line import Sjdsl
 from installed_packages import game, install, register
 
 import sjdsl as package
-from sjdsl.cli.environment_options import describe_environment
+from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.games_folder import GamesClash, bundled, by_release, find_game, game_names, game_problems
 
 
@@ -41,8 +41,8 @@ def test_a_game_is_found_by_name(place: Path, sjdsl: Sjdsl) -> None:
 def test_a_run_knows_its_game_by_name(place: Path, folder: Path, name: str) -> None:
     """A path into the folder of a package would be another one after the next installation, or on another machine."""
     install(place, "river_games", {"river.sj": game("river")})
-    assert describe_environment(name, None, None, None, {})["game"] == name
-    assert describe_environment("orchard.sj", None, None, None, {})["game"] == str((folder / "orchard.sj").resolve())
+    assert EnvironmentOptions().describe(name)["game"] == name
+    assert EnvironmentOptions().describe("orchard.sj")["game"] == str((folder / "orchard.sj").resolve())
 
 
 def test_bundled_games_stay_what_they_are(place: Path) -> None:

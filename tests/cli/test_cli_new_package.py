@@ -68,7 +68,7 @@ def test_its_game_is_found_where_it_is_installed(sjdsl: Sjdsl, folder: Path, mon
         ("River", "`River` cannot name a package of games"),
         ("_games", "`_games` cannot name a package of games"),
         ("click", "there is a Python package `click` already"),
-        ("here", "here is there already; nothing was written"),
+        ("here", "here exists already; nothing was written"),
     ],
 )
 def test_a_name_that_is_taken_is_refused(sjdsl: Sjdsl, folder: Path, name: str, said: str) -> None:

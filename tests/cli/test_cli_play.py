@@ -86,7 +86,7 @@ def test_a_new_game_passes_its_tests(sjdsl: Sjdsl, folder: Path) -> None:
     assert sjdsl("fmt", "--check", "pond.sj").status == 0
     again = sjdsl("new", "pond")
     assert again.status == 1
-    assert "pond.sj is there already; nothing was written" in again.err
+    assert "pond.sj exists already; nothing was written" in again.err
     tests = subprocess.run([sys.executable, "-m", "pytest", "-q", "test_pond.py"], cwd=folder, capture_output=True, text=True, check=False)
     assert tests.returncode == 0, tests.stdout
     assert "3 passed" in tests.stdout

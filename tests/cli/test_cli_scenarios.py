@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.cli.environment_options import describe_environment, make_environment
+from sjdsl.cli.environment_options import EnvironmentOptions, make_environment
 from tests.experiments.stored_policies import store_pool
 
 SCENARIOS = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
@@ -26,7 +26,7 @@ def _grove(folder: Path) -> None:
 
 @pytest.mark.thorough
 def test_a_run_of_two_seeds(sjdsl: Sjdsl, folder: Path) -> None:
-    described = describe_environment(str(folder / "grove.sj"), None, None, None, {})
+    described = EnvironmentOptions().describe(str(folder / "grove.sj"))
     store_pool(folder / "runs/grove", make_environment(described), (0, 1))
     (folder / "runs/grove/manifest.json").write_text(json.dumps({"provenance": described}))
     one = sjdsl("evaluate", "runs/grove", "--scenario", "guest", "--episodes", "3")
@@ -69,7 +69,7 @@ def test_a_policy_of_the_file(sjdsl: Sjdsl, folder: Path) -> None:
         (
             ("evaluate", "eater", "--scenario", "all"),
             1,
-            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or, for",
+            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or add --game GAME for a policy",
         ),
         (("evaluate", "runs/a", "-o", "there"), 2, "-o is for --scenario"),
         (("evaluate", "runs/a", "--scenario", "all", "--agents", "3"), 2, "--agents is for --game"),
@@ -77,8 +77,8 @@ def test_a_policy_of_the_file(sjdsl: Sjdsl, folder: Path) -> None:
         ((*SCRIPTED, "all", "--film", "a.gif"), 2, "--film is not for --scenario"),
         (("evaluate", "eatr", "--game", "grove.sj", "--scenario", "all"), 1, "there is no policy `eatr`; did you mean `eater`?"),
         ((*SCRIPTED, "gest"), 1, "there is no scenario `gest`; did you mean `guest`?"),
-        ((*SCRIPTED, "all", "--agents", "3"), 1, "the scenario `pair` does not fit 3 agents: it has 2 slots; name another, such as guest"),
-        ((*SCRIPTED, "all", "--agents", "1"), 1, "a scenario needs two agents at least, and grove has one here"),
+        ((*SCRIPTED, "all", "--agents", "3"), 1, "the scenario `pair` doesn't fit 3 agents: it has 2 slots; name another, such as guest"),
+        ((*SCRIPTED, "all", "--agents", "1"), 1, "a scenario needs at least two agents, and grove has one here"),
         (("evaluate", "stay", "--game", "orchard.sj", "--scenario", "all"), 1, "orchard has no scenarios; write one into the game's file"),
     ],
 )

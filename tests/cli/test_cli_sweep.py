@@ -20,7 +20,7 @@ def test_a_sweep_side_by_side(sjdsl: Sjdsl, folder: Path) -> None:
         "orchard_apple-1  seeds 0 to 1             64 steps each  waiting",
         "orchard_apple-2  seeds 0 to 1             64 steps each  waiting",
         "",
-        "2 cells: 2 waiting; 256 environment steps are left at most",
+        "2 cells: 2 waiting; at most 256 environment steps left",
     ]
     assert not (folder / "swept").exists()
     shown = sjdsl(*SWEEP, "--seeds", "2", "--together", "2")
@@ -39,7 +39,7 @@ def test_a_sweep_side_by_side(sjdsl: Sjdsl, folder: Path) -> None:
         for row, apple in ((one, 1.0), (two, 2.0)):
             assert float(row["collective_return"]) == pytest.approx(apple * float(row["event_eaten"]))
     again = sjdsl(*SWEEP, "--seeds", "2", "--dry-run")
-    assert again.out.splitlines()[-1] == "2 cells: 2 done; 0 environment steps are left at most"
+    assert again.out.splitlines()[-1] == "2 cells: 2 done; at most 0 environment steps left"
     other = sjdsl(*SWEEP, "--seeds", "3")
     assert other.status == 1
     assert "swept holds another sweep: its cell orchard_apple-1 has seeds 2 there, 3 here" in other.err
@@ -50,7 +50,7 @@ def test_a_protocol_of_two_stages_is_listed(sjdsl: Sjdsl) -> None:
     assert listed.status == 0, listed.text
     assert listed.out.splitlines()[1].startswith("orchard_reward-svo_svo_weight-0.2_svo_angle-90  seeds 0 to 2")
     assert listed.out.splitlines()[-1] == (
-        "then a second stage: 5 cells of angles, at the weight that is best in the first, with seeds of their own"
+        "then a second stage: 5 cells of angles, at the best weight of the first, with seeds of their own"
     )
 
 
@@ -60,7 +60,7 @@ def test_a_protocol_of_two_stages_is_listed(sjdsl: Sjdsl) -> None:
         (("orchrd", "--axis", "reward=common", "--run", "swept"), 1, "there is no bundled game `orchrd`"),
         (("orchard.sj", "--axis", "reward=common"), 2, "--run"),
         (("--axis", "reward=common", "--run", "swept"), 2, "GAME"),
-        (("orchard.sj", "--run", "swept"), 1, "say what is varied: --axis NAME=value,value,… or --protocol"),
+        (("orchard.sj", "--run", "swept"), 1, "say what varies: --axis NAME=value,value,… or --protocol"),
         (("orchard.sj", "--axis", "rward=common", "--run", "swept"), 1, "there is no axis `rward`; did you mean `reward`?"),
         (("orchard.sj", "--axis", "param.aple=1", "--run", "swept"), 1, "the game has no number `aple`; did you mean `apple`?"),
         (("orchard.sj", "--axis", "variant=rch", "--run", "swept"), 1, "rich"),

@@ -116,4 +116,4 @@ def test_agents_follow_a_policy_of_the_file(sjdsl: Sjdsl) -> None:
 
 def test_a_policy_is_one_of_the_file_and_stands_alone(sjdsl: Sjdsl) -> None:
     assert "no policy `cooperatr`" in sjdsl("trace", "clean_up", "--policy", "cooperatr").err
-    assert "choose one of them" in sjdsl("trace", "clean_up", "--policy", "cooperator", "--actions", "stay").err
+    assert "give only one of them" in sjdsl("trace", "clean_up", "--policy", "cooperator", "--actions", "stay").err

@@ -54,5 +54,5 @@ def test_recorded_episodes_are_not_written_over(sjdsl: Sjdsl, folder: Path) -> N
     for call in (["record", "orchard.sj"], ["record", "orchard.sj", "-o", "orchard.npz"]):
         shown = sjdsl(*call)
         assert shown.status == 1
-        assert "`orchard.npz` is there already; name another file with -o, or move it away" in shown.err
+        assert "`orchard.npz` exists already; name another file with -o, or move it away" in shown.err
     assert (folder / "orchard.npz").read_bytes() == b"episodes of before"

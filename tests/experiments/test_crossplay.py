@@ -158,17 +158,17 @@ def test_pools_play_seed_by_seed(tmp_path: Path) -> None:
 
 def test_what_is_asked_wrongly_is_refused(tmp_path: Path) -> None:
     env = matrix_game()
-    with pytest.raises(ExperimentError, match="matrix_game has 2 slots, and 3 policies are given"):
+    with pytest.raises(ExperimentError, match="matrix_game has 2 slots, but 3 policies are given"):
         cross_play(env, slots=["stay"] * 3)
     with pytest.raises(ExperimentError, match="give either slots"):
         cross_play(env)
     with pytest.raises(ExperimentError, match="give either slots"):
         cross_play(env, slots=["stay", "stay"], policies=["stay"])
-    with pytest.raises(ExperimentError, match=r"needs two agents at least, and constant has one here.*`sjdsl evaluate`"):
+    with pytest.raises(ExperimentError, match=r"needs at least two agents, and constant has one here.*`sjdsl evaluate`"):
         cross_play(constant(1.0, num_agents=1), policies=["stay", "random"])
     with pytest.raises(ExperimentError, match="`stay` is named twice"):
         cross_play(env, policies=["stay", "random", "stay"])
-    with pytest.raises(ExperimentError, match="name one policy at least"):
+    with pytest.raises(ExperimentError, match="name at least one policy"):
         cross_play(env, policies=[])
     two, three = (store_pool(tmp_path / str(n), env, range(n)) for n in (2, 3))
     with pytest.raises(ExperimentError, match="pools must have equally many seeds"):

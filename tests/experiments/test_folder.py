@@ -89,7 +89,7 @@ def test_two_processes_do_not_play_in_one_folder(tmp_path: Path, command: str, p
     folder, refusals = tmp_path / "folder", []
 
     def begin_another(_: str) -> None:
-        with pytest.raises(ExperimentError, match=rf"folder is in use: process {os.getpid()} on \S+ is playing in it now") as refusal:
+        with pytest.raises(ExperimentError, match=rf"folder is in use by process {os.getpid()} on \S+;") as refusal:
             play(command, folder)
         refusals.append(refusal)
 
@@ -145,17 +145,17 @@ def test_a_half_written_folder(tmp_path: Path, played: list[Any]) -> None:
     asked = folder / "experiment.json"
     asked.write_text(asked.read_text()[:100])
     before = {path: path.read_bytes() for path in folder.rglob("*.*") if path.is_file()}
-    with pytest.raises(ExperimentError, match=r"experiment.json is damaged: what was asked there cannot be read"):
+    with pytest.raises(ExperimentError, match=r"experiment.json is damaged and can't be read"):
         play("schelling", folder)
     asked.unlink()
-    with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to go on with"):
+    with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to resume"):
         play("schelling", folder)
     assert {path: path.read_bytes() for path in before if path != asked} == {path: text for path, text in before.items() if path != asked}
 
 
 def test_a_folder_in_use_is_not_written_to(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to go on with \(notes.txt\)"):
+    with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to resume \(notes.txt\)"):
         play("schelling", tmp_path)
     with pytest.raises(ExperimentError, match="is a file"):
         play("schelling", tmp_path / "notes.txt")

@@ -74,6 +74,6 @@ def test_two_processes_at_once(tmp_path: Path, whole: dict[str, dict[str, bytes]
     said = [process.communicate(timeout=PATIENCE)[1] for process in both]
     assert sum(text.count("playing 40 episodes") for text in said) == LINEUPS
     for process, text in zip(both, said, strict=True):
-        assert process.returncode == 0 or (process.returncode == 1 and "is in use: process" in text.splitlines()[-1]), text
+        assert process.returncode == 0 or (process.returncode == 1 and "is in use by process" in text.splitlines()[-1]), text
     assert min(process.returncode for process in both) == 0
     assert files_of(command, folder) == whole[command]

@@ -110,7 +110,7 @@ def test_the_files_and_a_second_time(played: tuple[ScenarioScores, Path]) -> Non
     assert len(said) == 1
     assert (folder / "scenarios.json").read_bytes() == before
     for message, env, policy in (
-        ("its policies are others", visitors(), "keeper"),
+        ("its policies differ", visitors(), "keeper"),
         ("ranked 1.0 there, 0.0 here", visitors(4, 0.0), "giver"),
     ):
         with pytest.raises(ExperimentError, match=message):
@@ -147,13 +147,13 @@ def test_the_score_by_hand() -> None:
 def test_a_score_that_is_not_defined(best: list[float]) -> None:
     score = scored([[3.0, 5.0]], random=[1, 1], cooperator=best, stay=[0, 0])
     assert score.score is None
-    assert "the score is not defined: the best scripted focal policy, cooperator, earns" in score.caution
+    assert "the score is undefined: the best scripted focal policy, cooperator, earns" in score.caution
 
 
 def test_a_score_that_may_be_a_share_of_nothing() -> None:
     score = scored([[3.0, 5.0]], random=[1, 1], stay=[0, 4])
     assert score.score == 3.0
-    assert "the score is uncertain: stay less random is 1, with the interval [-24.41, 26.41]" in score.caution
+    assert "the score is uncertain: stay minus random is 1, with the interval [-24.41, 26.41]" in score.caution
     assert "of unknown width" in scored([[3.0]], random=[1], stay=[2]).caution
 
 
@@ -214,16 +214,16 @@ def test_what_is_refused() -> None:
     for names, said in (
         ("visitr", r"there is no scenario `visitr`; did you mean `visitor`\?"),
         ("nobody", "there is no scenario `nobody`; those of visitors are visitor, intruded, three, alone"),
-        ((), "name one scenario at least"),
-        ("three", "the scenario `three` does not fit 4 agents: it has 3 slots; name another, such as visitor"),
-        ("all", "the scenario `three` does not fit 4 agents"),
+        ((), "name at least one scenario"),
+        ("three", "the scenario `three` doesn't fit 4 agents: it has 3 slots; name another, such as visitor"),
+        ("all", "the scenario `three` doesn't fit 4 agents"),
     ):
         with pytest.raises(ExperimentError, match=said):
             plan_scenarios(env, "giver", names, 2, 0)
-    with pytest.raises(ExperimentError, match="`three` does not fit 2 agents: it has 3 slots"):
+    with pytest.raises(ExperimentError, match="`three` doesn't fit 2 agents: it has 3 slots"):
         plan_scenarios(visitors(2), "giver", "all", 2, 0)
     with pytest.raises(
-        ExperimentError, match="a scenario needs two agents at least, and visitors has one here; ask for more with --agents"
+        ExperimentError, match="a scenario needs at least two agents, and visitors has one here; ask for more with --agents"
     ):
         plan_scenarios(visitors(1), "giver", "all", 2, 0)
     with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
@@ -241,9 +241,9 @@ def test_a_scenario_of_fewer_agents_than_its_slots(tmp_path: Path) -> None:
     """A number of slots that is counted from that of agents can be below none, or none for the focal agents."""
     text = VISITORS.read_text().replace("slots 1 focal  slots players - 1 policy", "slots players - 3 focal  slots 3 policy")
     (tmp_path / "few.sj").write_text(text.replace("count  = 3", "count  = 4").replace("slots 1 policy giver", "slots 2 policy giver"))
-    with pytest.raises(ExperimentError, match="`visitor` does not fit 3 agents: it has no focal slot"):
+    with pytest.raises(ExperimentError, match="`visitor` doesn't fit 3 agents: it has no focal slot"):
         plan_scenarios(sjdsl.make(tmp_path / "few.sj", num_agents=3), "giver", "visitor", 2, 0)
-    with pytest.raises(ExperimentError, match="`visitor` does not fit 2 agents: it would have -1 slots of focal agents"):
+    with pytest.raises(ExperimentError, match="`visitor` doesn't fit 2 agents: it would have -1 slots of focal agents"):
         plan_scenarios(sjdsl.make(tmp_path / "few.sj", num_agents=2), "giver", "visitor", 2, 0)
 
 

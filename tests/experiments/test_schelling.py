@@ -130,8 +130,8 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     env = matrix_game("deadlock")
     found = schelling_diagram(env, STAY, OTHER, episodes=3, folder=tmp_path / "diagram")
     said = (
-        "This rests on samples without spread: A has one and the same value in all 3 episodes. Such intervals have no width, but up to 63 % of "
-        "other episodes may differ (upper bound at 95 %). To check it, play more, with --episodes 300 and another folder."
+        "This rests on samples without spread: A has the same value in all 3 episodes. The intervals have no width, but up to 63 % of "
+        "further episodes may differ (95 % upper bound). To check it, play more, with --episodes 300 and another folder."
     )
     assert found.caution == said
     stored = json.loads((tmp_path / "diagram/schelling.json").read_text())["verdict"]
@@ -180,8 +180,8 @@ def test_another_experiment_does_not_go_on_in_the_folder(tmp_path: Path) -> None
     changed = {
         "episodes 2 there, 3 here": plan_diagram(matrix_game(), "stay", OTHER, 3, 0),
         "seed 0 there, 1 here": plan_diagram(matrix_game(), "stay", OTHER, 2, 1),
-        "its policies are others": plan_diagram(matrix_game(), "random", OTHER, 2, 0),
-        "game params its payoff are others": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
+        "its policies differ": plan_diagram(matrix_game(), "random", OTHER, 2, 0),
+        "game params its payoff differ": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
     }
     for message, other in changed.items():
         with pytest.raises(ExperimentError, match=message):
@@ -214,7 +214,7 @@ def test_returns_that_are_not_finite_are_refused() -> None:
 def test_one_agent_has_no_dilemma() -> None:
     from tests.trainers.probes import constant
 
-    with pytest.raises(ExperimentError, match="needs two agents at least, and constant has one here"):
+    with pytest.raises(ExperimentError, match="needs at least two agents, and constant has one here"):
         schelling_diagram(constant(1.0, num_agents=1), STAY, OTHER)
     with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
         schelling_diagram(constant(1.0), STAY, OTHER, episodes=0)

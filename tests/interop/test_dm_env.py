@@ -105,9 +105,9 @@ def test_configurations_and_roles() -> None:
 def test_wrong_actions_are_refused() -> None:
     env = Substrate("coins", seed=0, **SHORT)
     env.reset()
-    with pytest.raises(ValueError, match="1 actions for 2 players"):
+    with pytest.raises(ValueError, match="expected 2 actions, one for each player, got 1"):
         env.step([0])
-    with pytest.raises(ValueError, match=r"9 is no action of player 1: 0 \.\. 6"):
+    with pytest.raises(ValueError, match=r"the action of player 1 must be a whole number from 0 to 6, not 9"):
         env.step([0, 9])
 
 
@@ -117,7 +117,7 @@ def test_substrates_are_taken_by_their_names() -> None:
     env = build("bach_or_stravinsky_in_the_matrix__repeated", config.default_player_roles, seed=0)
     assert env.env.num_agents == 2
     assert env.observation_spec()[0]["RGB"].shape == (40, 40, 3)  # Melting Pot's
-    with pytest.raises(ValueError, match="take them in this order"):
+    with pytest.raises(ValueError, match="give them in this order"):
         build("bach_or_stravinsky_in_the_matrix__repeated", ["stravinsky_fan", "bach_fan"])
     with pytest.raises(ValueError, match="the roles are bach_fan, stravinsky_fan"):
         build("bach_or_stravinsky_in_the_matrix__repeated", ["default"] * 2)

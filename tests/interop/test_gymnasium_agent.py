@@ -126,12 +126,12 @@ def test_pictures_and_texts(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_wrong_calls_are_refused() -> None:
     env = AgentGame("coins", **SHORT)
-    with pytest.raises(RuntimeError, match="no episode is under way; call reset"):
+    with pytest.raises(RuntimeError, match="the episode is over or not started; call reset"):
         env.step(0)
     env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"7 is no action: 0 \.\. 6"):
+    with pytest.raises(ValueError, match=r"the action must be a whole number from 0 to 6, not 7"):
         env.step(7)
-    with pytest.raises(ValueError, match="coins has no agent 2: 0 to 1"):
+    with pytest.raises(ValueError, match="coins has no agent 2; its agents are 0 to 1"):
         AgentGame("coins", agent=2)
     with pytest.raises(ValueError, match="render_mode is None, human, ansi, rgb_array"):
         AgentGame("coins", render_mode="film")

@@ -132,7 +132,7 @@ def test_world_states_for_central_critics() -> None:
     np.testing.assert_array_equal(seen[0], of_state.env.state_vector(state.game))
     with pytest.raises(ValueError, match="there is no world state"):
         JaxMARLGame("coins", **SHORT).world_state_size()
-    with pytest.raises(ValueError, match="world_state is None, `observations` or `state`"):
+    with pytest.raises(ValueError, match="world_state must be None, `observations` or `state`"):
         JaxMARLGame("coins", world_state="all", **SHORT)
 
 

@@ -110,7 +110,7 @@ def test_common_rewards_and_global_states() -> None:
     np.testing.assert_array_equal(
         vector.reset(jax.random.key(5))[1].observation.global_state[0].shape, (vector.env.state_vector(state.game).size,)
     )
-    with pytest.raises(ValueError, match="global_state is None, `observations` or `state`, not 'all'"):
+    with pytest.raises(ValueError, match="global_state must be None, `observations` or `state`, not 'all'"):
         MavaGame("coins", global_state="all")
 
 

@@ -53,7 +53,7 @@ def test_it_is_refused_before_anything_is_played(datasets: Path, capsys: pytest.
     file = datasets / "coins.npz"
     for wrong in ("coins random", "coins", "coins-v"):
         assert run([*CALL, "-o", str(file), "--minari", wrong]) == 1
-        assert f"`{wrong}` cannot name a Minari dataset" in capsys.readouterr().err
+        assert f"`{wrong}` can't name a Minari dataset" in capsys.readouterr().err
     assert run([*CALL, "-o", str(file), "--minari", ID, "--observation", "none"]) == 2
     assert not file.exists()
     assert run([*CALL, "-o", str(file), "--minari", ID]) == 0

@@ -101,7 +101,10 @@ def test_the_returns_are_the_games() -> None:
 
 @pytest.mark.parametrize(
     ("actions", "error", "message"),
-    [({"agent_0": 1}, KeyError, "no action for agent_1"), ({"agent_0": 1, "agent_1": 7}, ValueError, "7 is no action of agent_1: 0 .. 6")],
+    [
+        ({"agent_0": 1}, KeyError, "no action for agent_1"),
+        ({"agent_0": 1, "agent_1": 7}, ValueError, "the action of agent_1 must be a whole number from 0 to 6, not 7"),
+    ],
 )
 def test_wrong_actions_are_refused(actions: dict[str, int], error: type[Exception], message: str) -> None:
     env = coins()

@@ -258,14 +258,14 @@ def test_maps_in_the_suites_letters() -> None:
     env = socialjax.make("harvest_common_open", map_ASCII=rows, num_agents=3)
     assert env.env.game.rows[1] == "#QQ..AA....#"
     assert resets(env, 20)[0].shape == (3, 11, 11, 15)
-    with pytest.raises(ValueError, match="`X` is no letter of map_ASCII"):
+    with pytest.raises(ValueError, match="map_ASCII can't have the letter `X`"):
         socialjax.make("harvest_common_open", map_ASCII=["XX"])
 
 
 @pytest.mark.parametrize(
     ("name", "kwargs", "error", "message"),
     [
-        ("harvest", {}, ValueError, "there is no `harvest`; the ids are coin_game, harvest_common_open"),
+        ("harvest", {}, ValueError, "there is no id `harvest`; the ids are coin_game, harvest_common_open"),
         ("coin_game", {"svo_weight": 1}, TypeError, "`coin_game` has no keyword `svo_weight`; it has cnn, inequity_aversion"),
         ("coin_game", {"map_ASCII": []}, TypeError, "has no keyword `map_ASCII`"),
         ("coin_game", {"enable_smooth_rewards": True}, TypeError, "has no keyword `enable_smooth_rewards`"),
@@ -364,7 +364,7 @@ def test_the_last_food_ends_an_episode_of_foraging() -> None:
     _, _, reward, done, _ = env.step_env(jax.random.key(1), state, [LOAD, FORAGER_STAY])
     assert (reward.tolist(), bool(done["__all__"])) == ([1.0, 0.0], True)
     assert env.num_inner_steps == 100
-    with pytest.raises(ValueError, match="sight is 8; another window is another game"):
+    with pytest.raises(ValueError, match="sight must be 8; for another window, change"):
         socialjax.make("lb_foraging", sight=5)
     fewer = socialjax.make("lb_foraging", num_food=2, max_food_level=5, max_player_level=3, load_penalty=0.5)
     _, state = resets(fewer, 1)

@@ -9,15 +9,15 @@ from typing import Any
 import psutil
 import pytest
 
-from sjdsl.sweeps import Asked, Axis, sweep
+from sjdsl.sweeps import Axis, SweepSpec, sweep
 
 GAME = str(Path(__file__).parents[1] / "experiments" / "games" / "matrix_game.sj")
 TINY: dict[str, Any] = {"network": "mlp", "network_width": 4, "num_envs": 4, "num_steps": 4, "num_minibatches": 1, "num_epochs": 1}
 TINY |= {"total_timesteps": 16 * 4, "checkpoint_updates": 1, "seeds": 1}
 
 
-def asked(*rewards: str, **settings: Any) -> Asked:
-    return Asked([GAME], [Axis("reward", rewards or ("individual", "common"))], settings={**TINY, **settings}, episodes=2)
+def asked(*rewards: str, **settings: Any) -> SweepSpec:
+    return SweepSpec([GAME], [Axis("reward", rewards or ("individual", "common"))], settings={**TINY, **settings}, episodes=2)
 
 
 def results(folder: Path) -> bytes:

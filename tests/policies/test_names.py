@@ -60,6 +60,6 @@ def test_a_policy_that_cannot_be_compiled_is_named_with_its_place(env: Environme
         raise NotSupported("a shape of moonlight", env.game.policies[0].origin, "write one of wood")
 
     monkeypatch.setattr(compiled, "lower_policy", refused)
-    said = r"the policy `eater` cannot be compiled: a shape of moonlight is not supported yet \(.*orchard.sj, line 39\); write one of wood"
+    said = r"the policy `eater` can't be compiled: a shape of moonlight is not supported yet \(.*orchard.sj, line 39\); write one of wood"
     with pytest.raises(PolicyError, match=said):
         find_policy("eater", env)

@@ -163,7 +163,7 @@ def test_replay_shows_one_of_them(recorded: Path, tmp_path: Path, capsys: pytest
     assert "31 frames" in capsys.readouterr().out
     assert run(["replay", str(recorded), "--episode", "5"]) == 1
     assert "has no episode 5: it has 5, counted from 0" in capsys.readouterr().err
-    with pytest.raises(RecordingError, match="its hash was"):
+    with pytest.raises(RecordingError, match="the hash was"):
         next(iter(replayed(recording, sjdsl.make("coins", "socialjax"))))
 
 

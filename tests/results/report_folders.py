@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from bench.speed.training import Training
-from bench.speed.training_split import Split
+from bench.speed.training import Split, Training
 from sjdsl.bench.stored import write_found
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.results import ResultsWarning

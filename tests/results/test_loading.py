@@ -56,9 +56,7 @@ def test_actions_that_were_chosen_otherwise_are_no_result(tmp_path: Path) -> Non
     file.write_text(json.dumps(json.loads(file.read_text()) | {"greedy": True}))
     found = read(folder)
     assert earned(found) == {0: 3.0, 1: None}
-    assert found.notes == (
-        f"`{folder}` isn't evaluated, or was with `--greedy` or `--drawn`: `sjdsl evaluate {folder}` does it as the tables want it",
-    )
+    assert found.notes == (f"`{folder}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {folder}`",)
 
 
 def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
@@ -70,8 +68,8 @@ def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
     found = read(folder)
     assert earned(found) == {0: 3.0, 1: None, 2: 4.0}
     assert found.notes == (
-        f"`{folder}/seed_1` is incomplete, for it has no `policies`: it is left out",
-        f"`{folder}` was evaluated in 2 episodes a seed, others in 30: `sjdsl evaluate {folder}` does it so",
+        f"`{folder}/seed_1` is incomplete, as it has no `policies`: it is left out",
+        f"`{folder}` was evaluated in 2 episodes a seed, others in 30: run `sjdsl evaluate {folder}`",
     )
 
 
@@ -100,7 +98,7 @@ def test_what_is_found_twice_is_taken_from_the_later_one(tmp_path: Path) -> None
     found = read(first, second)
     assert earned(found) == {0: 9.0}
     assert found.curves.collective_return.to_list() == [4.5, 6.75, 9.0]
-    assert "found twice, with different figures" in found.notes[0]
+    assert "found twice with different figures" in found.notes[0]
     assert read(first, first).notes == ()
     stopped = write_run(tmp_path / "c", "coins", (9.0,), status="interrupted")
     assert earned(read(first, stopped)) == {0: 3.0}
@@ -115,7 +113,7 @@ def test_a_half_written_run_is_left_out_and_says_how_it_goes_on(tmp_path: Path) 
         assert how in found.notes[0]
         assert f"sjdsl train --resume {folder}" in found.notes[0]
     (going / "manifest.json").write_text("{half")
-    assert "no manifest.json in it that can be read: " in read(going).notes[0]
+    assert "has no readable manifest.json" in read(going).notes[0]
 
 
 def test_a_run_that_is_not_evaluated(tmp_path: Path) -> None:
@@ -171,7 +169,7 @@ def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> N
     write_sweep(sweep, "svo", {"weight": 1, "angle": 2}, absent=["late"], failed=["bad"])
     found = read(sweep)
     assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in found.rows("seed")[::2]) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
-    assert found.notes == (f"2 cells of the sweep `{sweep}` are still to be trained", f"the cell `bad` of the sweep `{sweep}` has failed")
+    assert found.notes == (f"2 cells of the sweep `{sweep}` are not trained yet", f"the cell `bad` of the sweep `{sweep}` has failed")
     # the cells named without their sweep are in their stages, too
     cells = sorted((sweep / "cells").iterdir())
     for paths in (cells, [sweep / "cells"]):

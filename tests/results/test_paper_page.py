@@ -100,16 +100,16 @@ def test_of_several_ways_of_training_the_longer_is_shown_and_the_other_named(tmp
     page = page_of(tmp_path)
     assert page.line("coins, variant socialjax | ours")[6] == "51 [38.29, 63.71]"
     (note,) = page.notes
-    assert note.startswith("of coins, variant socialjax, IPPO, common, tables show 2 seeds, 800 steps, unnamed CPU")
-    assert "and not 3 seeds, 400 steps, unnamed CPU" in note
+    assert note.startswith("for coins, variant socialjax, IPPO, common, tables show 2 seeds, 800 steps, unnamed CPU")
+    assert "not 3 seeds, 400 steps, unnamed CPU" in note
 
 
 def test_the_method_says_how_long_was_trained_and_what_common_reward_is(tmp_path: Path) -> None:
     write_run(tmp_path / "short", "coins", (10.0, 12.0), reward="common", common_reward="mean")
     write_run(tmp_path / "long", "harvest_open", (10.0, 12.0), reward="common", algorithm="mappo", total_timesteps=800, num_envs=20)
     method = page_of(tmp_path).section("Method")
-    assert "learnt from 400 to 800 environment steps, one of the paper from 300M" in method
-    assert "rewards: their mean in IPPO; their sum in MAPPO; in the paper their sum." in method
+    assert "trained for 400 to 800 environment steps, one of the paper for 300M" in method
+    assert "rewards: their mean in IPPO; their sum in MAPPO; in the paper, their sum." in method
     write_run(tmp_path / "both", "pd_arena", (10.0, 12.0), reward="common")
     assert "their mean in some runs of IPPO; their sum in some runs of IPPO, MAPPO;" in page_of(tmp_path).section("Method")
 
@@ -168,7 +168,7 @@ def test_cells_below_a_random_policy_are_named(tmp_path: Path) -> None:
     write_run(tmp_path / "coins", "coins", (17.0, 14.0))
     write_run(tmp_path / "own", "harvest_open", (30.0, 40.0))
     write_run(tmp_path / "all", "harvest_open", (59.0, 62.0), reward="common")
-    assert "Below the return of a random policy are: harvest_open, rules 4a7 (individual). " in page_of(tmp_path).text
+    assert "Returns below those of a random policy: harvest_open, rules 4a7 (individual). " in page_of(tmp_path).text
 
 
 def test_a_game_that_the_paper_did_not_play_so_has_nothing_published_beside_it(tmp_path: Path) -> None:
@@ -206,7 +206,7 @@ def test_the_angles_have_the_fresh_seeds_and_not_those_that_chose_the_weight(tmp
     weights, angles = ({k: v for k, v in page.tables[name][0].items() if k.endswith("mean")} for name in ("svo_weights", "svo_angles"))
     assert weights == {"0.4 mean": 110, "0.6 mean": 145}
     assert angles == {"45° mean": 70, "90° mean": 137}
-    assert "In pd_arena the chosen weight is 0, which is individual reward." in page.text
+    assert "In pd_arena, the chosen weight is 0, which is individual reward." in page.text
     (command,) = (row for row in page.text.splitlines() if "--protocol svo" in row and "--variant" not in row)
     assert command.startswith("sjdsl sweep coins --protocol svo")  # of pd_arena, where the weight is 0, one angle is enough
 
@@ -246,7 +246,7 @@ def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
     coins, harvest = scores["IPPO, SVO 90°, chosen weight"].T
     assert coins.tolist() == pytest.approx([30 / 164, 50 / 164])
     assert harvest.tolist() == pytest.approx([20 / 410, 40 / 410])
-    assert "The chosen weight of SVO is that of each game's own sweep." in text
+    assert "The chosen weight of SVO is the one chosen in each game's own sweep." in text
 
 
 def test_diagrams_of_the_papers_rules_alone_have_what_it_found_beside_them(tmp_path: Path, empty: Page) -> None:

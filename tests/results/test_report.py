@@ -136,7 +136,7 @@ def test_scores_lie_between_a_random_policy_and_the_best(tmp_path: Path) -> None
     coins, arena = scores["IPPO, individual"].T
     assert coins.tolist() == pytest.approx([0.3, 0.5])
     assert arena.tolist() == pytest.approx([-10 / 60, 10 / 60])  # of all four agents together a random policy earns 40
-    assert "There are no two games yet" in " ".join(over_games(read(tmp_path / "coins_own").frame).text)
+    assert "No way of training has two seeds" in " ".join(over_games(read(tmp_path / "coins_own").frame).text)
 
 
 @pytest.mark.parametrize(
@@ -209,7 +209,7 @@ def test_a_report_is_made_again_from_its_own_data(tmp_path: Path) -> None:
     assert files(out) == before
     write_report([out / "data", write_run(tmp_path / "b", "coins", (4.0,), first=2)], out, COMMAND)
     assert len((out / "data/results.csv").read_text().splitlines()) == 5
-    with pytest.raises(ResultsError, match=r"out/data` has 1 row that are not among what was read; name"):
+    with pytest.raises(ResultsError, match=r"out/data` has 1 row that the new results lack; name"):
         write_report([tmp_path / "runs"], out, COMMAND)
 
 
@@ -255,12 +255,12 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeyp
     told = capsys.readouterr()
     assert "out/report.md  3 runs, 5 seeds, 1 tables, 1 pictures" in told.out
     assert "note: `runs/b` isn't finished" in told.err
-    assert "marl-eval wants the same ways" in told.err
+    assert "marl-eval needs the same ways" in told.err
     assert [*json.loads(Path("out/marl_eval.json").read_text())] == ["sjdsl"]
     shutil.rmtree("runs/a")
     for arguments, said in (
         (["nowhere", "-o", "other"], "error: there is no folder or file `nowhere`"),
-        (["runs", "-o", "out"], "name `out/data`, too, and they stay"),
+        (["runs", "-o", "out"], "name `out/data` as well to keep them"),
         (["out/report.md", "-o", "other"], "holds no results"),
         (["runs", "-o", "runs"], "error: `runs` holds files that no report has written"),
         (["runs", "-o", "no/such/place"], "error: there is no folder `no/such`"),

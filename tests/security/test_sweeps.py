@@ -8,7 +8,7 @@ import pytest
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.results import ResultsError, load
-from sjdsl.sweeps import Asked, run_cell
+from sjdsl.sweeps import SweepSpec, run_cell
 from sjdsl.sweeps.axes import read_axis
 from sjdsl.sweeps.folder import cells_of, describe_sweep, merged, read_sweep
 from sjdsl.sweeps.plan import plan_sweep
@@ -22,7 +22,7 @@ STRANGE = [None, True, -1, 0.5, 10**400, "x", "\udcff", [], {}, [[]], [5], {"a":
 @pytest.fixture(scope="module")
 def asked() -> dict[str, Any]:
     """What `sweep.json` says of a sweep of two cells."""
-    wanted = Asked(("coins",), [read_axis("reward=individual,common")], None, {"total_timesteps": 64}, None, None, {}, 1, ())
+    wanted = SweepSpec(("coins",), [read_axis("reward=individual,common")], None, {"total_timesteps": 64}, None, None, {}, 1, ())
     return json.loads(json.dumps(describe_sweep(wanted, plan_sweep(wanted, describe_with_make).cells)))
 
 

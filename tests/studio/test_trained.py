@@ -102,7 +102,7 @@ def test_it_stays_through_edits_that_it_need_not_notice(bench: Bench) -> None:
     assert bench._trained is loaded, "nothing is compiled anew"
     wider = GAME.replace("window ahead 1, behind 1", "window ahead 2, behind 2")
     opened(bench, wider)
-    assert "does not fit yard" in ask(bench, do="step")["refused"]
+    assert "doesn't fit yard" in ask(bench, do="step")["refused"]
     opened(bench)
     assert "refused" not in ask(bench, do="step")
     assert opened(bench, GAME.replace("game yard", "game garden"))["game"]["others"] == "random", "this is another game"

@@ -8,8 +8,9 @@ import pytest
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import read_axis
+from sjdsl.sweeps.cells import SweepSpec
 from sjdsl.sweeps.folder import describe_sweep, merged, write_sweep
-from sjdsl.sweeps.plan import Asked, plan_sweep
+from sjdsl.sweeps.plan import plan_sweep
 from tests.sweeps.described import describe
 
 
@@ -23,8 +24,8 @@ def add(folder: Path, axis: str, rules: str = "", game: str = "coins", protocol:
         return provenance, name, digest + rules
 
     settings = {"seeds": 2, **changes.pop("settings", {})}
-    plan = plan_sweep(Asked([game], [read_axis(axis)] if axis else [], protocol, settings, **changes), described)
-    wanted = describe_sweep(plan.asked, plan.cells)
+    plan = plan_sweep(SweepSpec([game], [read_axis(axis)] if axis else [], protocol, settings, **changes), described)
+    wanted = describe_sweep(plan.spec, plan.cells)
     merged(folder, wanted, plan)
     return {*write_sweep(folder, wanted)["cells"]}
 
@@ -57,7 +58,7 @@ def test_new_values_with_all_else_as_it_was(tmp_path: Path, before: str, now: st
             "variant=meltingpot",
             "variant=crowd",
             {"rules": "no meltingpot"},
-            "its cell coins_variant-meltingpot can no longer be made: coins with variant meltingpot: the game has no",
+            "its cell coins_variant-meltingpot can't be made any more: coins with variant meltingpot: the game has no",
         ),
         ("param.apple=1", "param.apple=2", {"params": {"regrow": 0.2}}, "params of the game regrow None there, 0.2 here"),
         ("param.apple=1", "param.apple=2", {"game": "mine/coins.sj"}, "game of the game coins there, mine/coins.sj here"),

@@ -10,14 +10,14 @@ import pytest
 
 from sjdsl.sweeps import running, work
 from sjdsl.sweeps.axes import Axis
+from sjdsl.sweeps.cells import SweepSpec
 from sjdsl.sweeps.folder import cells_of, read_sweep, record_failure
-from sjdsl.sweeps.plan import Asked
 from sjdsl.sweeps.running import Outcome, sweep
 from sjdsl.sweeps.work import Watch
 from sjdsl.trainers.run_errors import TooLargeError
 from tests.sweeps.described import GAME, TINY
 
-ASKED = Asked([GAME], (), "svo", {**TINY, "seed": 4}, episodes=2)
+ASKED = SweepSpec([GAME], (), "svo", {**TINY, "seed": 4}, episodes=2)
 
 
 def finish(path: Path, seeds: range, earned: Callable[[int], float]) -> None:
@@ -81,7 +81,7 @@ def test_no_second_stage_while_a_cell_of_the_first_has_failed(tmp_path: Path) ->
     assert len((tmp_path / "results.csv").read_text().splitlines()) == 1 + 10
 
 
-RATES = Asked([GAME], [Axis("learning_rate", (0.1, 0.2, 0.3, 0.4, 0.5))], settings=TINY, episodes=2)
+RATES = SweepSpec([GAME], [Axis("learning_rate", (0.1, 0.2, 0.3, 0.4, 0.5))], settings=TINY, episodes=2)
 
 
 def test_cells_that_do_not_fit_into_memory_together_are_halved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ from sjdsl.experiments import find_pool
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps import work
 from sjdsl.sweeps.axes import Axis
-from sjdsl.sweeps.plan import Asked
+from sjdsl.sweeps.cells import SweepSpec
 from sjdsl.sweeps.running import Outcome, prepare, sweep
 from sjdsl.sweeps.work import Watch
 from sjdsl.trainers import evaluate, load_policy
@@ -34,9 +34,9 @@ def no_key_check() -> Iterator[None]:
         yield
 
 
-def asked(*ratios: float, **changes: Any) -> Asked:
+def asked(*ratios: float, **changes: Any) -> SweepSpec:
     settings = {**TINY, "reward": "exchange", **changes.pop("settings", {})}
-    return Asked([GAME], [Axis("exchange_ratio", ratios)], settings=settings, episodes=3, **changes)
+    return SweepSpec([GAME], [Axis("exchange_ratio", ratios)], settings=settings, episodes=3, **changes)
 
 
 def rows_of(folder: Path) -> list[dict[str, str]]:
@@ -146,7 +146,7 @@ def test_what_another_process_runs_is_waited_for(
     outcome = sweep(asked(0.25, 0.75), folder, watch=Watch(tell=tell))
     assert outcome.done == (LOW, HIGH)
     assert len(said) == 1
-    assert said[0] == f"{HIGH}: waiting for another process, which runs it"
+    assert said[0] == f"{HIGH}: waiting for the process that runs it"
 
 
 def test_an_evaluation_of_something_else_is_not_taken_for_a_result(grown: tuple[Path, list[str], Outcome], tmp_path: Path) -> None:
@@ -162,11 +162,14 @@ REFUSED: list[tuple[Any, str]] = [
     (asked(0.25, settings={"seeds": 3}), f"its cell {LOW} has seeds 2 there, 3 here"),
     (asked(0.25, settings={"learning_rate": 0.5}), "learning_rate 0.0005 there, 0.5 here"),
     (
-        Asked([GAME], [Axis("svo_weight", (0.5,))], settings={**TINY, "reward": "svo"}, episodes=3),
+        SweepSpec([GAME], [Axis("svo_weight", (0.5,))], settings={**TINY, "reward": "svo"}, episodes=3),
         "its axes are exchange_ratio, here svo_weight",
     ),
-    (Asked([GAME], (), "exchange", settings=TINY, episodes=3), "its protocol is none, here exchange"),
-    (Asked([GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}), "it has 3 episodes of each seed, here 30"),
+    (SweepSpec([GAME], (), "exchange", settings=TINY, episodes=3), "its protocol is none, here exchange"),
+    (
+        SweepSpec([GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}),
+        "it has 3 episodes of each seed, here 30",
+    ),
     (asked(0.25, variant="chicken"), "hash of the game"),
     # a new value alone, with something else than before
     (
@@ -179,7 +182,7 @@ REFUSED: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("other", "said"), REFUSED, ids=[f"{said[:30]} {other.axes and other.axes[0].values}" for other, said in REFUSED])
-def test_another_sweep_is_refused(grown: tuple[Path, list[str], Outcome], other: Asked, said: str) -> None:
+def test_another_sweep_is_refused(grown: tuple[Path, list[str], Outcome], other: SweepSpec, said: str) -> None:
     before = (grown[0] / "sweep.json").read_bytes()
     with pytest.raises(ExperimentError, match="holds another sweep") as refused:
         sweep(other, grown[0])
@@ -195,7 +198,7 @@ def test_other_versions_are_refused(grown: tuple[Path, list[str], Outcome], monk
 
 def test_folders_of_something_else_are_refused(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(ExperimentError, match=r"is not empty and holds no sweep to go on with \(notes.txt\)"):
+    with pytest.raises(ExperimentError, match=r"is not empty and holds no sweep to resume \(notes.txt\)"):
         sweep(asked(0.25), tmp_path)
     with pytest.raises(ExperimentError, match="is a file, and a sweep is a folder"):
         sweep(asked(0.25), tmp_path / "notes.txt")
@@ -226,7 +229,7 @@ def test_cells_may_be_run_one_by_one_by_whoever(
 def diverging(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Outcome]:
     """Two cells side by side, of which one has a learning rate that no network survives."""
     folder, lines = tmp_path_factory.mktemp("sweeps") / "diverging", list[str]()
-    rates = Asked([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
+    rates = SweepSpec([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
     with jax.debug_key_reuse(False):
         return folder, lines, sweep(rates, folder, watch=Watch(tell=lines.append), together=2)
 
@@ -266,7 +269,7 @@ def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[
 def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
     folder = diverging[0]
     (bad,) = diverging[2].failed
-    rates = Asked([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
+    rates = SweepSpec([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
     trained: list[str] = []
 
     def full(runs: Any, *_: Any) -> None:
@@ -307,7 +310,7 @@ def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.Monke
     assert not (cell / "start.json").exists(), "a run that was stopped before it began"
     (cell / "policies").mkdir()
     failed = sweep(asked(0.25), tmp_path / "sweep").failed
-    assert "holds policies and no manifest.json" in failed[LOW]
+    assert "holds policies but no manifest.json" in failed[LOW]
     with pytest.raises(DiskError):
         sweep(asked(0.25), tmp_path / "sweep", again=True)
     assert (tmp_path / "sweep" / "failed" / f"{LOW}_1" / "policies").is_dir()

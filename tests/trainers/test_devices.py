@@ -114,4 +114,4 @@ def test_a_process_alone_is_told_what_is_missing(arguments: list[str]) -> None:
     process = start_sjdsl("train", *arguments, "--distributed")
     _, err = process.communicate(timeout=120)
     assert process.returncode == 1
-    assert "outside a cluster set JAX_COORDINATOR_ADDRESS, JAX_NUM_PROCESSES, JAX_PROCESS_ID" in err
+    assert "outside a cluster, set JAX_COORDINATOR_ADDRESS, JAX_NUM_PROCESSES, JAX_PROCESS_ID" in err

@@ -160,7 +160,7 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     ("partners", "said"),
     [
         ({2: "random"}, r"`partners` names agent 2; the game has agents 0 to 1"),
-        ({0: "random", 1: "random"}, r"holds all 2 agents fixed: leave out one"),
+        ({0: "random", 1: "random"}, r"holds all 2 agents fixed: leave out at least one"),
         ({1: "nobody"}, r"there is no policy `nobody`; a policy is random, stay, a policy of the game's file, the folder RUN of a run"),
         ({1: "stay"}, r"`stay` is no action of matching; its actions are action_0, action_1"),
     ],
@@ -205,7 +205,7 @@ def test_a_reward_must_be_one_for_each_agent() -> None:
 
 def test_a_network_must_make_features() -> None:
     register("network", "flat", lambda: lambda_module(lambda tokens: tokens.reshape(-1).astype(jnp.float32)))
-    with pytest.raises(ConfigError, match=r"`flat` must make features \[M, K\] of tokens .*; it made \(2,\)"):
+    with pytest.raises(ConfigError, match=r"`flat` must return features \[M, K\] for tokens .*; it returned \(2,\)"):
         parameter_shapes(matching(), make_config(SMALL, network="flat"))
 
 
@@ -308,7 +308,7 @@ def test_a_run_starts_from_a_policy_and_keeps_a_copy(brought: tuple[Path, list[U
     stored = load_file(source / "policies" / "00000002.safetensors")
     assert sorted(leaf.tobytes() for leaf in map(np.asarray, started)) == sorted(tensor.tobytes() for tensor in stored.values())
     with pytest.raises(
-        ConfigError, match=r"cannot start from .*last\.safetensors, whose networks are others: .*network_width = 16 there and 8 here"
+        ConfigError, match=r"can't start from .*last\.safetensors, whose networks differ: .*network_width = 16 there and 8 here"
     ):
         make_train(matching(), make_config(alike | {"init_from": str(source), "network_width": 8}))
     with pytest.raises(ConfigError, match="`init_from` must be the folder of a run"):
@@ -338,7 +338,7 @@ def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path) -> N
         patch.setattr(run, "compile_train", lambda *_: _compiled(constant))
         train(matching(), constant, tmp_path / "whole", "none")
         train(matching(), constant.model_copy(update={"total_timesteps": 64 * 6}), tmp_path / "run", "none")
-        with pytest.raises(RunError, match=r"a run of 384 steps that has done 384; a run can be made longer, not shorter: .*not 128"):
+        with pytest.raises(RunError, match=r"a run of 384 steps that has done 384; a run can only be made longer: .*not 128"):
             resume(matching(), tmp_path / "run", "none", total_timesteps=128)
         result = resume(matching(), tmp_path / "run", "none", total_timesteps=64 * 12)
     assert result.updates == 12
@@ -371,7 +371,7 @@ def test_a_run_does_not_go_on_with_a_file_that_has_changed(tmp_path: Path, monke
     train(matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 2)
     text = file.read_text()
     file.write_text(text.replace("reward", "reward + 1"))
-    with pytest.raises(RunError, match=r"mine\.py has changed since .*run was started: go on with the file as it was"):
+    with pytest.raises(RunError, match=r"mine\.py has changed since .*run was started: restore the file"):
         resume(matching(), tmp_path / "run", "none")
     file.write_text(text)
     assert resume(matching(), tmp_path / "run", "none").updates == 12

@@ -67,7 +67,7 @@ DAMAGES: dict[str, Damage] = {
 def test_a_damaged_file_is_made_again_from_the_other(stopped: Path, whole: Path, tmp_path: Path, name: str, damage: Damage) -> None:
     again = copy_run(stopped, tmp_path / "run")
     damage(again / name)
-    with pytest.warns(UserWarning, match=rf"{name} was damaged: it is made again from {CSV if name == JSONL else JSONL}"):
+    with pytest.warns(UserWarning, match=rf"{name} was damaged: it is restored from {CSV if name == JSONL else JSONL}"):
         resume(matching(), again, "none")
     assert_same_end(again, whole)
 
@@ -89,7 +89,7 @@ def test_rows_that_are_in_neither_file_are_missed(stopped: Path, tmp_path: Path,
 def test_evaluations_that_are_lost_are_missed(stopped: Path, tmp_path: Path, damage: Damage) -> None:
     again = copy_run(stopped, tmp_path / "run")
     damage(again / EVALUATIONS)
-    with pytest.raises(RunError, match=r"evaluations\.jsonl is damaged: the evaluation after update [369] cannot be read"):
+    with pytest.raises(RunError, match=r"evaluations\.jsonl is damaged: the evaluation after update [369] can't be read"):
         resume(matching(), again, "none")
 
 
@@ -118,7 +118,7 @@ def test_a_seed_that_has_diverged_has_fewer_rows(tmp_path: Path, monkeypatch: py
 def test_who_reads_a_damaged_file_is_told_where(whole: Path, tmp_path: Path) -> None:
     again = copy_run(whole, tmp_path / "run")
     change(3, lambda line: line[:20] + b"\n")(again / JSONL)
-    with pytest.raises(RunError, match=r"metrics\.jsonl is damaged: its line 4 cannot be read"):
+    with pytest.raises(RunError, match=r"metrics\.jsonl is damaged: its line 4 can't be read"):
         [*read_rows(again / JSONL)]
-    with pytest.warns(ResultsWarning, match="line 4 cannot be read"):
+    with pytest.warns(ResultsWarning, match="line 4 can't be read"):
         load(again)

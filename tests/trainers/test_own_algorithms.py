@@ -143,7 +143,7 @@ def test_a_run_starts_from_a_policy_with_an_algorithm_of_ones_own(counted: Path)
     same = jax.tree.map(lambda a, b: bool((a == b).all()), program.parameters(started), again.parameters(again.init(jax.random.key(4))))
     assert jax.tree.all(same)
     assert int(started.own) == 3
-    with pytest.raises(ConfigError, match="cannot start from a policy: its `Train` has no `adopt`"):
+    with pytest.raises(ConfigError, match="can't start from a policy: its `Train` has no `adopt`"):
         make_train(matching(), make_config(SMALL, algorithm=lambda *given: replace(as_it_is(*given), adopt=None), init_from=str(counted)))
 
 
@@ -198,9 +198,9 @@ def test_settings_are_numbers_texts_and_truths(given: dict[str, Any], read: Any)
         ),
         ({"own": {"weight": float("nan")}, "reward": weighed}, "`own` must be a table of numbers"),
         ({"own": 3}, "`own` must be a table of numbers, texts, true or false, by name, not 3"),
-        ({"algorithm": "irat", "loss": penalised}, "`loss` does nothing where `algorithm` is irat"),
+        ({"algorithm": "irat", "loss": penalised}, "`loss` has no effect while `algorithm` is irat"),
         ({"algorithm": "vdn", "loss": penalised}, "unknown key `loss` here: it is one of ippo and mappo and irat"),
-        ({"algorithm": as_it_is, "critic": "state"}, "`critic` does nothing where `algorithm` is test_own_algorithms:as_it_is"),
+        ({"algorithm": as_it_is, "critic": "state"}, "`critic` has no effect while `algorithm` is test_own_algorithms:as_it_is"),
         ({"algorithm": "dqn"}, "unknown algorithm 'dqn'; known: ippo, mappo, irat, vdn"),
         ({"algorithm": "none.py:f"}, "none.py does not exist"),
         ({"loss": "mse"}, "`loss` must be 'ppo', the name of a loss that was registered, or FILE.py:NAME, not 'mse'"),

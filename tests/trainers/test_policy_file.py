@@ -88,7 +88,7 @@ def test_what_is_damaged_is_refused_by_name(tmp_path: Path, damage: str) -> None
 
 def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
     path = _store(tmp_path)
-    with pytest.raises(PolicyError, match=r"does not fit matching: it was trained on matching with 2 actions .*; here are 3 actions"):
+    with pytest.raises(PolicyError, match=r"doesn't fit matching: it was trained on matching with 2 actions .*; here are 3 actions"):
         load_policy(path, dataclasses.replace(matching(), num_actions=3))
     with pytest.warns(UserWarning, match=r"another form of the game: matching probe, not matching changed"):
         load_policy(path, dataclasses.replace(matching(), hash="changed"))
@@ -96,7 +96,7 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
     with (
         pytest.warns(UserWarning, match="another form of the game"),
         pytest.raises(
-            PolicyError, match="on matching probe, whose windows are as large and show other things than those of matching changed"
+            PolicyError, match="on matching probe, whose windows have the same size but show other things than those of matching changed"
         ),
     ):
         load_policy(path, others)
@@ -111,7 +111,7 @@ def test_a_hash_of_an_earlier_version_is_known(tmp_path: Path, monkeypatch: pyte
 
 
 def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
-    with pytest.raises(PolicyError, match=r"is not the folder of a training run: there is no manifest\.json"):
+    with pytest.raises(PolicyError, match=r"is not the folder of a training run: it has no manifest\.json"):
         load_policy(tmp_path, matching())
     (tmp_path / "manifest.json").write_text("{}")
     _store(tmp_path)
@@ -156,7 +156,7 @@ def test_a_flipped_byte_of_a_tensor_is_noticed(tmp_path: Path) -> None:
         flipped = bytearray(content)
         flipped[place] ^= 1
         path.write_bytes(flipped)
-        with pytest.raises(PolicyError, match=r"best\.safetensors is damaged: its tensors are not those that were written"):
+        with pytest.raises(PolicyError, match=r"best\.safetensors is damaged: its tensors aren't those that were written"):
             load_policy(path, matching())
     path.write_bytes(content)
     load_policy(path, matching())
@@ -165,7 +165,7 @@ def test_a_flipped_byte_of_a_tensor_is_noticed(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [np.nan, np.inf])
 def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) -> None:
     path = _store(tmp_path, fill=number)
-    with pytest.raises(PolicyError, match=r"best\.safetensors holds numbers that are not finite, in .*kernel"):
+    with pytest.raises(PolicyError, match=r"best\.safetensors holds non-finite numbers, in .*kernel"):
         load_policy(path, matching())
 
 

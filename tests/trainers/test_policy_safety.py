@@ -129,7 +129,7 @@ def test_what_the_caller_names_runs(tmp_path: Path, code: Path) -> None:
 
 def test_names_of_code_have_a_form() -> None:
     for name in ("mine", "mine.py", "", ":act", "mine.py:"):
-        with pytest.raises(ValueError, match=r"names no code: it must be FILE\.py:NAME"):
+        with pytest.raises(ValueError, match=r"doesn't name code: it must be FILE\.py:NAME"):
             allow_code(name)
     assert command_line(["render", "coins", "--allow-code", "mine"]) == 2
 
@@ -185,7 +185,7 @@ def test_no_byte_of_the_description_can_change(tmp_path: Path) -> None:
     whole = beside.read_bytes()
     for damaged in (*flips(whole), b"", whole[:-1], whole + b" ", b"\xff" * 9, b"[" * 100_000, b"null"):
         beside.write_bytes(damaged)
-        with pytest.raises(PolicyError, match=r"last\.json is damaged: it is not the one that was written"):
+        with pytest.raises(PolicyError, match=r"last\.json is damaged: it isn't the one that was written"):
             read(path)
     beside.write_bytes(b" " * 2**21)
     with pytest.raises(PolicyError, match="more than 1,048,576 bytes"):

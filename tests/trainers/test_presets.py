@@ -194,7 +194,7 @@ def test_a_preset_may_choose_the_algorithm_whose_table_is_read(tmp_path: Path) -
 
 
 def test_a_preset_made_for_some_games_refuses_others() -> None:
-    with pytest.raises(ConfigError, match="the preset `paper` has nothing for `chicken`; it has coins, harvest_open"):
+    with pytest.raises(ConfigError, match="the preset `paper` has no table for `chicken`; it has coins, harvest_open"):
         load_preset("paper", game="chicken")
 
 

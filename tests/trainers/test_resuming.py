@@ -190,13 +190,13 @@ def test_a_damaged_checkpoint_is_told_of_and_passed_over(
 ) -> None:
     again = copy_run(stopped, tmp_path / "run")
     damage(again / "checkpoints" / "6")
-    with pytest.warns(UserWarning, match=r"checkpoints/6 (is damaged|cannot be read).*going on from the one before"):
+    with pytest.warns(UserWarning, match=r"checkpoints/6 (is damaged|can(no|')t be read).*resuming from the one before"):
         resume(matching(), again, "none")
     assert_same_end(again, whole)
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*going on from the one before")
+@pytest.mark.filterwarnings("ignore:.*resuming from the one before")
 def test_no_flipped_byte_changes_the_end(stopped: Path, whole: Path, tmp_path: Path) -> None:
     """In whichever file of a checkpoint: it is noticed, or it was of no account."""
     files = [path.relative_to(stopped) for path in (stopped / "checkpoints" / "6").rglob("*") if path.is_file() and path.stat().st_size]
@@ -212,9 +212,9 @@ def test_no_checkpoint_left_is_a_start_from_the_beginning(stopped: Path, whole: 
     again = copy_run(stopped, tmp_path / "run")
     for name in ("4", "6"):
         _flip(again / "checkpoints" / name)
-    with pytest.warns(UserWarning, match="going on from the one before") as told:
+    with pytest.warns(UserWarning, match="resuming from the one before") as told:
         resume(matching(), again, "none")
-    assert sum("going on from the one before" in str(note.message) for note in told) == 2
+    assert sum("resuming from the one before" in str(note.message) for note in told) == 2
     assert_same_end(again, whole)
 
 
@@ -231,7 +231,7 @@ def test_the_checkpoint_of_another_run_is_none_of_this_one(
     again = copy_run(stopped, tmp_path / "run")
     shutil.rmtree(again / "checkpoints" / "6")
     shutil.copytree(other / "checkpoints" / "6", again / "checkpoints" / "6")
-    with pytest.warns(UserWarning, match="going on from the one before"):
+    with pytest.warns(UserWarning, match="resuming from the one before"):
         resume(matching(), again, "none")
     assert_same_end(again, whole)
 
@@ -249,7 +249,7 @@ def _edit(run_dir: Path, **changes: Any) -> None:
 def test_only_the_run_it_was_is_gone_on_with(stopped: Path, tmp_path: Path) -> None:
     again = copy_run(stopped, tmp_path / "run")
     before = _content(again)
-    with pytest.raises(RunError, match=r"rules probe, and they are changed now; go on with the file as it was, or start a new run"):
+    with pytest.raises(RunError, match=r"rules probe, and they are changed now; restore the file, or start a new run"):
         resume(dataclasses.replace(matching(), hash="changed"), again, "none")
     with pytest.raises(RunError, match=r"other numbers of the game"):
         resume(dataclasses.replace(matching(), params=(1.0,)), again, "none")

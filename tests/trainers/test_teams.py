@@ -52,7 +52,7 @@ def test_roles_are_the_games_unless_said() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"sharing": "by_role"}, "`matching` gives its agents no lasting roles; say them, one number an agent, such as roles=0,0,1,1"),
+        ({"sharing": "by_role"}, "`matching` gives its agents no lasting roles; list them, one number an agent, such as roles=0,0,1,1"),
         ({"sharing": "by_role", "roles": (0, 1)}, "`roles` must be a number for each of the 3 agents of `matching`, not 2 numbers"),
     ],
 )
@@ -75,7 +75,7 @@ class _Blind:
 
 def test_a_critic_of_the_state_needs_one() -> None:
     config = PPOConfig(algorithm="mappo", critic="state")
-    with pytest.raises(ConfigError, match='`matching` gives no state_vector for a critic of the state; choose critic = "observations"'):
+    with pytest.raises(ConfigError, match='`matching` has no state_vector for a critic of the state; choose critic = "observations"'):
         make_train(_Blind(matching()), config)  # type: ignore[arg-type]
 
 

@@ -21,33 +21,33 @@ from sjdsl.trainers.shaping import make_shaping
 UNREAD: list[tuple[dict[str, Any], str]] = [
     (
         {"exchange_ratio": 0.9},
-        "`exchange_ratio` does nothing where `reward` is individual: set `reward` to exchange, or leave `exchange_ratio` out",
+        "`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange, or leave `exchange_ratio` out",
     ),
     ({"exchange_ratio": 0.5}, "`exchange_ratio` does nothing"),  # also at its default: it was asked for
-    ({"reward": "common", "exchange_ratio": "0.9"}, "`exchange_ratio` does nothing where `reward` is common"),
-    ({"reward": "exchange", "svo_angle": 45}, "`svo_angle` does nothing where `reward` is exchange: set `reward` to svo"),
+    ({"reward": "common", "exchange_ratio": "0.9"}, "`exchange_ratio` has no effect while `reward` is common"),
+    ({"reward": "exchange", "svo_angle": 45}, "`svo_angle` has no effect while `reward` is exchange: set `reward` to svo"),
     ({"svo_at_rest": "selfish"}, "`svo_at_rest` does nothing"),
     ({"svo_quadrant": False}, "`svo_quadrant` does nothing"),
-    ({"common_reward": "mean"}, "`common_reward` does nothing where `reward` is individual: set `reward` to common"),
-    ({"inequity_guilt": 1}, "`inequity_guilt` does nothing where `reward` is individual: set `reward` to inequity"),
-    ({"reward": "svo", "inequity_smoothing": 0.5}, "`inequity_smoothing` does nothing where `reward` is svo"),
+    ({"common_reward": "mean"}, "`common_reward` has no effect while `reward` is individual: set `reward` to common"),
+    ({"inequity_guilt": 1}, "`inequity_guilt` has no effect while `reward` is individual: set `reward` to inequity"),
+    ({"reward": "svo", "inequity_smoothing": 0.5}, "`inequity_smoothing` has no effect while `reward` is svo"),
     (
         {"reward": "inequity", "reward_smoothing": 0.5},
-        "`reward_smoothing` does nothing where `reward` is inequity: set `reward` to svo or ",
+        "`reward_smoothing` has no effect while `reward` is inequity: set `reward` to svo or ",
     ),
     (
         {"reward": "common", "match_socialjax": True},
-        "`match_socialjax` does nothing where `reward` is common: set `reward` to individual or svo or ",
+        "`match_socialjax` has no effect while `reward` is common: set `reward` to individual or svo or ",
     ),
-    ({"joint_optimiser": True}, "`joint_optimiser` does nothing where `algorithm` is ippo: set `algorithm` to mappo"),
-    ({"critic": "state"}, "`critic` does nothing where `algorithm` is ippo: set `algorithm` to mappo"),
-    ({"roles": (0, 1)}, "`roles` does nothing where `sharing` is shared: set `sharing` to by_role"),
-    ({"network": "mlp", "convolution_channels": 8}, "`convolution_channels` does nothing where `network` is mlp: set `network` to cnn"),
-    ({"algorithm": "vdn", "network": "mlp", "convolution_sides": 3}, "`convolution_sides` does nothing where `network` is mlp"),
-    ({"evaluation_episodes": 5}, "`evaluation_episodes` does nothing where `evaluate_every` is 0: set `evaluate_every` to 1 or more"),
+    ({"joint_optimiser": True}, "`joint_optimiser` has no effect while `algorithm` is ippo: set `algorithm` to mappo"),
+    ({"critic": "state"}, "`critic` has no effect while `algorithm` is ippo: set `algorithm` to mappo"),
+    ({"roles": (0, 1)}, "`roles` has no effect while `sharing` is shared: set `sharing` to by_role"),
+    ({"network": "mlp", "convolution_channels": 8}, "`convolution_channels` has no effect while `network` is mlp: set `network` to cnn"),
+    ({"algorithm": "vdn", "network": "mlp", "convolution_sides": 3}, "`convolution_sides` has no effect while `network` is mlp"),
+    ({"evaluation_episodes": 5}, "`evaluation_episodes` has no effect while `evaluate_every` is 0: set `evaluate_every` to 1 or more"),
     (
         {"checkpoint_updates": 2, "checkpoint_minutes": 1},
-        "`checkpoint_minutes` does nothing where `checkpoint_updates` is 2: set `checkpoint_updates` to 0",
+        "`checkpoint_minutes` has no effect while `checkpoint_updates` is 2: set `checkpoint_updates` to 0",
     ),
     ({"checkpoint_updates": 2, "checkpoint_share": 0.5}, "`checkpoint_share` does nothing"),
 ]
@@ -88,9 +88,9 @@ def test_what_is_read_is_not(values: dict[str, Any]) -> None:
 def test_rewards_of_ones_own_read_the_smoothing_and_no_angle() -> None:
     register("reward", "kind", lambda step: step.trace)
     assert make_config(reward="kind", reward_smoothing=0.5)
-    with pytest.raises(ConfigError, match="`svo_angle` does nothing where `reward` is kind"):
+    with pytest.raises(ConfigError, match="`svo_angle` has no effect while `reward` is kind"):
         make_config(reward="kind", svo_angle=45)
-    with pytest.raises(ConfigError, match="`match_socialjax` does nothing where `reward` is kind"):
+    with pytest.raises(ConfigError, match="`match_socialjax` has no effect while `reward` is kind"):
         make_config(reward="kind", match_socialjax=True)
 
 
@@ -111,7 +111,7 @@ def test_a_run_is_not_gone_on_with_by_what_nothing_reads(tmp_path: Path) -> None
     manifest = describe_run(env, quick(), {})
     manifest["config"]["exchange_ratio"] = 0.9
     write_json(tmp_path / MANIFEST, manifest)
-    with pytest.raises(RunError, match="`exchange_ratio` does nothing where `reward` is individual: set `reward` to exchange"):
+    with pytest.raises(RunError, match="`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange"):
         resume(env, tmp_path)
 
 
