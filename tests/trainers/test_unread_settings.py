@@ -23,11 +23,11 @@ UNREAD: list[tuple[dict[str, Any], str]] = [
         {"exchange_ratio": 0.9},
         "`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange, or leave `exchange_ratio` out",
     ),
-    ({"exchange_ratio": 0.5}, "`exchange_ratio` does nothing"),  # also at its default: it was asked for
+    ({"exchange_ratio": 0.5}, "`exchange_ratio` has no effect"),  # also at its default: it was asked for
     ({"reward": "common", "exchange_ratio": "0.9"}, "`exchange_ratio` has no effect while `reward` is common"),
     ({"reward": "exchange", "svo_angle": 45}, "`svo_angle` has no effect while `reward` is exchange: set `reward` to svo"),
-    ({"svo_at_rest": "selfish"}, "`svo_at_rest` does nothing"),
-    ({"svo_quadrant": False}, "`svo_quadrant` does nothing"),
+    ({"svo_at_rest": "selfish"}, "`svo_at_rest` has no effect"),
+    ({"svo_quadrant": False}, "`svo_quadrant` has no effect"),
     ({"common_reward": "mean"}, "`common_reward` has no effect while `reward` is individual: set `reward` to common"),
     ({"inequity_guilt": 1}, "`inequity_guilt` has no effect while `reward` is individual: set `reward` to inequity"),
     ({"reward": "svo", "inequity_smoothing": 0.5}, "`inequity_smoothing` has no effect while `reward` is svo"),
@@ -49,7 +49,7 @@ UNREAD: list[tuple[dict[str, Any], str]] = [
         {"checkpoint_updates": 2, "checkpoint_minutes": 1},
         "`checkpoint_minutes` has no effect while `checkpoint_updates` is 2: set `checkpoint_updates` to 0",
     ),
-    ({"checkpoint_updates": 2, "checkpoint_share": 0.5}, "`checkpoint_share` does nothing"),
+    ({"checkpoint_updates": 2, "checkpoint_share": 0.5}, "`checkpoint_share` has no effect"),
 ]
 
 
@@ -102,7 +102,7 @@ def test_a_record_of_a_configuration_is_one(config: Config) -> None:
     record = json.loads(json.dumps(config.model_dump(mode="json")))
     assert make_config(record) == type(config)(**config.model_dump()) == config
     unread = next(name for name in config.unread if isinstance(record[name], float))
-    with pytest.raises(ConfigError, match=f"`{unread}` does nothing"):
+    with pytest.raises(ConfigError, match=f"`{unread}` has no effect"):
         make_config({**record, unread: 0.25})
 
 
@@ -138,7 +138,7 @@ def test_presets_may_have_what_only_some_rewards_and_networks_read(tmp_path: Pat
     assert (mine.config, mine.left_out) == (make_config(convolution_channels=8), ("exchange_ratio",))
     mine = load_preset(path, {"reward": "exchange", "network": "mlp"})
     assert (mine.config, mine.left_out) == (make_config(reward="exchange", network="mlp", exchange_ratio=0.9), ("convolution_channels",))
-    with pytest.raises(ConfigError, match="`exchange_ratio` does nothing"):
+    with pytest.raises(ConfigError, match="`exchange_ratio` has no effect"):
         load_preset(path, {"exchange_ratio": 0.9})
 
 
