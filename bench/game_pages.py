@@ -340,7 +340,18 @@ def melting_pot_page() -> str:
     """Returns the page of all substrates as Markdown."""
     rules, written = substrate_rules(), written_substrates()
     missing = [e for e in substrates().values() if e.name not in rules]
-    lines = ["# Melting Pot", "", MELTING_POT, "", USE, "", "Differences in every substrate:", "", *(f"* {text}" for text in EVERYWHERE), ""]
+    lines = [
+        "# Melting Pot",
+        "",
+        MELTING_POT,
+        "",
+        USE,
+        "",
+        "Differences in every substrate:",
+        "",
+        *(f"* {text}" for text in EVERYWHERE),
+        "",
+    ]
     rows = [
         (code(e.name), code(e.game), code(e.variant) if e.variant else "", str(rules[e.name].agents.number), _size(rules[e.name]))
         for e in written
