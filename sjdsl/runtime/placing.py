@@ -31,15 +31,15 @@ def pick(member: Array, word: Array) -> tuple[Array, Array]:
 
 
 def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
-    """Returns one agent of each set that is kept as bits: as `pick`, from `[...]` unsigned."""
+    """Returns one agent of each set that is kept as bits: as `pick`, from `[...]` unsigned; `word` may have more axes: draws from one set."""
     number = size_of_set(members)
-    return bits.nth_bit(members, below(word, number)), number > 0
+    return bits.nth_bit(members, below(word, number)), jnp.broadcast_to(number > 0, word.shape)
 
 
 def pick_of_large_set(members: Array, word: Array) -> tuple[Array, Array]:
     """Returns one agent of each set that is kept as bits in several words: as `pick`, from `[..., W]` uint32."""
     number = bits.count(members)
-    return bits.nth(members, below(word, number)), number > 0
+    return bits.nth(members, below(word, number)), jnp.broadcast_to(number > 0, word.shape)
 
 
 def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> Array:
