@@ -62,8 +62,8 @@ def _word_drawings(kind: KindLook) -> Iterator[Drawing]:
     values = {field.attribute: column - (field.holds == "agent") for field, column in zip(kind.fields, states.T, strict=True)}
     known = {field.name for field in kind.fields if field.holds == "word"}
     applies = [rule.applies(kind.name, values, len(states)) if rule.reads <= known else np.zeros(len(states)) for rule in kind.rules]
-    for state in np.column_stack([states, *applies]).astype(int).tolist():
-        yield draw_cell(kind, tuple(state))
+    for place, state in enumerate(states.tolist()):
+        yield draw_cell(kind, (*state, *(int(where[place]) for where in applies)))
 
 
 def _implies(rule: Rule, other: Rule) -> bool:

@@ -141,7 +141,7 @@ def test_random_maps_have_room_for_every_mover() -> None:
 
 def test_two_movers_on_one_cell_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """With an interpreter that lets two of a herd enter one cell, a count of the cells that are taken falls behind."""
-    monkeypatch.setattr(movement, "_stay_if_outranked", lambda *_: None)
+    monkeypatch.setattr(movement, "stay_if_outranked", lambda *_: None)
     monkeypatch.setattr(step, "_check_places", lambda *_: None)
     check = (
         "always count(grass where not nobody on grass) + count(pond where not nobody on pond) == count(agent) + count(deer) + count(duck)"

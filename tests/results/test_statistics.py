@@ -63,5 +63,5 @@ def test_welch_without_variance_or_seeds() -> None:
     assert (apart.difference, apart.low, apart.high, apart.p) == (1.0, 1.0, 1.0, 0.0)
     single = compare([2.0], [3.0, 4.0])
     assert (single.difference, single.low, single.p) == (1.5, None, None)
-    with pytest.raises(ValueError, match="a seed of each"):
+    with pytest.raises(ValueError, match="at least one seed on each side"):
         compare([], [1.0])

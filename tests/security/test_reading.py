@@ -116,7 +116,7 @@ def test_a_name_that_no_page_can_show_is_refused(
     monkeypatch.chdir(tmp_path)
     written(os.fsdecode(b"\xff.sj"), tmp_path)
     assert run(["studio", os.fsdecode(b"\xff.sj"), "--no-browser"]) == 1
-    assert r"`\udcff.sj` is not UTF-8, and no page can show it" in capsys.readouterr().err
+    assert r"`\udcff.sj` is not UTF-8, so no page can show it" in capsys.readouterr().err
 
 
 def test_digits_that_are_no_numbers_in_names_of_files(tmp_path: Path) -> None:
