@@ -25,7 +25,7 @@ from sjdsl.properties.episodes import derived_key, is_finite, read_totals
 from sjdsl.properties.instances import GameFamily, Sizes
 from sjdsl.properties.monitors import DRIFT, REAL
 from sjdsl.properties.random_starts import random_params
-from sjdsl.properties.search import FLOATS, Progress
+from sjdsl.properties.search import FLOATS, MOVES, Progress
 from sjdsl.properties.statements import StatementId, count_statements, leaf_statements
 from sjdsl.properties.trajectory import Scenario
 from sjdsl.properties.verdict import Effort
@@ -36,6 +36,7 @@ AT_ONCE = 2**17  # cells of all worlds together
 MOST, LEAST = 2048, 64  # worlds
 WHOLE = 4  # one in so many worlds plays whole episodes
 UNFAIR = 0.5  # how often the draws of a segment may be biased
+QUIET = 0.2  # how often all agents of a world only move for STEPS steps; in half of the whole episodes they always do
 STEPS = 4  # of every world between two looks at what happened
 SHOWN = 3  # times that it is shown what leads to a statement
 KEPT = 4  # times as many worlds in the archive as are played at once
@@ -117,7 +118,8 @@ class WorldSearch:
         worlds, spare, archive = self._begin(), np.arange(0), Archive(KEPT * self.worlds)
         for number in range(self._segments):
             self.progress(f"{self.steps} steps on the game's own map")
-            bias, actions = self._bias(worlds.episode, whole), self._actions()
+            bias = self._bias(worlds.episode, whole)
+            actions = self._actions((rng.random(self.worlds) < QUIET) | (np.arange(self.worlds) < whole) & (worlds.episode // 8 % 2 == 1))
             played = self._program.play(worlds, bias, self.effort.seed, actions)
             self._past.append(Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16)))
             self.steps += self.worlds * STEPS
@@ -163,11 +165,14 @@ class WorldSearch:
         steady = (np.arange(self.worlds) < whole) & (episode % 2 == 1)
         return np.where(steady, episode // 2 % len(BIASES), changing).astype(np.uint32)
 
-    def _actions(self) -> np.ndarray:
-        """Returns random actions, `[B, STEPS, N]` int32: some worlds have agents with habits, in some all do the same."""
-        rng, shape = self._rng, (self.worlds, STEPS, self._program.agents)
-        any_action = rng.integers(0, self._program.actions, shape)
-        habit = rng.integers(0, self._program.actions, (self.worlds, 1, shape[2]))
+    def _actions(self, quiet: np.ndarray) -> np.ndarray:
+        """Returns random actions, `[B, STEPS, N]` int32: some worlds have agents with habits, in some all do the same. quiet: only moves."""
+        rng, shape, names = self._rng, (self.worlds, STEPS, self._program.agents), self.game.agents.actions
+        moves = np.array([action for action, name in enumerate(names) if name in MOVES])
+        any_action, habit = (
+            np.where(quiet[:, None, None], rng.choice(moves, size), rng.integers(0, len(names), size))
+            for size in (shape, (self.worlds, 1, shape[2]))
+        )
         actions = np.where(rng.random(shape) < rng.choice(HABITS, (self.worlds, 1, 1)), habit, any_action)
         return np.where(rng.random((self.worlds, 1, 1)) < ALIKE, actions[:, :, :1], actions).astype(np.int32)
 
@@ -216,17 +221,24 @@ class Archive:
         self._seen, self._continued = np.zeros(most), np.zeros(most)
 
     def add(self, worlds: Worlds, which: np.ndarray, summary: np.ndarray) -> None:
-        """Keeps a world of each summary; of new ones, while there is room."""
+        """Keeps a world of each summary; where there is no more room, in place of those that were seen most often."""
         summaries, at, times = np.unique(summary[which], return_index=True, return_counts=True)
         if self.worlds is None:
             self.worlds = jax.tree.map(lambda x: np.zeros((self._most, *x.shape[1:]), x.dtype), worlds)
-        rows = np.array(
-            [self.rows.setdefault(s, len(self.rows)) if len(self.rows) < self._most else self.rows.get(s, -1) for s in summaries.tolist()],
-            int,
-        )
-        known = rows >= 0
-        self._seen[rows[known]] += times[known]
-        _put(self.worlds, rows[known], worlds, which[at[known]])
+        new = [s for s in summaries.tolist() if s not in self.rows]
+        if more := max(0, len(self.rows) + len(new) - self._most):
+            names = list(self.rows)
+            order = np.argsort([-self._seen[row] for row in self.rows.values()], kind="stable")
+            free = [self.rows.pop(names[i]) for i in order[:more]]
+        else:
+            free = []
+        free += range(len(self.rows) + len(free), len(self.rows) + len(new))
+        self.rows |= dict(zip(new, free, strict=True))
+        self._seen[free] = self._continued[free] = 0
+        rows = np.array([self.rows.get(s, -1) for s in summaries.tolist()], int)
+        kept = rows >= 0  # a summary of these worlds can be among those that made room
+        self._seen[rows[kept]] += times[kept]
+        _put(self.worlds, rows[kept], worlds, which[at[kept]])
 
     def choose(self, many: int, rng: np.random.Generator) -> np.ndarray:
         """Returns the rows of worlds to continue, more often those seldom seen and seldom continued."""
@@ -267,7 +279,7 @@ class Program:
         self._events = [(event.name, *count) for event in self._game.events for count in counts_of(event)]
         self._checks = len(checks)
         self.statements = list(counted.events.values())
-        self.agents, self.actions, self.length = self._env.num_agents, self._env.num_actions, self._env.episode_length
+        self.agents, self.length = self._env.num_agents, self._env.episode_length
         self._kinds = self._kind_of_place()
         self._segment = jax.jit(jax.vmap(self._play))
         self._start = jax.jit(jax.vmap(self._reset))
@@ -379,11 +391,12 @@ def _some(numbers: Array) -> Array:
 
 
 def _counts(numbers: Array) -> Array:
-    """Returns the numbers, sorted; of many, how often each is there, up to MANY times."""
+    """Returns the numbers, sorted; of many, how often each is there, in steps that grow with the number."""
     flat = numbers.reshape(-1)
     if flat.size <= COUNTED:
         return jnp.sort(flat)
-    return jnp.minimum(jnp.stack([jnp.sum(flat == number) for number in range(-1, COUNTED + 1)]), MANY)
+    times = jnp.stack([jnp.sum(flat == number) for number in range(-1, COUNTED + 1)])
+    return jnp.floor(2 * jnp.log2(1 + times.astype(jnp.float32))).astype(jnp.int32)
 
 
 def _put(into: Worlds, places: np.ndarray, worlds: Worlds, which: np.ndarray) -> None:

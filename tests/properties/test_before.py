@@ -6,16 +6,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sjdsl.compiler import check
+from sjdsl.compiler import check, ir
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.interpreter.state import World
 from sjdsl.properties import verify_properties
 from sjdsl.properties.engines import Episode, EpisodeRunner
 from sjdsl.properties.trajectory import play
 from sjdsl.properties.verdict import Effort
-from sjdsl.properties.verify_properties import RANDOM, decide_statically
+from sjdsl.properties.verify_properties import decide_statically
 
 from .small_games import ORCHARD, small_game
+
+RANDOM = (ir.Policy(name="random"),)
 
 RULE = """each agent where agent chose zap { set agent.tired = 2  tally zaps for agent }
   each tree where tree.fruit is none and nobody on tree { chance regrow { set tree.fruit = ripe } }
