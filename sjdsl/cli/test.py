@@ -19,7 +19,14 @@ INDENT = " " * 14
 
 @click.command("test")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--examples", type=click.IntRange(min=1), default=200, show_default=True, metavar="N", help="Random trajectories; the worlds take steps in proportion.")
+@click.option(
+    "--examples",
+    type=click.IntRange(min=1),
+    default=200,
+    show_default=True,
+    metavar="N",
+    help="Random trajectories; the worlds take steps in proportion.",
+)
 @click.option(
     "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the trajectories."
 )

@@ -83,7 +83,7 @@ def test_numbers_of_a_scenario_stay_inside_their_limits_and_keep_requirements() 
 
 def test_what_only_a_long_episode_shows_is_found_there() -> None:
     orchard = small_game("always step < 79", text=ORCHARD.replace("episode 20", "episode 80"))  # trajectories are not that long
-    (verdict,) = verify_properties(orchard, Effort(examples=5, episodes=2)).verdicts
+    (verdict,) = verify_properties(orchard, Effort(examples=5, episodes=2, tries=20)).verdicts
     assert verdict.passed is False
     assert verdict.reason == "fails after step 78"
 
