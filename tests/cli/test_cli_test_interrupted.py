@@ -66,7 +66,7 @@ def interrupting(monkeypatch: pytest.MonkeyPatch, when: str) -> None:
     ("when", "decided", "not_yet"),
     [
         ("trajectory 1 ", {"require", "symmetric"}, {"always count(agent on wall)", "always count(agent on soil", "expect"}),
-        ("trajectory 150 ", {"require", "symmetric"}, {"always count(agent on wall)", "always count(agent on soil", "expect"}),
+        ("trajectory 20 ", {"require", "symmetric"}, {"always count(agent on wall)", "always count(agent on soil", "expect"}),
         ("3 episodes of `expect", {"require", "symmetric", "always count(agent on wall)", "always count(agent on soil"}, {"expect"}),
     ],
 )
@@ -74,7 +74,7 @@ def test_an_interruption_leaves_a_summary(
     when: str, decided: set[str], not_yet: set[str], sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     interrupting(monkeypatch, when)
-    shown = sjdsl("test", "checked.sj")
+    shown = sjdsl("test", "checked.sj", "--seed", "1")  # with which the one on soil first fails on a small map
     assert shown.status == 130
     assert "Traceback" not in shown.text
     lines = shown.out.splitlines()
@@ -84,7 +84,7 @@ def test_an_interruption_leaves_a_summary(
         for word in words:
             (line,) = (line for line in lines if line.startswith("  ") and f"  {word}" in line and "checked.sj:" in line)
             assert line.strip().startswith(marks), line
-            assert ("fails on another map" in line) == (when == "trajectory 150 " and "on soil" in word)
+            assert ("fails on another map" in line) == (when == "trajectory 20 " and "on soil" in word)
 
 
 @pytest.mark.usefixtures("game")

@@ -110,9 +110,9 @@ NEEDS_ITS_MAP = [
 @pytest.mark.thorough
 @pytest.mark.parametrize(("game", "check"), NEEDS_ITS_MAP)
 def test_what_fails_on_another_map_only_is_a_note(game: str, check: str) -> None:
-    verdict = verdict_on(game, check)
+    verdict = verdict_on(game, check, Effort(examples=400, episodes=2, tries=20))
     assert verdict.passed
-    assert re.fullmatch(r"60 trajectories on small maps, [0-9,]+ steps on the game's own map", verdict.reason)
+    assert re.fullmatch(r"[0-9]+ trajectories on small maps, [0-9,]+ steps on the game's own map", verdict.reason)
     assert verdict.note is not None
     assert verdict.note.passed is False
     assert verdict.note.scenario is not None
