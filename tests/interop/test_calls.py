@@ -87,7 +87,7 @@ def test_actions_are_whole_numbers() -> None:
             lambda two=two: suite.step(key, states[2][1], list(two)),
         ]
         for call in calls:
-            with pytest.raises(TypeError, match="whole numbers"):
+            with pytest.raises(TypeError, match="whole number"):
                 call()
     assert agents.step(np.int64(3))[0].shape == agents.step(jnp.uint8(3))[0].shape
 

@@ -60,5 +60,5 @@ def test_it_is_refused_before_anything_is_played(datasets: Path, capsys: pytest.
     file.unlink()
     capsys.readouterr()
     assert run([*CALL, "-o", str(file), "--minari", ID]) == 1
-    assert "there is a Minari dataset sjdsl/coins/random-v0 already" in capsys.readouterr().err
+    assert "the Minari dataset sjdsl/coins/random-v0 exists already" in capsys.readouterr().err
     assert not file.exists()

@@ -269,7 +269,7 @@ def test_maps_in_the_suites_letters() -> None:
         ("coin_game", {"svo_weight": 1}, TypeError, "`coin_game` has no keyword `svo_weight`; it has cnn, inequity_aversion"),
         ("coin_game", {"map_ASCII": []}, TypeError, "has no keyword `map_ASCII`"),
         ("coin_game", {"enable_smooth_rewards": True}, TypeError, "has no keyword `enable_smooth_rewards`"),
-        ("coin_game", {"obs_size": 5}, ValueError, "obs_size is 11"),
+        ("coin_game", {"obs_size": 5}, ValueError, "obs_size must be 11"),
     ],
 )
 def test_what_there_is_not(name: str, kwargs: dict[str, Any], error: type[Exception], message: str) -> None:
