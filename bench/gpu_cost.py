@@ -146,12 +146,12 @@ def _product(dims: str) -> int:
 
 
 def cost_of(text: str) -> Cost:
-    """Returns what a module costs. Raises ValueError where a text is no module."""
+    """Returns what a module costs. Raises ValueError for a text that is not a module."""
     return _Module(text).cost()
 
 
 def count_kernels(text: str) -> int:
-    """Returns how many kernels a module launches if each loop turns once. Raises ValueError where a text is no module."""
+    """Returns how many kernels a module launches if each loop turns once. Raises ValueError for a text that is not a module."""
     module = _Module(text)
     return sum(instruction.op not in ("while", "conditional") for instruction, _, _ in module.launched(module.entry, 1))
 

@@ -148,7 +148,7 @@ def check_devices(context: click.Context, devices: int, num_envs: Sequence[int])
     """Checks that these numbers of environments can be split over the devices.
 
     Raises:
-      UsageError: a number of environments is no multiple of the devices.
+      UsageError: the number of environments is not a multiple of the number of devices.
       ClickException: JAX has fewer devices.
     """
     if devices == 1:
