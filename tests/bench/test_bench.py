@@ -128,6 +128,7 @@ def keeping(tmp_path: Path) -> Iterator[Path]:
     compilation_cache.reset_cache()
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("folder")
 def test_the_command_prints_and_stores_a_table_and_keeps_no_program(keeping: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """What it compiles is neither kept nor found: it measures how long that takes."""

@@ -63,6 +63,7 @@ def test_all_files_are_tested_though_one_fails(sjdsl: Sjdsl) -> None:
     assert "passing.sj: 6 checks passed" in shown.out
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("games")
 def test_examples_and_seed(sjdsl: Sjdsl) -> None:
     def trajectories(*options: str) -> str:

@@ -63,6 +63,7 @@ def test_all_line_ups_are_one_compilation(tmp_path: Path) -> None:
     assert (traces[0], set(traces[1:])) == (1, {len(traced)})
 
 
+@pytest.mark.thorough
 def test_a_line_up_of_one_policy_is_its_evaluation(tmp_path: Path) -> None:
     """Bit for bit, draws included: one that draws its actions, with memory, and chance."""
     env = matrix_game()

@@ -91,6 +91,7 @@ def test_every_orchard_cell_grows_alike(counted: Any) -> None:
         assert_share(site, 4 * BATCH, 0.5, 0.05)
 
 
+@pytest.mark.thorough
 def test_nothing_grows_under_agents(counted: Any) -> None:
     """Nor on the cell one leaves; with a chance of 1 everywhere else, the cell one comes to among them."""
     env = environment("clean_up")

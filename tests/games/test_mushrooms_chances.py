@@ -134,6 +134,7 @@ def test_none_grows_while_more_than_five_exist() -> None:
     assert seen["orange"].tolist() == [0, BATCH, 0, 0, 0, 0, 0, 0]
 
 
+@pytest.mark.thorough
 def test_every_floor_cell_is_a_site() -> None:
     """But those with mushrooms or agents; also where a mushroom stood at first. All trials succeed: two of each kind, all apart."""
     env = environment(GAME)

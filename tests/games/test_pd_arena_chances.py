@@ -81,6 +81,7 @@ def test_growth() -> None:
     assert_share(seen["both"].sum() / 12, 8 * BATCH, 0.01, 0.4)
 
 
+@pytest.mark.thorough
 def test_patches_in_stock_or_under_agents_have_no_chance() -> None:
     """At the highest rate all others are in stock after a step."""
     env = environment(GAME)

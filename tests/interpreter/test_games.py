@@ -115,6 +115,7 @@ def test_coins_pay_and_harm():
     assert min(taken) > 0
 
 
+@pytest.mark.thorough
 def test_the_river_gets_dirty_one_cell_at_a_time():
     play = Play(load("clean_up"))
     for number in range(200):

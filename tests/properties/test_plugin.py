@@ -82,6 +82,7 @@ def test_a_check_is_a_test_under_its_own_text(run: Callable[..., tuple[int, list
     assert not any("Traceback" in line or "pytest_plugin.py" in line for line in lines)
 
 
+@pytest.mark.thorough
 def test_one_check_can_be_chosen(run: Callable[..., tuple[int, list[str]]]) -> None:
     status, lines = run("--sj", "-v", "orchard.sj::always apples[ripe] >= 0.0")
     assert status == 0

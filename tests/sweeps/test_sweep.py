@@ -205,6 +205,7 @@ def test_folders_of_something_else_are_refused(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
 
 
+@pytest.mark.thorough
 def test_cells_may_be_run_one_by_one_by_whoever(
     grown: tuple[Path, list[str], Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -293,6 +294,7 @@ def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list
     assert sweep(rates, folder).failed == {bad: "ZeroDivisionError: in a reward of one's own"}
 
 
+@pytest.mark.thorough
 def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     resumed = work.train_side_by_side
 

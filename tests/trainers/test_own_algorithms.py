@@ -133,6 +133,7 @@ def test_a_run_of_ones_own_algorithm_is_an_ordinary_one(counted: Path, tmp_path:
     assert evaluate(matching(), find_policy(counted, matching()), jax.random.key(0), 4).returns.shape == (4, 2)
 
 
+@pytest.mark.thorough
 def test_a_run_starts_from_a_policy_with_an_algorithm_of_ones_own(counted: Path) -> None:
     config = make_config(SMALL, algorithm=counting, own={"factor": 1}, init_from=str(counted))
     program = make_train(matching(), config)
