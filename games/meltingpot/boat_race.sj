@@ -94,7 +94,7 @@ game boat_race "Boat Race: Eight Races" {
   }
 
   look river as blue water  look lane as "#86b4d6" water  look bunch as "#86b4d6" water
-  look dock where dock.side in { north, south } as "#86b4d6" water  look dock where dock.boat is here as boat
+  look dock as "#86b4d6" water  look dock where dock.boat is here as boat
   look tree where tree.side in { north, south } as tree  look agent where agent.state is rowing as boat
   look barrier where barrier.side in { north, south } as "#e2dccb"  look barrier where barrier.gate is shut as door
   observe {

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from sjdsl.render.colours import BARS, FILLING, SPRITES, Colour, mixed
+from sjdsl.render.colours import BARS, COVERING, FILLING, SPRITES, Colour, mixed
 from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values
 from sjdsl.render.moment import Snapshot
 from sjdsl.render.usual import Picture
@@ -186,6 +186,8 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
             body, standing = (body, picture) if is_on else (picture, None)
         elif rule.colour is not None:
             ground = rule.colour
+    if body == Picture("floor", ground):  # a mark in the colour of its ground is not seen
+        body = None
     badges = tuple(dict.fromkeys(rule.badge for rule in applied if rule.badge is not None))[:CORNERS]
     read = frozenset().union(*(rule.reads for rule in applied))
     objects: list[Picture] = []
@@ -196,7 +198,7 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
         if field.name in read:
             continue
         match field.sort:
-            case "tint" if field.is_drawn(value):
+            case "tint" if field.is_drawn(value) and (body is None or body.sprite not in COVERING):
                 ground = mixed(ground, field.colours[value], TINTED)
             case "shape" if field.is_drawn(value):
                 objects.append(field.pictures[value])

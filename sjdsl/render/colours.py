@@ -83,7 +83,8 @@ SPRITES: dict[str, Colour] = {
     "plate": (236, 238, 240),
 }
 
-FILLING = frozenset({"wall", "water", "floor", "block", "table", "door"})  # sprites as large as their cell; the others stand in it
+COVERING = frozenset({"wall", "water", "block", "table", "door"})  # sprites that leave nothing of the ground
+FILLING = COVERING | {"floor"}  # sprites as large as their cell; the others stand in it
 SHAPES = ("disc", "diamond", "square", "triangle", "ring", "cross", "hexagon", "wedge")  # sprites of words that have none of their own
 
 # Grounds by the part of a kind's name that says what it is: pale, so that what stands there is seen first; they differ in brightness, too,
@@ -101,7 +102,7 @@ KINDS: dict[str, Colour] = {
     "ground": (234, 220, 202),
     "sand": (252, 240, 176),
     "floor": (238, 236, 231),
-    "rock": (190, 182, 174),
+    "rock": (204, 197, 190),
     "stone": (168, 172, 180),
     "brick": (180, 124, 98),
     "tile": (234, 232, 228),
@@ -112,6 +113,7 @@ ALIKE: dict[str, str] = {
     **dict.fromkeys(("lake", "pond", "pool", "stream", "brook", "canal", "moat", "bay", "ocean", "swamp", "puddle"), "water"),
     **dict.fromkeys(("land", "meadow", "lawn", "plain", "garden", "park", "pasture"), "grass"),
     **dict.fromkeys(("earth", "dirt", "mud", "path", "road", "farm"), "soil"),
+    **dict.fromkeys(("bush", "shrub", "tree", "oak", "plant", "crop"), "ground"),
     **dict.fromkeys(("beach", "desert", "dune", "coast"), "sand"),
     **dict.fromkeys(("thicket", "woods", "wood", "jungle"), "forest"),
     **dict.fromkeys(("cliff", "mountain", "boulder", "hill", "crag"), "rock"),
@@ -120,15 +122,15 @@ ALIKE: dict[str, str] = {
 # Words that are colours: a field with no others shows its first word like the rest.
 COLOURS = frozenset({*NAMED, "gray"})
 
-TILES: tuple[Colour, ...] = (
+TILES: tuple[Colour, ...] = (  # none is blue, as water is
     (238, 236, 231),
-    (196, 220, 180),
     (244, 222, 176),
-    (186, 210, 228),
     (244, 210, 212),
-    (200, 198, 166),
     (206, 196, 236),
     (182, 184, 186),
+    (188, 186, 150),
+    (208, 228, 196),
+    (216, 176, 160),
 )
 SOLID_TILES: tuple[Colour, ...] = ((96, 102, 112), (122, 108, 98), (92, 114, 108), (112, 102, 126))
 MARKS: tuple[Colour, ...] = (

@@ -27,7 +27,8 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
     """
     found: dict[str, Entry] = {}
     for drawing, text in cell_entries(look, shown):
-        found.setdefault(text, (drawing, text))
+        if not any(drawing == other for other, _ in found.values()):  # what looks like grass is grass
+            found.setdefault(text, (drawing, text))
     for label, colour in look.marks:
         if shown is None or any(shot.marks[label].any() for shot in shown):
             names = dict.fromkeys(look.actions[number] for number in look.acting[label])
@@ -67,7 +68,7 @@ def _kind_entries(kind: KindLook) -> Iterator[tuple[Drawing, str, Callable[[Key,
         if rule.condition is not None:
             applied = tuple(max(a, int(p == place or _implies(rule, other))) for p, (a, other) in enumerate(zip(always, kind.rules)))
             at = len(nothing) + place
-            yield draw_cell(kind, nothing + applied), rule.label, lambda key, _, at=at: bool(key[at])  # type: ignore[misc]
+            yield draw_cell(kind, nothing + applied), rule.label or kind.name, lambda key, _, at=at: bool(key[at])  # type: ignore[misc]
     for place, field in enumerate(kind.fields):
         for value, text in _values(field):
             drawn = draw_cell(kind, (*nothing[:place], value, *nothing[place + 1 :], *always))

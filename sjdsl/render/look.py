@@ -14,7 +14,7 @@ from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_pha
 from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
 from sjdsl.render.colours import tint_colours
 from sjdsl.render.colours import word_colours as colours_of
-from sjdsl.render.usual import Picture, is_taken, main_kind, spawn_kinds, usual_body, usual_movers, usual_words
+from sjdsl.render.usual import Picture, is_taken, main_kind, named_sprite, spawn_kinds, usual_body, usual_movers, usual_words
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
@@ -283,7 +283,7 @@ def _label(condition: ir.Expr, name: str) -> str:
             case ir.Same(right=ir.Word(value=word)) | ir.Same(left=ir.Word(value=word)):
                 parts.append(word)
             case ir.InWords():
-                parts.append(" or ".join(part.words))
+                parts += [" or ".join(part.words)] * (set(part.words) != set(part.value.type.words))  # of any word there is nothing to say
             case ir.Compare(fn=">", left=ir.At(row=ir.FieldRead(name=field), key=ir.Word(value=word)), right=ir.Number(value=0)):
                 parts.append(f"{field}: {word}")
             case _:
@@ -338,12 +338,16 @@ def _held(fields: Sequence[ir.VarField], game: ir.Game) -> FieldLook | None:
 
 
 def _as_looked(words: Sequence[str], usual: Sequence[Picture], game: ir.Game) -> tuple[Picture, ...]:
-    """Returns for each word the sprite that a look shows where it asks for the word, else its usual one: a thing that is carried looks alike."""
+    """Returns for each word the sprite that a look shows where it asks for the word, so that what is carried looks as what lies about.
+
+    Other words, and those that are named after a sprite, keep their usual one.
+    """
     found = dict(zip(words, usual, strict=True))
     for rule in map(_rule, game.looks):
         shown = rule.badge or (Picture(rule.sprite, rule.colour or SPRITES[rule.sprite]) if rule.sprite else None)
         if shown is not None and rule.condition is not None:
-            found |= dict.fromkeys((word for part in conjuncts(rule.condition) for word in _words(part) if word in found), shown)
+            asked = [word for part in map(_words, conjuncts(rule.condition)) if len(part) == 1 for word in part]
+            found |= {word: shown for word in asked if word in found and named_sprite(word) is None}
     return tuple(found[word] for word in words)
 
 

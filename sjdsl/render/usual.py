@@ -88,7 +88,7 @@ def usual_words(field: ir.VarField, taken: bool, first: int = 0) -> tuple[Pictur
         sprite = of_word or of_field or cycle[(number - 1 + (0 if taken else first)) % len(cycle)]
         says_it = word not in WORDS and (of_word is not None or (of_field is not None and len(field.type.words) == 2))
         own = Picture(sprite, SPRITES[sprite]) if says_it else None
-        found.append(own if own is not None and own not in found else Picture(sprite, colour))
+        found.append(own if own is not None and own not in found[1:] else Picture(sprite, colour))
     return tuple(found)
 
 

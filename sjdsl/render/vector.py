@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 from importlib.resources import files
 
 from sjdsl.render.appearance import BAR_STEPS, Beam, Drawing, Figure
-from sjdsl.render.colours import BARS, FILLING, INK, PAPER, Colour, hexadecimal, mixed
+from sjdsl.render.colours import BARS, COVERING, FILLING, INK, PAPER, Colour, hexadecimal, mixed
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.actions import DIRECTIONS
 
@@ -35,7 +35,7 @@ KEPT = 4096  # texts of cells, and as many of figures
 def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
     """Returns the tile of a cell, as SVG of `size` pixels."""
     parts = [_box(0, 0, size, size, drawing.ground)]
-    if size >= GRIDDED and (drawing.body is None or drawing.body.sprite not in ("wall", "water")):
+    if size >= GRIDDED and (drawing.body is None or drawing.body.sprite not in COVERING):
         line = mixed(drawing.ground, INK, 0.08)
         parts += [_box(0, size - 1, size, 1, line), _box(size - 1, 0, 1, size, line)]
     if drawing.body is not None:
