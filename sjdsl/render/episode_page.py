@@ -144,7 +144,10 @@ class Artist:
     def legend(self, shown: Sequence[Snapshot] | None = None) -> list[list[Any]]:
         """Returns what can be seen on the board, or is in one of the moments that are shown: [picture, text]."""
         entries = legend_entries(self.look, shown)
-        return [[self.picture_of(vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)), text] for seen, text in entries]
+        return [
+            [self.picture_of(vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)), text]
+            for seen, text in entries
+        ]
 
     def picture_of(self, svg: str) -> int:
         """Returns the number of a picture; equal ones have one number."""

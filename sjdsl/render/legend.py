@@ -48,7 +48,9 @@ def cell_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> Iterato
         states: set[tuple[Key, bool]] | None = None
         if shown is not None:
             states = {(key, shot.step > 0) for shot in shown for key in cell_keys(kind, shot.values)[0]}
-        found = [(drawing, text) for drawing, text, occurs in _kind_entries(kind) if states is None or any(occurs(*state) for state in states)]
+        found = [
+            (drawing, text) for drawing, text, occurs in _kind_entries(kind) if states is None or any(occurs(*state) for state in states)
+        ]
         found = list(dict.fromkeys(found))
         if not any(text.split(":")[0] == kind.name for _, text in found):  # no cell of it is ever without one of its words
             found[:1] = [(drawing, f"{kind.name}: {text}") for drawing, text in found[:1]]

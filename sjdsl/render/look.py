@@ -11,8 +11,7 @@ from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, written_field
-from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
-from sjdsl.render.colours import tint_colours
+from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour, tint_colours
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.usual import Picture, is_taken, main_kind, named_sprite, spawn_kinds, usual_body, usual_movers, usual_words
 
@@ -166,7 +165,9 @@ def make_look(game: ir.Game) -> Look:
                 sprite=body.sprite,
                 colour=body.colour,
                 rules=(own := tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name)),
-                carried=tuple(_carried([f for f in sort.fields if f.name != "heading" and (sort.name, f.name) in seen], sort.name, own, game)),
+                carried=tuple(
+                    _carried([f for f in sort.fields if f.name != "heading" and (sort.name, f.name) in seen], sort.name, own, game)
+                ),
             )
             for sort, body in zip(game.movers, usual_movers(game), strict=True)
         ),
@@ -194,9 +195,18 @@ def merged_words(kind: str, field: ir.VarField, game: ir.Game) -> frozenset[str]
     if field.type.kind != "word" or any(observable.field == field.name and not observable.labels for observable in seen):
         return frozenset()
     conditions = [label.condition for observable in seen for label in observable.labels if label.condition is not None]
-    read = [node for condition in conditions for node in ir.walk(condition) if isinstance(node, ir.Same | ir.InWords)]
-    rest = {*field.type.words} - {word for node in read for word in _words(node)}
-    return frozenset(rest) if len(rest) > 1 else frozenset()
+    nodes = [node for condition in conditions for node in ir.walk(condition)]
+    asking = [node for node in nodes if isinstance(node, ir.Same | ir.InWords) and _words(node)]
+    reads, worded = (sum(isinstance(n, ir.FieldRead) and n.name == field.name for n in some) for some in (nodes, map(_asked, asking)))
+    rest = {*field.type.words} - {word for node in asking for word in _words(node)}
+    return frozenset(rest) if len(rest) > 1 and reads == worded else frozenset()
+
+
+def _asked(node: ir.Expr) -> ir.Expr:
+    """Returns what is compared with words."""
+    if isinstance(node, ir.Same):
+        return node.right if isinstance(node.left, ir.Word) else node.left
+    return node.value if isinstance(node, ir.InWords) else node
 
 
 def _kinds_of(owner: ir.Expr | None) -> tuple[str, ...]:
