@@ -11,8 +11,6 @@ from sjdsl.compiler import build, check, compile_source
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate.looks import COLOURS, SPRITES
 from sjdsl.compiler.ir.hash import game_hash
-from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
 from sjdsl.render import Snapshot, board, make_painter, take_snapshot
 from sjdsl.render.appearance import TINTED, Figure, cell_keys, draw_cell, draw_figures, held_entries
 from sjdsl.render.board import draw_figure
@@ -127,7 +125,7 @@ def test_a_field_that_a_look_reads_is_drawn_by_it_alone(looked: Environment, pla
         assert (drawn[0].edge, drawn[2].edge) == (None, edge)
 
 
-def test_what_no_agent_sees_is_not_drawn(plain: Environment) -> None:
+def test_what_no_agent_sees_is_not_drawn() -> None:
     """Numbers, owners, sets and the agents' fields are seen if they are shown, words of cells unless they are hidden."""
     unseen = re.sub(r"observe \{.*?\n  \}", "observe { hide bush.fruit }", GAME, flags=re.DOTALL)
     dark, light = (make_look(build(Source("grove.sj", text.replace("LOOKS", ""))).game) for text in (unseen, GAME))
