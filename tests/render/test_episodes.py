@@ -12,10 +12,11 @@ import pytest
 
 import sjdsl
 from sjdsl.cli import run
+from sjdsl.cli.policies import choose_policy
 from sjdsl.render import random_policy
 from sjdsl.replay import Dataset, DatasetWriter, Episode, EpisodePlayer, Header, RecordingError, load_recording, play_episodes, replayed
 from sjdsl.replay import episodes as playing
-from sjdsl.runtime.policy import MemoryPolicy
+from sjdsl.runtime.policy import MemoryPolicy, mixed_policy
 from sjdsl.screen.session import Compiled, policy_choice
 from sjdsl.trainers import PPOConfig, load_policy
 from sjdsl.trainers.policies import parameter_shapes
@@ -29,7 +30,22 @@ BUSY = {"length": 30, "spawn": 0.3}
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Returns a file of five episodes of Coins."""
     path = tmp_path_factory.mktemp("recorded") / "coins.npz"
-    call = ["record", "coins", "-o", str(path), "--episodes", "5", "--seed", "3", "--param", "length=30", "--param", "spawn=0.3"]
+    call = [
+        "record",
+        "coins",
+        "--policy",
+        "random",
+        "-o",
+        str(path),
+        "--episodes",
+        "5",
+        "--seed",
+        "3",
+        "--param",
+        "length=30",
+        "--param",
+        "spawn=0.3",
+    ]
     assert run(call) == 0
     return path
 
@@ -62,6 +78,22 @@ def test_each_episode_is_what_single_steps_give(recorded: Path) -> None:
         paid += int(np.abs(episode.rewards).sum())
     assert paid > 0
     assert not np.array_equal(dataset[0].actions, dataset[1].actions)
+
+
+def test_by_default_the_policies_of_the_file_play_in_turn(tmp_path: Path) -> None:
+    """Each agent does what it does where all follow its policy; a game without policies is played at random."""
+    path = tmp_path / "coins.npz"
+    assert run(["record", "coins", "-o", str(path), "--episodes", "1", "--param", "length=12", "--param", "spawn=0.5"]) == 0
+    dataset, env = Dataset(path), sjdsl.make("coins", params={"length": 12, "spawn": 0.5})
+    assert dataset.header.policy == "file"
+    assert [policy.name for policy in env.game.policies] == ["cooperator", "defector"]
+    parts = [([0], choose_policy("cooperator", env)), ([1], choose_policy("defector", env))]
+    (expected,) = play_episodes(env, mixed_policy(2, parts), 0, 1)
+    assert np.array_equal(dataset[0].actions, expected.actions)
+    bare = sjdsl.make("territory")
+    assert not bare.game.policies
+    key = jax.random.key(0)
+    assert np.array_equal(choose_policy("file", bare)(key, None), random_policy(bare)(key, None))
 
 
 def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> None:
@@ -116,10 +148,50 @@ def test_a_file_says_how_it_was_made_and_is_the_same_each_time(recorded: Path, t
     assert set(header.versions) == {"sjdsl", "jax", "numpy"} and header.policy_digest is None
     assert header.planes == [plane.name for plane in env.token_planes]
     again = tmp_path / "again.npz"
-    assert run(["record", "coins", "-o", str(again), "--episodes", "5", "--seed", "3", "--param", "length=30", "--param", "spawn=0.3"]) == 0
+    assert (
+        run(
+            [
+                "record",
+                "coins",
+                "--policy",
+                "random",
+                "-o",
+                str(again),
+                "--episodes",
+                "5",
+                "--seed",
+                "3",
+                "--param",
+                "length=30",
+                "--param",
+                "spawn=0.3",
+            ]
+        )
+        == 0
+    )
     assert again.read_bytes() == recorded.read_bytes()
     few = tmp_path / "few.npz"
-    assert run(["record", "coins", "-o", str(few), "--episodes", "2", "--seed", "4", "--param", "length=30", "--param", "spawn=0.3"]) == 0
+    assert (
+        run(
+            [
+                "record",
+                "coins",
+                "--policy",
+                "random",
+                "-o",
+                str(few),
+                "--episodes",
+                "2",
+                "--seed",
+                "4",
+                "--param",
+                "length=30",
+                "--param",
+                "spawn=0.3",
+            ]
+        )
+        == 0
+    )
     assert same(Dataset(few)[1], Dataset(recorded)[2])
     with np.load(recorded) as arrays:  # without us
         assert json.loads(str(arrays["header"]))["seed"] == 3
