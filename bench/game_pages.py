@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import jax
-import numpy as np
 from PIL import Image
 
 from sjdsl.compiler import Build, build, ir
@@ -31,21 +30,18 @@ from sjdsl.factory import make
 from sjdsl.files import write_whole
 from sjdsl.games_folder import find_game, main_games
 from sjdsl.interop.socialjax_table import NOT_HERE, Entry, channels_of, differences, entries
-from sjdsl.interpreter.state import default_params
-from sjdsl.interpreter.step import reset, step
-from sjdsl.interpreter.threefry import Threefry
-from sjdsl.render import make_painter, save_png, take_snapshot
+from sjdsl.render import make_painter, save_png
 from sjdsl.runtime.planes import channel_names
 from sjdsl.substrates import Substrate, substrates, written_substrates
-from sjdsl.testing.states import compiled_state
 from sjdsl.trainers import evaluate, random_policy, summarise
+from website.boards import played
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = ("games", "meltingpot")
 SEED = 0
 EPISODES = 200  # of the figures
 DIGITS = 6  # significant ones that are kept
-STEPS, SUBSTRATE_STEPS = 40, 20  # of random play before the picture
+STEPS = 60  # before the picture
 SHOWN = "sjdsl:shown"  # the key of its digest in a picture's file
 OURS = "our_"
 GAMES = """These games come with sjdsl. Each is a text of about eighty lines in [games/](../games), and this page is generated from them with
@@ -112,7 +108,7 @@ def write_games(path: Path, fresh: bool) -> None:
             print(f"{name}: measuring")
             figures[name] = measure(name)
     figures = {name: figures[name] for name in game_texts()}
-    draw_pictures(path.parent / "pictures", {name: (name, "") for name in figures}, STEPS, fresh)
+    draw_pictures(path.parent / "pictures", {name: (name, "") for name in figures}, fresh)
     write_whole(path.with_suffix(".json"), figures_text(figures))
     write_whole(path, games_page(figures))
 
@@ -120,7 +116,7 @@ def write_games(path: Path, fresh: bool) -> None:
 def write_melting_pot(path: Path, fresh: bool) -> None:
     """Writes the page of Melting Pot's substrates."""
     games = {substrate.name: (substrate.game, substrate.variant) for substrate in written_substrates()}
-    draw_pictures(path.parent / "pictures/meltingpot", games, SUBSTRATE_STEPS, fresh)
+    draw_pictures(path.parent / "pictures/meltingpot", games, fresh)
     write_whole(path, melting_pot_page())
 
 
@@ -166,8 +162,8 @@ def substrate_rules() -> dict[str, ir.Game]:
     return {s.name: build_of(s).game for s in written_substrates()}
 
 
-def draw_pictures(folder: Path, games: Mapping[str, tuple[str, str]], steps: int, fresh: bool) -> None:
-    """Draws pictures of games after some steps of random play on the interpreter, which needs no compilation by XLA.
+def draw_pictures(folder: Path, games: Mapping[str, tuple[str, str]], fresh: bool) -> None:
+    """Draws pictures of games after some steps of their files' policies, in turn, on the interpreter, which needs no compilation by XLA.
 
     Args:
       games: name of the picture -> the game and its variant.
@@ -179,14 +175,9 @@ def draw_pictures(folder: Path, games: Mapping[str, tuple[str, str]], steps: int
         env = make(game, variant=variant or None)
         if not fresh and path.is_file() and is_picture_of(path, env.game):
             continue
-        chosen, params = np.random.default_rng(SEED), default_params(env.game)
-        world, returns = reset(env.game, params, Threefry(SEED, 0)), np.zeros(env.num_agents)
-        for done in range(1, steps + 1):
-            actions = chosen.integers(env.num_actions, size=env.num_agents).tolist()
-            world, outcome = step(env.game, world, actions, params, Threefry(SEED, done))
-            returns = returns + np.asarray(outcome.reward)
-        state = compiled_state(env, jax.device_get(env.module.initial_state()), world)
-        save_png(make_painter(env).draw(take_snapshot(env, state, returns)), path, {SHOWN: picture_hash(env.game)})
+        *_, before, last = played(env.game, STEPS)
+        picture = make_painter(env, [last.snapshot]).draw(last.snapshot, last.actions, before.snapshot)
+        save_png(picture, path, {SHOWN: picture_hash(env.game)})
 
 
 def is_picture_of(path: Path, game: ir.Game) -> bool:
@@ -367,7 +358,12 @@ def melting_pot_page() -> str:
     ]
     if missing:
         lines += ["Not written yet:", "", *(f"* {code(e.name)}" for e in missing), ""]
-    lines += ["## Pictures", "", f"Each picture shows a game after {SUBSTRATE_STEPS} steps of random play.", ""]
+    lines += [
+        "## Pictures",
+        "",
+        f"Each picture shows a game after {STEPS} steps, at most, of the policies of its file, in turn; or of random agents where it has none.",
+        "",
+    ]
     for e in written:
         lines += [f"### {code(e.name)}", "", f"![{plain(rules[e.name].title)}](pictures/meltingpot/{e.name}.png)", ""]
     return "\n".join(lines).rstrip("\n") + "\n"

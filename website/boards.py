@@ -93,7 +93,7 @@ def _frames(game: ir.Game, moments: Sequence[Moment]) -> Iterator[Image.Image]:
     look = make_look(game)
     for before, moment in pairwise([None, *moments]):
         assert moment is not None
-        picture = Image.fromarray(draw_board(look, moment.snapshot, moment.actions, before and before.snapshot))
+        picture = Image.fromarray(draw_board(look, moment.snapshot, moment.actions, None if before is None else before.snapshot))
         smaller = min(1.0, WIDTH / picture.width)
         yield picture.resize((round(picture.width * smaller), round(picture.height * smaller)), Image.Resampling.LANCZOS, reducing_gap=2.0)
 
