@@ -20,6 +20,7 @@ TINTED = 0.45
 CORNERS = 4  # badges of a cell that have room
 BADGES = 2  # of an agent: its other corners are in front of its eyes
 FLASH: Colour = (255, 236, 110)
+Cell = tuple[int, int]  # row, column
 Key = tuple[int, ...]  # a number for each field: a word's, an agent's and 1, eighths of a bar; 0 or 1 for each rule: whether it applies
 
 
@@ -88,7 +89,7 @@ def appearance_of(look: Look, snapshot: Snapshot, actions: Sequence[int] = (), b
     flash = Figure(None, FLASH, "flash")
     struck = () if before is None or before.step + 1 != snapshot.step else _struck(look, ground, snapshot, before)
     standing = ((figure, row, col) for _, figure, row, col in standing_figures(look, snapshot))
-    return Appearance(ground.drawings, ground.cells, (*beams, *((flash, row, col) for row, col in struck), *standing))
+    return Appearance(ground.drawings, ground.cells, (*beams, *((flash, row, col) for row, col in sorted(struck)), *standing))
 
 
 def _ground(look: Look, snapshot: Snapshot) -> Appearance:
@@ -104,12 +105,12 @@ def _ground(look: Look, snapshot: Snapshot) -> Appearance:
 
 def _beams(look: Look, snapshot: Snapshot, actions: Sequence[int]) -> Iterator[tuple[Beam, int, int]]:
     """Yields the marked cells, each in the colour of the agent nearest behind it of those whose action marks in this phase."""
-    colours = [figure.colour for figure in draw_figures(look, snapshot)["agent"]] if any(map(np.any, snapshot.marks.values())) else []
-    for label, edge in look.marks:
-        cells = np.argwhere(snapshot.marks[label]).tolist()
+    marked = [(marked_cells(snapshot, label), label, edge) for label, edge in look.marks]
+    colours = [figure.colour for figure in draw_figures(look, snapshot)["agent"]] if any(cells for cells, _, _ in marked) else []
+    for cells, label, edge in marked:
         acted = [not actions or not look.acting[label] or actions[agent] in look.acting[label] for agent in range(look.num_agents)]
         agents = [agent for agent in range(look.num_agents) if acted[agent] and snapshot.row[agent] >= 0]
-        owner: dict[tuple[int, int], int] = {}
+        owner: dict[Cell, int] = {}
         for row, col in cells:
             away = [_from_behind(snapshot, agent, row, col) for agent in agents]
             owner[row, col] = agents[away.index(min(away))] if away else -1
@@ -125,27 +126,45 @@ def _from_behind(snapshot: Snapshot, agent: int, row: int, col: int) -> tuple[bo
     return down * facing[0] + right * facing[1] < 0, abs(down) + abs(right)
 
 
-def _struck(look: Look, ground: Appearance, snapshot: Snapshot, before: Snapshot) -> set[tuple[int, int]]:
+def _struck(look: Look, ground: Appearance, snapshot: Snapshot, before: Snapshot) -> set[Cell]:
     """Returns the cells where something that stood there is gone under an agent or a mark, and where agents or movers were struck down."""
     was = _ground(look, before)
-    reached = np.any([np.zeros((look.height, look.width), bool), *snapshot.marks.values()], axis=0)
-    for row, col in zip(snapshot.row.tolist(), snapshot.col.tolist(), strict=True):
-        if row >= 0:
-            reached[row, col] = True
+    here, there = _places(snapshot), _places(before)
+    reached = {cell for label, _ in look.marks for cell in marked_cells(snapshot, label)} | {at for at in here["agent"] if at is not None}
     earlier, now = was.things(), ground.things()
     lost = {
         (row, col)
-        for row, col in np.argwhere(reached).tolist()
-        if any(p.sprite != "floor" for p in earlier[was.cells[row, col]] - now[ground.cells[row, col]])
+        for row, col in reached
+        if any(p.sprite != "floor" for p in earlier[int(was.cells[row, col])] - now[int(ground.cells[row, col])])
     }
-    newly_held = np.flatnonzero((snapshot.row >= 0) & snapshot.held & ~before.held)
-    lost |= {(int(snapshot.row[agent]), int(snapshot.col[agent])) for agent in newly_held}
-    there = [(snapshot.row, snapshot.col, before.row, before.col)]
-    there += [(*snapshot.movers[sort], *places) for sort, places in before.movers.items()]
-    for rows, cols, rows_before, cols_before in there:
-        gone = (rows_before >= 0) & ((rows < 0) | (abs(rows - rows_before) + abs(cols - cols_before) > 1))
-        lost |= set(zip(rows_before[gone].tolist(), cols_before[gone].tolist(), strict=True))
+    held = zip(snapshot.held.tolist(), before.held.tolist(), here["agent"], strict=True)
+    lost |= {at for now_held, held_before, at in held if at is not None and now_held and not held_before}
+    for sort, places in there.items():
+        for at, then in zip(here[sort], places, strict=True):
+            if then is not None and (at is None or _steps(look, at, then) > 1):
+                lost.add(then)
     return lost
+
+
+def _steps(look: Look, first: Cell, second: Cell) -> int:
+    """Returns how many steps it is from one cell to another, over the edges if that is shorter."""
+    down, right = abs(first[0] - second[0]), abs(first[1] - second[1])
+    return min(down, look.height - down) + min(right, look.width - right)
+
+
+def _places(snapshot: Snapshot) -> dict[str, list[Cell | None]]:
+    """Returns row and column of each agent and mover, None of those that are away, by their sorts."""
+    sorts = {"agent": (snapshot.row, snapshot.col), **snapshot.movers}
+    return {
+        sort: [(row, col) if row >= 0 else None for row, col in zip(rows.tolist(), cols.tolist(), strict=True)]
+        for sort, (rows, cols) in sorts.items()
+    }
+
+
+def marked_cells(snapshot: Snapshot, label: str) -> list[Cell]:
+    """Returns row and column of the cells that a phase has marked."""
+    rows, cols = np.nonzero(snapshot.marks[label])
+    return list(zip(rows.tolist(), cols.tolist(), strict=True))
 
 
 def cell_keys(kind: KindLook, values: Values) -> tuple[list[Key], np.ndarray]:

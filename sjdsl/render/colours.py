@@ -113,11 +113,12 @@ ALIKE: dict[str, str] = {
     **dict.fromkeys(("lake", "pond", "pool", "stream", "brook", "canal", "moat", "bay", "ocean", "swamp", "puddle"), "water"),
     **dict.fromkeys(("land", "meadow", "lawn", "plain", "garden", "park", "pasture"), "grass"),
     **dict.fromkeys(("earth", "dirt", "mud", "path", "road", "farm"), "soil"),
-    **dict.fromkeys(("bush", "shrub", "tree", "oak", "plant", "crop"), "ground"),
     **dict.fromkeys(("beach", "desert", "dune", "coast"), "sand"),
     **dict.fromkeys(("thicket", "woods", "wood", "jungle"), "forest"),
     **dict.fromkeys(("cliff", "mountain", "boulder", "hill", "crag"), "rock"),
 }
+
+PLANTS = frozenset({"tree", "bush", "shrub", "oak", "hedge", "plant"})  # kinds that are told apart by what grows on one ground
 
 # Words that are colours: a field with no others shows its first word like the rest.
 COLOURS = frozenset({*NAMED, "gray"})
@@ -165,7 +166,7 @@ PAPER: Colour = (255, 255, 255)
 
 
 def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> dict[str, Colour]:
-    """Returns the ground of each kind: what its name says, else the next of the palette; all distinct if it can be.
+    """Returns the ground of each kind: what its name says, else the next of the palette; all but those of plants distinct if it can be.
 
     Args:
       plain: kinds that have the ground of kind `main`.
@@ -173,6 +174,9 @@ def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> 
     colours: dict[str, Colour] = {}
     for kind in (k for k in game.kinds if k.name not in plain):
         palette = SOLID_TILES if blocks_always(kind) else TILES
+        if PLANTS & {*kind.name.split("_")}:
+            colours[kind.name] = KINDS["ground"]
+            continue
         parts = [ALIKE.get(part, part) for part in reversed(kind.name.split("_"))]
         wanted = [KINDS[part] for part in parts if part in KINDS] + [KINDS["sea"]] * ("water" in parts)
         free = [colour for colour in (*wanted, *palette) if colour not in colours.values()]

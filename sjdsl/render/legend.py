@@ -8,7 +8,7 @@ import numpy as np
 
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import expression
-from sjdsl.render.appearance import BAR_STEPS, Beam, Drawing, Figure, Key, cell_keys, draw_cell, draw_figures, ruled
+from sjdsl.render.appearance import BAR_STEPS, Beam, Drawing, Figure, Key, cell_keys, draw_cell, draw_figures, marked_cells, ruled
 from sjdsl.render.colours import PALE, agent_colour
 from sjdsl.render.look import FieldLook, KindLook, Look, Rule
 from sjdsl.render.moment import Snapshot
@@ -30,9 +30,8 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
         if not any(drawing == other for other, _ in found.values()):  # what looks like grass is grass
             found.setdefault(text, (drawing, text))
     for label, colour in look.marks:
-        if shown is None or any(shot.marks[label].any() for shot in shown):
-            names = dict.fromkeys(look.actions[number] for number in look.acting[label])
-            text = " or ".join(names) or label
+        if shown is None or any(marked_cells(shot, label) for shot in shown):
+            text = mark_text(look, label)
             found.setdefault(text, (Beam(PALE, colour, ALL), text))
     pictured = {picture: drawing for drawing, _ in found.values() if isinstance(drawing, Drawing) for picture in drawing.objects}
     for figure, text in figure_entries(look, shown):
@@ -40,6 +39,11 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
         if not (word in found and figure.badges and figure.badges[-1] in pictured):  # what lies on the ground and is carried
             found.setdefault(text, (figure, text))
     return list(found.values())
+
+
+def mark_text(look: Look, label: str) -> str:
+    """Returns the actions with which agents mark in a phase, or the phase's label if they mark whatever they do."""
+    return " or ".join(look.actions[number] for number in look.acting[label]) or label
 
 
 def cell_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> Iterator[tuple[Drawing, str]]:
