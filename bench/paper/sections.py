@@ -305,9 +305,8 @@ def svo(games: Sequence[Game]) -> Section:
     text = [
         "The weight is the best one at 90 degrees, in the first table. The angles are trained at that weight with other seeds, because the best "
         "of several noisy means is too high on average.",
-        "At 90 degrees, an agent that is the only one rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 "
-        "that is more than a reward of 1, so earning does not pay unless as much is deducted while nobody is rewarded. The released code and "
-        "`svo_at_rest=selfish` do that; `svo_at_rest=content` does not.",
+        "An agent that seeks 90 degrees gains 1.57 times the weight (a quarter turn in radians) in each step in which others are rewarded and it "
+        "is not, counted from a step in which nobody is: `svo_at_rest=selfish`, as in the released code.",
     ]
     if alone:
         text.append(
