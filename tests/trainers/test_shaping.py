@@ -112,7 +112,9 @@ def test_svo_compares_traces_and_pays_rewards() -> None:
 @pytest.mark.parametrize("at_rest", ["selfish", "content"])
 def test_svo_deducts_nothing_while_nobody_is_rewarded(at_rest: str) -> None:
     """A loss in each step of an episode would hide from the critic what agents do."""
-    np.testing.assert_array_equal(shaped(jnp.zeros(3), reward="svo", svo_weight=1.0, svo_angle=(0, 45, 90), svo_at_rest=at_rest), jnp.zeros(3))
+    np.testing.assert_array_equal(
+        shaped(jnp.zeros(3), reward="svo", svo_weight=1.0, svo_angle=(0, 45, 90), svo_at_rest=at_rest), jnp.zeros(3)
+    )
 
 
 # reward exchange
