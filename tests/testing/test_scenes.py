@@ -153,8 +153,8 @@ def test_both_pictures_are_shown() -> None:
     with pytest.raises(AssertionError) as failure:
         scene.shows("PPP..#", ".>Tb..", ".<.^..  12")
     assert str(failure.value).splitlines() == [
-        "after forward, stay, forward: the map is not as wanted",
-        "wanted:",
+        "after forward, stay, forward: the map differs",
+        "expected:",
         "  PPP..#",
         "  .>Tb..      <- row 1",
         "  .<.^..  12  <- row 2",
