@@ -181,12 +181,3 @@ def test_a_cell_that_several_clean_counts_once_and_for_each_alike(number: int) -
     assert (found.sum(axis=1) == 1).all()
     assert found[:, number:].sum() == 0
     assert_uniform(found[:, :number].sum(axis=0), 0.13)
-
-
-def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
-    env = environment("clean_up")
-    places = [(11, 5), (12, 6), (11, 7), *SAND[:4]]
-    seen = counted(6, state_with(0, places, [1, 0, 3, 0, 0, 0, 0]), [4, 4, 4, 6, 6, 6, 6], env.params, 16)
-    winners = seen["place"][:, frame_cells(env, (11, 6))]
-    assert winners.sum() == 16 * BATCH
-    assert_uniform(winners, 0.04)

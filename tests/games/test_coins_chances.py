@@ -96,10 +96,3 @@ def test_cells_with_coins_or_agents_have_no_chance(counted: Any) -> None:
     assert (seen["green"][60:80] == steps).all()
     fresh = [site for site in range(174) if coin[site] == 0 and site not in under]
     assert_uniform([seen["red"][fresh].sum(), seen["green"][fresh].sum()], 0.01)
-
-
-def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
-    env = environment("coins")
-    seen = counted(3, state_with([(5, 4), (6, 5)], (1, 0)), [4, 4], env.params, 16)
-    assert seen["won"].sum() == 16 * BATCH
-    assert_uniform(seen["won"], 0.03)

@@ -16,9 +16,9 @@ from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Recorded, Threefry
+from sjdsl.properties.state_conversion import world_of
 from sjdsl.testing.engines import interpreter_params
 from tests.differential.compare import Report, compare, compare_outcome
-from tests.differential.worlds import world_of
 
 from .environments import HARVESTS, NINE, environment, places
 from .found import Form, forms, programs, rules_of

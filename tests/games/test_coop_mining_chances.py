@@ -132,14 +132,3 @@ def test_contested_iron_goes_to_each_miner_alike() -> None:
     left, paid, pairs = run(6, state, [MINE] * 4 + [STAY] * 2, raised(0, 0), 4)
     assert (left, paid[4:].sum(), paid.sum()) == (0, 0, 8 * BATCH)
     assert_uniform(pairs[:2, 2:4].reshape(-1), 0.08)
-
-
-def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
-    """Three want it; then two."""
-    env = environment("coop_mining", None)
-    row, col = OPEN
-    state = placed(env, [(row, col - 1), (row + 1, col), (row, col + 1), *cells_of(env, "camp")[:3]], [1, 0, 3, 0, 0, 0])
-    for number in (3, 2):
-        won = counted(7, state, [FORWARD] * number + [STAY] * (6 - number), env.params, 8)["won"]
-        assert won.sum() == 8 * BATCH
-        assert_uniform(won[:number], 0.05)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from .chance import BATCH, assert_share, assert_uniform, many
+from .chance import BATCH, assert_share, many
 from .environments import cells_of, environment, frame_cells, placed
 
 pytestmark = pytest.mark.optimised
@@ -80,14 +80,3 @@ def test_tokens_grow_first(counted: Any) -> None:
     assert seen["new"][ground.index(OPEN)] == 0
     assert seen["new"][ground.index((row - 1, col))] == 0
     assert seen["new"].sum() == (GROUND - 2) * BATCH
-
-
-def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
-    """Three want it; then two."""
-    env = environment(GAME)
-    row, col = OPEN
-    state = placed(env, [(row, col - 1), (row + 1, col), (row, col + 1), *cells_of(env, "camp")[:2]], [1, 0, 3, 0, 0])
-    for number in (3, 2):
-        won = counted(7, state, [FORWARD] * number + [STAY] * (5 - number), env.params, 8)["won"]
-        assert won.sum() == 8 * BATCH
-        assert_uniform(won[:number], 0.05)

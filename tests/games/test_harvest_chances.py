@@ -159,15 +159,3 @@ def test_who_was_away_comes_to_every_free_gate_alike() -> None:
         assert homes.sum() == 30 * BATCH
         assert_uniform(homes, 0.15)
     assert_uniform(seen["heading"][1], 0.03)
-
-
-def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
-    """Three want it; then two."""
-    env = environment(GAME)
-    places = [(11, 5), (12, 6), (11, 7), (15, 3), (15, 4), (15, 5), (15, 6)]
-    for number, seed in ((3, 11), (2, 12)):
-        actions = [4] * number + [6] * (7 - number)
-        seen = counted(seed, state_with(places, [1, 0, 3, 0, 0, 0, 0]), actions, env.params, 15)
-        winners = seen["place"][:, frame_cells(env, (11, 6))]
-        assert winners.sum() == 15 * BATCH
-        assert_uniform(winners[:number], 0.04)

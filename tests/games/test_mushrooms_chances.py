@@ -184,13 +184,3 @@ def test_home_is_every_free_bare_cell_alike() -> None:
         assert homes.sum() == 16 * BATCH
         assert_uniform(homes, 0.45)
     assert_uniform(seen["headings"], 0.1)
-
-
-def test_a_contested_cell_goes_to_each_alike() -> None:
-    """Three want it; then two."""
-    env = environment(GAME)
-    state = placed(env, [(6, 1), (7, 2), (6, 3), (11, 21), (11, 22)], [1, 0, 3, 0, 0])
-    for number in (3, 2):
-        won = counter(None)(7, state, [FORWARD] * number + [STAY] * (5 - number), env.params, 6)["place"][:, frame_cells(env, (6, 2))]
-        assert won.sum() == 6 * BATCH
-        assert_uniform(won[:number], 0.06)

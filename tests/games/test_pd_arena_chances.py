@@ -160,17 +160,6 @@ def test_of_a_round_of_four_either_two_pairs_meet() -> None:
     assert_uniform(seen["suckers"][[0, 2]], 0.05)
 
 
-def test_a_contested_cell_goes_to_each_alike() -> None:
-    """Three want it; then two."""
-    env = environment(GAME)
-    state = meeting(WEST, SOUTH, EAST, headings=(1, 0, 3))
-    for number in (3, 2):
-        seen = counter(None)(7, state, [FORWARD] * number + [STAY] * (4 - number), env.params, 6)
-        won = seen["place"][:, frame_cells(env, MIDDLE)]
-        assert won.sum() == 6 * BATCH
-        assert_uniform(won[:number], 0.06)
-
-
 @pytest.mark.thorough
 def test_as_released_only_targets_rest() -> None:
     """Each for its own time, a step less after the tick, at a gate of its own; also with nothing in the bag. Who acted stays free."""

@@ -32,7 +32,10 @@ MISTAKES: list[tuple[Callable[[], Any], str]] = [
     (put("PPP.v#", "^.TT.."), "the picture has 2 rows, the map has 3"),
     (put("PPP.v#", "^.TT.", "...<.."), "row 1 of the picture has 5 cells, the map has 6: `^.TT.`"),
     (put("PPP.v#", "^.TT.P", "...<.."), "row 1, column 5: `P` stands for `gate`, and the map has `grass` there"),
-    (put("PPP.v#", "^.xT..", "...<.."), "row 1, column 2: `x` isn't a sign; the map has a `tree` there: `T` tree fruit=ripe, `t` tree fruit=none"),
+    (
+        put("PPP.v#", "^.xT..", "...<.."),
+        "row 1, column 2: `x` isn't a sign; the map has a `tree` there: `T` tree fruit=ripe, `t` tree fruit=none",
+    ),
     (put("PPP.v#", "^.TT..", "......"), "the game has 3 agents; the picture has 2 arrows"),
     (put("PPP.v#", "^.TT.>", "...<.."), "the game has 3 agents; the picture has 4 arrows"),
     (put("PPP.v#  0", "^.TT..  0", "...<.."), "the game has 3 agents; the picture has 3 arrows, told [0, 0]"),
