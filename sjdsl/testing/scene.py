@@ -133,10 +133,10 @@ class Scene:
                 raise AssertionError(f"{self._when()}agent {agent} stands on `{self.under(agent)}`, not on `{sign}`")
         return self
 
-    def has(self, wanted: Mapping[str, Any]) -> "Scene":
+    def has(self, expected: Mapping[str, Any]) -> "Scene":
         """Asserts values: what `value` reads -> a list over agents or cells, a mapping of some of them, or one value for all."""
         __tracebackhide__ = True
-        wrong = [line for name, value in wanted.items() for line in self._wrong(name, value)]
+        wrong = [line for name, value in expected.items() for line in self._wrong(name, value)]
         if wrong:
             lines = "\n".join(f"  {line}" for line in [*wrong, "the map:", *map(str, self._rows())])
             raise AssertionError(f"{self._when()}some values differ\n{lines}")
