@@ -33,8 +33,8 @@ SAMPLED = 6  # steps that both engines take from wherever a run has come to, bes
 
 
 def is_rare(form: Form) -> bool:
-    """Returns whether a form is played only with all tests: crowds (see `tests/differential/test_twenty_agents.py`), most variants, and
-    games that have tests of their own beside the nine, or the rules of another on another map."""
+    """Returns whether a form is played only with all tests: crowds, most variants, and games that have tests of their own beside the nine,
+    or the rules of another on another map."""
     usual = form.variant is None or (form.game, form.variant) == ("clean_up", "socialjax")
     return form.agents is not None or not usual or form.game not in NINE or form.game in HARVESTS[1:]
 
