@@ -210,6 +210,20 @@ def test_the_same_keys_give_the_same_runs(form: Form) -> None:
     assert len({tuple(play.env.reset(jax.random.key(seed))[1].position.tolist()) for seed in range(8)}) > 1
 
 
+@pytest.mark.parametrize("game", ["coins", pytest.param("pd_arena", marks=pytest.mark.thorough)])
+def test_one_of_a_batch_that_ends_resets_no_other(game: str) -> None:
+    env = environment(game)
+    keys = jax.random.split(jax.random.key(0), 4)
+    states = [env.reset(key)[1] for key in keys]
+    states[1] = states[1].replace(step=np.int32(env.episode_length - 1))
+    actions = np.zeros((4, env.num_agents), np.int32)
+    together = jax.jit(jax.vmap(env.step))(keys, jax.tree.map(lambda *x: np.stack(x), *states), actions)
+    assert together[3].tolist() == [False, True, False, False]
+    for one, alone in enumerate(env.step(key, state, actions[0]) for key, state in zip(keys, states, strict=True)):
+        for mine, theirs in zip(jax.tree.leaves(jax.tree.map(lambda x: x[one], together)), jax.tree.leaves(alone), strict=True):  # noqa: B023
+            np.testing.assert_allclose(mine, theirs, rtol=1e-6, atol=1e-6)
+
+
 def started(play: Play) -> World:
     """Returns the interpreter's start of the own run."""
     return reset(play.env.game, given(play, 0), Threefry(*play.reset_words.tolist()))
