@@ -96,6 +96,6 @@ def test_actions_and_events_without_use_are_warned_of(sjdsl: Sjdsl, folder: Path
     (folder / "idle.sj").write_text(GAME.replace("forward, stay", "forward, stay, dance").replace("event eaten", "event eaten  event lost"))
     shown = sjdsl("check", "idle.sj")
     assert shown.status == 0
-    assert "no rule looks at the action `dance`" in shown.out
+    assert "no rule reads the action `dance`" in shown.out
     assert "the event `lost` is listed in `metrics`, but no rule counts it" in shown.out
     assert "2 warnings" in shown.out

@@ -130,7 +130,7 @@ def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Com
     for kind in whole:
         for label in seen["cell", kind, ""].labels:
             if label.name in detailed:
-                given = f"a kind whose cells do not all look alike: its `{detailed[label.name]}` is seen"
+                given = f"a kind whose cells look different: its `{detailed[label.name]}` is seen"
                 help_ = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
                 scope.problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help_))
 
