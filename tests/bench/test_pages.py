@@ -7,9 +7,9 @@ import pytest
 
 from bench.speed.plots import draw_scaling
 from bench.speed.sweep import Sweep
-from bench.speed.tables import notes_of, sweep_table, tables_of
+from bench.speed.tables import sweep_table, tables_of
 from sjdsl.bench import Compilation, Report, Speed
-from sjdsl.bench.markdown import markdown_section, markdown_table, new_page, replace_section, write_section
+from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
 from sjdsl.bench.tables import cost_table, relation_table, speed_table
 
 MACHINE = {"platform": "cpu"}
@@ -67,19 +67,6 @@ def test_many_compilations_are_said_to_be_extrapolated() -> None:
     assert few.rows[1][2] == "4.0 s"
 
 
-def test_a_device_that_counts_is_quoted() -> None:
-    assert notes_of(RACE) == notes_of(SWEEP) == ()
-    assert "2.5 GB" in notes_of(report(peak=2_500_000_000))[0]
-
-
-def test_a_table_as_markdown() -> None:
-    assert markdown_table(speed_table(report(speed("meadow", 1, 1e5)))).splitlines() == [
-        "| game | agents | observation | 1 env |",
-        "| --- | --- | --- | --: |",
-        "| meadow | 2 | tokens | 100k ±10% x1.00 |",
-    ]
-
-
 def test_a_section_says_by_what_and_where_it_was_measured() -> None:
     text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables_of(RACE), ["plots/a_b.png"])
     assert text.startswith("`sjdsl bench`, on a machine.\n\ncoins is left out.\n\nEnvironment steps")
@@ -109,12 +96,6 @@ def test_a_picture_for_each_observation_and_number_of_agents(tmp_path: Path) -> 
     files = draw_scaling(RACE, tmp_path / "plots")
     assert [file.name for file in files] == ["cpu_tokens_own_agents.png", "cpu_onehot_own_agents.png", "cpu_tokens_20_agents.png"]
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
-
-
-@pytest.mark.parametrize("section", ["speed", "kernels", "resuming", "training mlp", "training cnn"])
-def test_the_page_of_speeds_has_marks_for_what_make_gpu_measures(section: str) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "performance.md").read_text(encoding="utf-8")
-    assert "newly measured" in replace_section(page, f"{section} gpu", "newly measured\n")
 
 
 @pytest.mark.parametrize("sort", ["cpu", "gpu"])

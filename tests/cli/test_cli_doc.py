@@ -1,8 +1,6 @@
 """`sjdsl doc` and `sjdsl diff`: what they print, write and refuse."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -74,11 +72,3 @@ def test_games_with_mistakes_are_refused(sjdsl: Sjdsl, folder: Path) -> None:
         assert refused.status == 1
         assert "did you mean `apple`?" in refused.text
     assert sjdsl("doc", "orchrd").status == 1
-
-
-def test_sheets_and_differences_need_no_jax(folder: Path) -> None:
-    program = (
-        "import sys; from sjdsl.cli import run; assert run(['doc', 'orchard.sj']) == 0;"
-        "assert run(['diff', 'orchard.sj', '--variants', 'default', 'rich']) == 0; assert 'jax' not in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", program], check=True, cwd=folder, capture_output=True)

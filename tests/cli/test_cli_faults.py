@@ -10,6 +10,7 @@ import pytest
 from command_line import Sjdsl
 
 from sjdsl.cli import check, run
+from sjdsl.games_folder import find_game
 
 
 @pytest.mark.parametrize(
@@ -86,13 +87,24 @@ def test_help_lists_the_commands_without_importing_them() -> None:
         assert name in shown
 
 
-def test_no_help_and_no_check_waits_for_jax() -> None:
+def test_no_help_and_nothing_that_only_reads_a_game_waits_for_jax(tmp_path: Path) -> None:
+    (tmp_path / "coins.sj").write_text(find_game("coins").read_text())
+    calls = [
+        "check coins",
+        "fmt coins.sj",
+        "doc coins",
+        "diff coins pd_arena",
+        "trace coins --steps 2 --param length=9",
+        "list coins",
+        "explain SJ101",
+    ]
     program = (
         "import sys; from sjdsl.cli import COMMANDS, run\n"
-        "assert not any(run([name, '--help']) for name in COMMANDS); assert run(['check', 'coins']) == 0\n"
+        f"assert not any(run([name, '--help']) for name in COMMANDS); assert not any(run(call.split()) for call in {calls})\n"
         "assert not {'jax', 'flax', 'matplotlib', 'hypothesis', 'orbax', 'textual'} & set(sys.modules), set(sys.modules)"
     )
-    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_package_runs_as_a_module() -> None:

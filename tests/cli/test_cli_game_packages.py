@@ -1,7 +1,6 @@
 """Games of installed packages: found by name everywhere, without importing them; clashes and broken packages are said, and stop no other."""
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -173,10 +172,3 @@ def test_the_misspelt_name_of_an_installed_game(place: Path, sjdsl: Sjdsl) -> No
     install(place, "river", {"waterfall.sj": game("waterfall")})
     assert "did you mean `waterfall`?" in sjdsl("check", "waterfal").err
     assert "did you mean `river:waterfall`?" in sjdsl("check", "river:waterfal").err
-
-
-def test_the_list_loads_no_jax(place: Path) -> None:
-    install(place, "river", {"pond.sj": game("pond")})
-    run = "import sys; from sjdsl.cli import run; run(['list', 'pond']); print('jax' in sys.modules, 'river' in sys.modules)"
-    shown = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {str(place)!r}); {run}"], capture_output=True, text=True)
-    assert shown.stdout.splitlines()[-1] == "False False", shown.stderr

@@ -1,8 +1,6 @@
 """`sjdsl trace`: the text, the data, and mistakes in what is asked for."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -97,11 +95,6 @@ def test_mistakes(sjdsl: Sjdsl, arguments: str, said: str) -> None:
     assert shown.status == 1
     assert said in shown.text
     assert "Traceback" not in shown.text
-
-
-def test_tracing_needs_no_jax(folder: Path) -> None:
-    program = "import sys; from sjdsl.cli import run; s = run(['trace', 'orchard.sj', '--param', 'apple=2']); sys.exit(s or int('jax' in sys.modules))"
-    assert subprocess.run([sys.executable, "-c", program], cwd=folder, check=False, capture_output=True).returncode == 0
 
 
 @pytest.mark.thorough

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 from small_games import GAMES, matrix_game
-from stored_policies import store, store_pool
+from stored_policies import store
 
 import sjdsl
 from sjdsl.compiler import ir
 from sjdsl.experiments import ExperimentError, play_scenarios
-from sjdsl.experiments.lineups import orders_of, play_key
+from sjdsl.experiments.lineups import orders_of
 from sjdsl.experiments.scenario_scores import ScenarioScore, ScenarioScores
 from sjdsl.experiments.scenarios import plan_scenarios
 from sjdsl.experiments.summaries import scenarios_text
-from sjdsl.trainers import PolicyError, evaluate, find_policy, make_config, train
+from sjdsl.trainers import PolicyError
 from tests.trainers.probes import constant
 
 VISITORS = GAMES / "visitors.sj"
@@ -161,36 +161,6 @@ def test_intervals_are_over_training_seeds_where_there_are_two() -> None:
     seeds = scored([[1.0, 3.0], [5.0, 5.0], [8.0, 8.0]], random=[1, 1], stay=[9, 9])
     assert seeds.focal.mean == 5.0
     assert seeds.focal.high - seeds.focal.mean == pytest.approx(4.302653 * 3 / np.sqrt(3))  # t(0.975, 2), standard deviation 3
-
-
-@pytest.mark.thorough
-def test_networks_with_memory_of_their_own_and_several_seeds(tmp_path: Path) -> None:
-    """Who visits those who keep has, of each 1 that it gives, a half: what it gives in slot i is known from its evaluation."""
-    env = visitors(4, 0.0)
-    pool = store_pool(tmp_path / "run", env, (5, 6), sharing="per_agent", memory="gru")
-    found = play_scenarios(env, pool, "visitor", EPISODES, SEED, folder=pool)
-    assert (found.unit, found.population, found.asked) == ("training seed", "2 training seeds", ("visitor",))
-    for replicate, seed in enumerate((5, 6)):
-        alone = evaluate(env, find_policy(f"{pool}/seed_{seed}", env), play_key(SEED, 0), EPISODES).events["given"]
-        assert (alone == alone[0]).all(), "actions are certain"
-        orders = orders_of(SEED, replicate, EPISODES, 4)
-        assert found["visitor"].focal_returns[replicate].tolist() == [-alone[0][order[0]] / 2 for order in orders]
-    assert len(set(found["visitor"].focal_returns.ravel())) > 1
-    stored = json.loads((pool / "scenarios.json").read_text())
-    assert (stored["unit"], stored["units"], stored["training_seeds"]) == ("training seed", 2, [5, 6])
-    assert np.shape(stored["scenarios"]["visitor"]["returns"]["focal"]) == (2, EPISODES)
-
-
-@pytest.mark.thorough
-def test_who_learns_to_keep_scores_as_who_keeps(tmp_path: Path) -> None:
-    env = visitors(4, 0.0)
-    values = {"network": "mlp", "network_width": 8, "num_envs": 32, "num_steps": 8, "num_minibatches": 1, "learning_rate": 0.02}
-    train(env, make_config(values, total_timesteps=10_240, anneal_learning_rate=False, seed=1), tmp_path / "run", progress="none")
-    found = play_scenarios(env, tmp_path / "run", "visitor", 20)
-    assert found["visitor"].best == "keeper"
-    score = found["visitor"].score
-    assert score is not None
-    assert score > 0.8
 
 
 def test_the_example_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import QUICK, matching, quick, run_of
+from probes import QUICK, matching, quick
 from run_outcomes import SHORT, assert_same_end, compiled_once, counting, outcome, read_lines, read_manifest
 from safetensors.numpy import load_file
 
@@ -119,25 +119,6 @@ def test_a_callback_is_told_after_each_update(brought: tuple[Path, list[Update]]
     assert [(update.number, update.env_steps, update.run_dir) for update in told] == [(n, 16 * n, run_dir) for n in (1, 2, 3)]
     assert [update.row["loss"] for update in told] == [row["loss"] for row in rows]
     assert all(update.rows[0]["loss"] == update.row["loss"] for update in told)
-
-
-@pytest.mark.thorough
-def test_agents_learn_beside_a_partner_that_does_not() -> None:
-    """Agent 0 learns to say what it sees; agent 1, of the same network otherwise, says always the same and is right half of the time."""
-    config = quick(partners={1: always_second}, sharing="shared")
-    with jax.debug_key_reuse(False):
-        _, metrics = run_of(matching(), config)(jax.random.key(0))
-    assert metrics["agent_return"][-10:, 0].mean() > 0.9
-    assert 0.4 < metrics["agent_return"][:, 1].mean() < 0.6
-    assert (metrics["event"]["second_action"][:, 1] == 1).all()
-
-
-@pytest.mark.slow
-def test_values_are_learnt_beside_a_partner() -> None:
-    with jax.debug_key_reuse(False):
-        _, metrics = run_of(matching(), quick(algorithm="vdn", partners={1: always_second}))(jax.random.key(0))
-    assert metrics["agent_return"][-10:, 0].mean() > 0.85
-    assert (metrics["event"]["second_action"][:, 1] == 1).all()
 
 
 def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from probes import matching
-from run_outcomes import SHORT, compiled_once, counting, read_lines
+from run_outcomes import SHORT, counting
 
 from sjdsl.extras import MissingExtra
 from sjdsl.trainers import ConfigError, resume, run, train
@@ -22,41 +22,6 @@ def _stand_in(name: str, monkeypatch: pytest.MonkeyPatch, **members: Any) -> Non
     module.__spec__ = importlib.machinery.ModuleSpec(name, None)
     vars(module).update(members)
     monkeypatch.setitem(sys.modules, name, module)
-
-
-@pytest.mark.slow
-def test_tensorboard_gets_every_number_with_its_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    written: dict[str, list[tuple[str, float, int]]] = {}
-    closed: list[str] = []
-    purged: dict[str, int | None] = {}
-
-    class SummaryWriter:
-        def __init__(self, folder: str, purge_step: int | None = None) -> None:
-            self.folder = folder
-            purged[folder] = purge_step
-
-        def add_scalar(self, name: str, value: float, step: int) -> None:
-            written.setdefault(self.folder, []).append((name, value, step))
-
-        def close(self) -> None:
-            closed.append(self.folder)
-
-    _stand_in("tensorboardX", monkeypatch, SummaryWriter=SummaryWriter)
-    with compiled_once():
-        run_dir = train(matching(), SHORT, tmp_path / "run", "none", loggers=("tensorboard",)).run_dir
-    folder = str(run_dir / "tensorboard")
-    assert closed == [folder]
-    assert purged == {folder: None}
-    noted = written[folder]
-    wanted = [
-        (name, value, row["env_steps"])
-        for row in read_lines(run_dir / "metrics.jsonl")
-        for name, value in row.items()
-        if name not in ("update", "env_steps") and value is not None
-    ]
-    assert [entry for entry in noted if entry[0] != "evaluation_collective_return"] == wanted
-    evaluated = [(row["collective return"]["mean"], row["env_steps"]) for row in read_lines(run_dir / "evaluations.jsonl")]
-    assert [entry[1:] for entry in noted if entry[0] == "evaluation_collective_return"] == evaluated
 
 
 def test_tensorboard_has_each_step_once_after_a_resume(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -67,19 +67,3 @@ def test_each_for_itself_defects() -> None:
 def test_who_minds_the_other_cooperates(changes: dict[str, Any]) -> None:
     """To VDN a step is explored with a probability of 0.05 at the end: 3 less at most 0.05."""
     np.testing.assert_allclose(payoff_learnt(**changes), COOPERATE, atol=0.2)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"reward": "exchange", "exchange_ratio": 0.0},
-        {"reward": "svo", "svo_weight": 0.0},
-        {"reward": "svo", "svo_angle": 45, "svo_weight": 3.0},
-        {"reward": "inequity", "inequity_envy": 5.0, "inequity_guilt": 2.0},
-    ],
-    ids=["exchange of nothing", "svo of no weight", "svo 45", "envy"],
-)
-def test_who_minds_the_other_too_little_or_fears_it_defects(changes: dict[str, Any]) -> None:
-    """At 45 degrees, and with envy, it is a stag hunt: cooperating is best with a cooperator, and worse with who does either by chance."""
-    np.testing.assert_allclose(payoff_learnt(**changes), DEFECT, atol=0.2)

@@ -8,7 +8,7 @@ import jax
 import pytest
 
 from bench.paper import published
-from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config
+from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset
 from sjdsl.trainers.config import Algorithm
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.ppo import check_minibatches
@@ -24,13 +24,6 @@ def test_a_packaged_preset_and_changes() -> None:
     assert (quick.config.seed, quick.config.num_envs, quick.config.reward) == (7, 32, "individual")
     with pytest.raises(ConfigError, match="did you mean `learning_rate`"):
         load_preset("quick", {"learning_rates": 1})
-
-
-def test_a_preset_in_a_file(tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text('game = "harvest"\n[environment]\nnum_agents = 3\n[config]\ntotal_timesteps = 1e5\n')
-    mine = load_preset(path)
-    assert (mine.game, mine.environment, mine.config) == ("harvest", {"num_agents": 3}, make_config(total_timesteps=100_000))
 
 
 @pytest.mark.parametrize(
@@ -65,15 +58,6 @@ def test_wrong_preset_files_are_explained(tmp_path: Path, text: str, message: st
     (tmp_path / "mine.toml").write_text(text)
     with pytest.raises(ConfigError, match=message):
         load_preset(tmp_path / "mine.toml")
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [("quik", "unknown preset `quik`; did you mean `quick`"), ("none.toml", r"none\.toml does not exist")],
-)
-def test_missing_presets_are_explained(name: str, message: str) -> None:
-    with pytest.raises(ConfigError, match=message):
-        load_preset(name)
 
 
 LAYERS = """
