@@ -4,7 +4,6 @@ import gc
 import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import jax
@@ -104,14 +103,14 @@ def _play(
         clock.now += seconds_an_update
         return state, ()
 
-    def save(number: int, _: Any, __: Any) -> None:
+    def save(number: int, _: Any) -> None:
         clock.now += seconds_a_checkpoint
         written.append(number)
 
     compiled = Compiled(None, collect, lambda state, _: (state, metrics), lambda _: parameters, None, 0.0, 0.0)  # type: ignore[arg-type]
     state: Any = {"replay": np.zeros(10)}
     with open_recorders([folder], matching(), config, 0, (), "long") as recorders:  # type: ignore[arg-type]
-        keeping = updates.Keeping(recorders, SimpleNamespace(save=save), lambda *_: None)  # type: ignore[arg-type]
+        keeping = updates.Keeping(recorders, save, lambda *_: None)  # type: ignore[arg-type]
         updates.run_updates(compiled, state, updates.Progress(0), config, keeping)
     return written
 
