@@ -57,23 +57,3 @@ def test_its_game_is_found_where_it_is_installed(sjdsl: Sjdsl, folder: Path, mon
     monkeypatch.syspath_prepend(source)
     assert find_game("river") == source / "river_games/river.sj"
     assert "  from     river-games 0.1.0\n" in sjdsl("list", "river").out
-
-
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("coins", "there is a bundled game `coins` already"),
-        ("coins_games", "there is a bundled game `coins` already"),
-        ("random", "`random` cannot name a package of games"),
-        ("River", "`River` cannot name a package of games"),
-        ("_games", "`_games` cannot name a package of games"),
-        ("click", "there is a Python package `click` already"),
-        ("here", "here exists already; nothing was written"),
-    ],
-)
-def test_a_name_that_is_taken_is_refused(sjdsl: Sjdsl, folder: Path, name: str, said: str) -> None:
-    (folder / "here").mkdir()
-    refused = sjdsl("new", "--package", name)
-    assert refused.status == 1
-    assert said in refused.err
-    assert sorted(path.name for path in folder.iterdir()) == ["here", "orchard.sj"]

@@ -54,65 +54,6 @@ def test_a_protocol_of_two_stages_is_listed(sjdsl: Sjdsl) -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("arguments", "status", "said"),
-    [
-        (("orchrd", "--axis", "reward=common", "--run", "swept"), 1, "there is no bundled game `orchrd`"),
-        (("orchard.sj", "--axis", "reward=common"), 2, "--run"),
-        (("--axis", "reward=common", "--run", "swept"), 2, "GAME"),
-        (("orchard.sj", "--run", "swept"), 1, "say what varies: --axis NAME=value,value,… or --protocol"),
-        (("orchard.sj", "--axis", "rward=common", "--run", "swept"), 1, "there is no axis `rward`; did you mean `reward`?"),
-        (("orchard.sj", "--axis", "param.aple=1", "--run", "swept"), 1, "the game has no number `aple`; did you mean `apple`?"),
-        (("orchard.sj", "--axis", "variant=rch", "--run", "swept"), 1, "rich"),
-        (("orchard.sj", "--axis", "param.apple=9", "--run", "swept"), 1, "outside 0 .. 5"),
-        (("orchard.sj", "--protocol", "exchange", "--reward", "common", "--run", "swept"), 1, "the protocol exchange sets `reward` itself"),
-        (("orchard.sj", "--protocol", "svo", "--axis", "svo_weight=1", "--run", "swept"), 1, "the protocol svo sets `svo_weight` itself"),
-        (("orchard.sj", "--axis", "reward=common", "--preset", "papr", "--run", "swept"), 1, "unknown preset `papr`"),
-        (
-            ("orchard.sj", "--axis", "reward=common", "--set", "num_evs=3", "--run", "swept"),
-            1,
-            "unknown key `num_evs`; did you mean `num_envs`?",
-        ),
-        (("orchard.sj", "--axis", "reward=comon", "--run", "swept"), 1, "did you mean `common`?"),
-        (("orchard.sj", "--axis", "algorithm=ipo", "--run", "swept"), 1, "did you mean `ippo`?"),
-        (
-            ("orchard.sj", "--axis", "param.apple=1,2", "--param", "apple=3", "--run", "swept"),
-            1,
-            "`param.apple` is an axis, and is also set for all cells",
-        ),
-        (
-            ("orchard.sj", "--axis", "reward=common", "--param", "apple=3", "--param", "apple=4", "--run", "swept"),
-            2,
-            "`apple` is given twice",
-        ),
-        (("orchard.sj", "--axis", "reward=common", *SETS, "--set", "num_envs=8", "--run", "swept"), 2, "`num_envs` is given twice"),
-        (("orchard.sj", "--axis", "init_from=nowhere/at_all", "--run", "swept"), 1, "nowhere/at_all"),
-    ],
-)
-def test_what_is_refused_at_once(sjdsl: Sjdsl, folder: Path, arguments: tuple[str, ...], status: int, said: str) -> None:
-    shown = sjdsl("sweep", *arguments)
-    assert shown.status == status, shown.text
-    assert said in shown.err
-    assert "loading JAX" not in shown.err
-    assert not (folder / "swept").exists()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--set", "num_minibatches=5"), "orchard_apple-1: num_envs x num_steps = 4 x 8 = 32 steps cannot be split"),
-        (("--partners", "7=random"), "orchard_apple-1: "),
-        (("--run", "orchard.sj"), "orchard.sj is a file, and a sweep is a folder"),
-    ],
-)
-def test_what_is_refused_once_jax_is_there(sjdsl: Sjdsl, folder: Path, arguments: tuple[str, ...], said: str) -> None:
-    shown = sjdsl(*SWEEP, *arguments)
-    assert shown.status == 1, shown.text
-    assert said in shown.err
-    assert sjdsl(*SWEEP, *arguments, "--dry-run").err.endswith(shown.err.splitlines()[-1] + "\n")
-    assert not (folder / "swept").exists()
-
-
 @pytest.mark.thorough
 def test_the_commands_of_the_pages(sjdsl: Sjdsl, folder: Path) -> None:
     root = Path(__file__).parents[2]

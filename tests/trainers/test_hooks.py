@@ -137,20 +137,6 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     assert (float(loss), float(parts["team_value"])) == (9.0, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("partners", "said"),
-    [
-        ({2: "random"}, r"`partners` names agent 2; the game has agents 0 to 1"),
-        ({0: "random", 1: "random"}, r"holds all 2 agents fixed: leave out at least one"),
-        ({1: "nobody"}, r"there is no policy `nobody`; a policy is random, stay, a policy of the game's file, the folder RUN of a run"),
-        ({1: "stay"}, r"`stay` is no action of matching; its actions are action_0, action_1"),
-    ],
-)
-def test_partners_that_cannot_be_are_refused(partners: dict[int, str], said: str) -> None:
-    with pytest.raises((ConfigError, PolicyError), match=said):
-        make_train(matching(), make_config(SMALL, partners=partners))
-
-
 def test_a_partners_memory_begins_anew_with_each_episode() -> None:
     """Its action is how many steps it remembers; the others' actions stay theirs."""
     counting_steps = MemoryPolicy(jnp.int32(0), lambda memory, _, observation: (memory + 1, jnp.full(len(observation), memory)))
@@ -214,22 +200,6 @@ def test_a_network_may_come_in_many_ways(tmp_path: Path, where: str) -> None:
     shapes = jax.tree.leaves(parameter_shapes(matching(), make_config(SMALL, network=name, sharing="shared")))
     width = {"module made before": 5, "function": 17, "file": 16}[where]
     assert (1, 1, width) in [leaf.shape for leaf in shapes]
-
-
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        ({"network": "rnn"}, "`network` must be 'mlp', 'cnn', the name of a network that was registered, or FILE.py:NAME, not 'rnn'"),
-        ({"reward": "none.py:f"}, "none.py does not exist"),
-        ({"reward": "no_such_module:f"}, "the reward `no_such_module:f` is not found: No module named 'no_such_module'"),
-        ({"reward": "math:no_such"}, "is not found: math has no `no_such`"),
-        ({"algorithm": "vdn", "reward": one_for_the_second}, "`reward` must be 'common'"),
-    ],
-)
-def test_what_is_not_there_is_said_at_once(values: dict[str, Any], said: str) -> None:
-    with pytest.raises(ConfigError) as error:
-        make_config(values)
-    assert said in str(error.value)
 
 
 def test_two_functions_of_one_place_have_two_names() -> None:

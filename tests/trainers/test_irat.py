@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from probes import Probe, judge, learn, matching, quick
 
-import sjdsl
-from sjdsl.trainers import PPOConfig, load_preset, make_config, make_train, trained_policy
+from sjdsl.trainers import PPOConfig, load_preset, make_train, trained_policy
 from sjdsl.trainers.actor_critics import make_actor_critics
 from sjdsl.trainers.irat import both_rewards, irat_loss
 from sjdsl.trainers.losses import Batch
@@ -205,17 +204,3 @@ def test_presets_have_the_released_configuration() -> None:
         assert (config.learning_rate, config.anneal_learning_rate, config.total_timesteps) == (5e-4, True, 3e8)
         assert (config.gamma, config.gae_lambda, config.clip_epsilon, config.scale_clip_epsilon) == (0.99, 0.95, 0.2, True)
         assert (config.entropy_coefficient, config.value_coefficient, config.max_gradient_norm, config.seed) == (0.01, 0.5, 0.5, 30)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"team_kl": "1,2,3"}, "`team_kl` must be one number, or two: at the start and at the end of the run, not '1,2,3'"),
-        ({"similarity_clip": "-1,2"}, "`similarity_clip` must be at least 0.0"),
-        ({"individual_kl": "a"}, "`individual_kl` must be a finite number, not 'a'"),
-    ],
-)
-def test_wrong_spans_are_explained(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(sjdsl.trainers.ConfigError, match=message):
-        make_config(given, **IRAT)
-    assert make_config(algorithm="irat", team_kl=2).team_kl == (2.0, 2.0)
