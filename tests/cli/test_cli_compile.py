@@ -58,11 +58,3 @@ def test_two_games_do_not_share_a_file(sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl("compile", "orchard.sj", "copy.sj")
     assert shown.status == 1
     assert "generated/orchard.py" in shown.err
-
-
-def test_another_map(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "wide.txt").write_text("......A\n")
-    assert sjdsl("compile", "orchard.sj", "--map", "wide.txt").status == 0
-    assert "'......A'" in (folder / "generated/orchard.py").read_text()
-    (folder / "odd.txt").write_text("...X\n")
-    assert "`X`" in sjdsl("compile", "orchard.sj", "--map", "odd.txt").err

@@ -1,12 +1,8 @@
 """`sjdsl crossplay` and `sjdsl schelling` on a small game: what they print and write, and what they refuse before anything is played."""
 
 import json
-import resource
-import subprocess
-import sys
 from pathlib import Path
 
-import pytest
 from command_line import Sjdsl
 
 DIAGRAM = ("schelling", "orchard.sj", "--cooperators", "stay", "--defectors", "random", "--episodes", "3")
@@ -41,24 +37,3 @@ def test_cross_play_of_pairs(sjdsl: Sjdsl, folder: Path) -> None:
     assert {path.name for path in (folder / "pairs").iterdir() if path.is_file()} == {
         *("experiment.json", "crossplay.csv", "crossplay.json", "matrix.png")
     }
-
-
-@pytest.mark.slow
-def test_a_full_disk(folder: Path, sjdsl: Sjdsl) -> None:
-    """The system refuses what goes beyond so many bytes of a file; what was whole is gone on with."""
-    whole = sjdsl(*DIAGRAM, "-o", "whole")
-    limit = (folder / "whole/experiment.json").stat().st_size + 100
-    program = (
-        "import resource, sys; from sjdsl.cli import main;"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, resource.RLIM_INFINITY)); sys.argv[0] = 'sjdsl'; main()"
-    )
-    command = [sys.executable, "-c", program, *DIAGRAM, "-o", "full"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 1, done.stderr
-    assert done.stderr.splitlines()[-1].startswith("error: full/schelling")
-    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] == resource.RLIM_INFINITY
-    assert len(list((folder / "full/parts").glob("*.json"))) == 3
-    again = sjdsl(*DIAGRAM, "-o", "full")
-    assert "playing" not in again.err
-    assert again.out.replace("full/", "whole/") == whole.out
-    assert (folder / "full/schelling.json").read_bytes() == (folder / "whole/schelling.json").read_bytes()

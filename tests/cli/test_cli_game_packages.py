@@ -10,7 +10,7 @@ from installed_packages import game, install, register
 
 import sjdsl as package
 from sjdsl.cli.environment_options import EnvironmentOptions
-from sjdsl.games_folder import GamesClash, bundled, by_release, find_game, game_names, game_problems
+from sjdsl.games_folder import GamesClash, by_release, find_game, game_problems
 
 
 @pytest.fixture
@@ -42,13 +42,6 @@ def test_a_run_knows_its_game_by_name(place: Path, folder: Path, name: str) -> N
     install(place, "river_games", {"river.sj": game("river")})
     assert EnvironmentOptions().describe(name)["game"] == name
     assert EnvironmentOptions().describe("orchard.sj")["game"] == str((folder / "orchard.sj").resolve())
-
-
-def test_bundled_games_stay_what_they_are(place: Path) -> None:
-    install(place, "river_games", {"river.sj": game("river")})
-    assert bundled() == ["clean_up", "coins", "daycare"]
-    assert set(game_names()) == {*bundled(), "river"}
-    assert find_game("coins").name == "coins.sj"
 
 
 def test_the_list_says_where_each_comes_from(place: Path, sjdsl: Sjdsl) -> None:
@@ -159,13 +152,6 @@ def test_a_file_that_does_not_compile_is_said(place: Path, sjdsl: Sjdsl) -> None
     assert "pond" in [described["game"] for described in json.loads(printed.out)]
     assert printed.status == 1
     assert sjdsl("check", "bad").status == 1
-
-
-def test_a_package_installed_now_is_found_now(place: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="there is no bundled game `pond`"):
-        find_game("pond")
-    install(place, "river", {"pond.sj": game("pond")})
-    assert find_game("pond") == place / "river/pond.sj"
 
 
 def test_the_misspelt_name_of_an_installed_game(place: Path, sjdsl: Sjdsl) -> None:

@@ -108,16 +108,6 @@ def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], mon
     assert table_of(grown[0]) == before
 
 
-@pytest.mark.thorough
-def test_killed_it_goes_on_to_the_same_results(grown: tuple[Path, list[str], Outcome]) -> None:
-    folder = grown[0].parent / "killed"
-    assert (folder / "locks" / f"{HIGH}.lock").exists(), "a file that nobody holds is in no one's way"
-    said: list[str] = []
-    sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append))
-    assert said[0] == f"{HIGH}: training, from its last checkpoint"
-    assert table_of(folder) == table_of(grown[0])
-
-
 def test_what_another_process_runs_is_waited_for(
     grown: tuple[Path, list[str], Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

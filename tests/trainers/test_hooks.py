@@ -149,12 +149,6 @@ def test_a_partners_memory_begins_anew_with_each_episode() -> None:
     assert taken == [[[7, 0]] * 3, [[7, 1], [7, 0], [7, 1]], [[7, 2], [7, 1], [7, 2]]]
 
 
-def test_a_part_of_a_mixed_policy_may_be_of_nobody() -> None:
-    parts = [((), lambda *_: jnp.zeros(2, jnp.int32)), ((0, 1), lambda *_: jnp.ones(2, jnp.int32))]
-    ones = mixed_policy(2, parts)
-    assert ones.act(ones.start, jax.random.key(0), jnp.zeros(2))[1].tolist() == [1, 1]
-
-
 def test_partners_may_come_as_text() -> None:
     for text in ("1,3=random,2=stay", "2=stay, 1,3=random"):
         assert make_config(partners=text).partners == ((1, "random"), (2, "stay"), (3, "random"))

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import Probe, judge, learn, matching, quick
+from probes import matching, quick
 
 from sjdsl.trainers import PPOConfig, load_preset, make_train, trained_policy
 from sjdsl.trainers.actor_critics import make_actor_critics
@@ -172,23 +172,6 @@ def test_individual_policies_act_while_learning_and_team_policies_are_what_is_ke
 
 
 # what is learnt
-
-
-def _learnt(env: Probe, shown: int, **changes: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the probabilities `[N, 2, A]` and values `[N, 2]` of the individual and the team policies."""
-    state, metrics = learn(env, **IRAT, **changes)
-    assert np.isfinite(metrics["loss"]).all()
-    probabilities, values = judge(env, state, shown, **IRAT, **changes)
-    return np.asarray(probabilities), np.asarray(values)
-
-
-@pytest.mark.thorough
-def test_both_policies_learn_what_pays_both() -> None:
-    """An agent is paid 1 for the cue's action: with the sum, the two of them have 2."""
-    for cue in (0, 1):
-        probabilities, values = _learnt(matching(), cue, team_reward="sum")
-        assert (probabilities[:, :, cue] > 0.95).all()
-        np.testing.assert_allclose(values, [[1.0, 2.0]] * 2, atol=0.1)
 
 
 # runs

@@ -100,35 +100,3 @@ def test_a_missing_package_is_told_of(name: str, package: str, monkeypatch: pyte
 def test_an_unknown_logger_is_refused() -> None:
     with pytest.raises(ConfigError, match="unknown logger `mlflow`; known: tensorboard, wandb"):
         check_loggers(["mlflow"])
-
-
-def test_weights_and_biases_themselves_have_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In its offline mode, which asks nobody; two seeds, stopped and gone on with."""
-    pytest.importorskip("wandb")
-    monkeypatch.setenv("WANDB_MODE", "offline")
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = SHORT.model_copy(update={"seeds": 2, "evaluate_every": 0})
-    train(matching(), config, tmp_path / "run", "none", loggers=("wandb",), callback=lambda update: update.number == 4)
-    resume(matching(), tmp_path / "run", "none")
-    for seed in (5, 6):
-        name = (tmp_path / "run" / f"seed_{seed}" / "wandb_id").read_text()
-        found = [path.name for path in (tmp_path / "run" / f"seed_{seed}" / "wandb").glob("offline-run-*")]
-        assert [folder.rpartition("-")[2] for folder in found] == [name] * 2
-
-
-@pytest.mark.thorough
-def test_tensorboard_itself_shows_each_step_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("tensorboardX")
-    reading = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = SHORT.model_copy(update={"evaluate_every": 0})
-
-    def killed(update: Update) -> None:
-        if update.number == 5:
-            raise OSError("nothing more is saved")
-
-    with pytest.raises(DiskError):
-        train(matching(), config, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
-    resume(matching(), tmp_path / "run", "none")
-    shown = reading.EventAccumulator(str(tmp_path / "run" / "tensorboard")).Reload()
-    assert [event.step for event in shown.Scalars("loss")] == [64 * update for update in range(1, 13)]

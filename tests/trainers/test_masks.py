@@ -14,14 +14,12 @@ import pytest
 from probes import FAST_TO_COMPILE, matching, quick
 
 import sjdsl
-from sjdsl.render import play
-from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, evaluate, make_train, trained_policy
+from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, make_train, trained_policy
 from sjdsl.trainers.losses import Batch
 from sjdsl.trainers.masks import draw_any, masked, pack_mask, unpack_mask, wants_masks
 from sjdsl.trainers.ppo import ppo_loss
 from sjdsl.trainers.vdn import Transition, vdn_loss
 
-STEPS = 8
 VDN = {"algorithm": "vdn"}
 ALLOWED = jnp.array([[True, False, True], [False, False, True]])
 
@@ -178,14 +176,3 @@ def learnt(**changes: Any) -> tuple[Any, TrainState, dict[str, Any]]:
 
     state, metrics = run(jax.random.key(0))
     return trained_policy(one_door(), config, program.parameters(state), greedy=True), state, metrics
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("changes", [{}, VDN, pytest.param({"algorithm": "mappo"}, marks=pytest.mark.slow)], ids=["ippo", "vdn", "mappo"])
-def test_who_knows_what_is_allowed_goes_through_every_door(changes: dict[str, Any]) -> None:
-    """Blind agents come to 1 a step, and without masks to 1 in 4 at most. The evaluation and films are told what is allowed as well."""
-    policy, _, _ = learnt(**changes, total_timesteps=16 * 16 * 25)
-    evaluation = evaluate(one_door(), policy, jax.random.key(1), 4)
-    np.testing.assert_array_equal(evaluation.returns, STEPS)
-    *_, last = play(one_door(), policy, STEPS)
-    assert last.returns.tolist() == [STEPS, STEPS]

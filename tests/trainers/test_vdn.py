@@ -43,11 +43,6 @@ def test_a_time_limit_is_no_ending() -> None:
     np.testing.assert_allclose(found, 10.0, atol=0.7)
 
 
-def test_a_true_ending_is_worth_nothing() -> None:
-    found = [values(stream("terminated"), 1 + 2 * step).max(axis=1).sum() for step in range(3)]
-    np.testing.assert_allclose(found, [2 * 2.44, 2 * 1.8, 2 * 1.0], atol=0.3)
-
-
 def test_what_is_measured() -> None:
     state, metrics = learn(matching(), **VDN)
     config = quick(**VDN)
