@@ -45,15 +45,6 @@ def test_a_sweep_side_by_side(sjdsl: Sjdsl, folder: Path) -> None:
     assert "swept holds another sweep: its cell orchard_apple-1 has seeds 2 there, 3 here" in other.err
 
 
-def test_a_protocol_of_two_stages_is_listed(sjdsl: Sjdsl) -> None:
-    listed = sjdsl("sweep", "orchard.sj", "--protocol", "svo", *SETS, "--run", "swept", "--dry-run")
-    assert listed.status == 0, listed.text
-    assert listed.out.splitlines()[1].startswith("orchard_reward-svo_svo_weight-0.2_svo_angle-90  seeds 0 to 2")
-    assert listed.out.splitlines()[-1] == (
-        "then a second stage: 5 cells of angles, at the best weight of the first, with seeds of their own"
-    )
-
-
 @pytest.mark.thorough
 def test_the_commands_of_the_pages(sjdsl: Sjdsl, folder: Path) -> None:
     root = Path(__file__).parents[2]

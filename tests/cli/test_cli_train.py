@@ -125,22 +125,6 @@ def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pyt
     assert "must end in .gif, .mp4 or .html" in shown.err
 
 
-def test_keys_are_listed(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("train", "--keys", "--algorithm", "vdn", "--set", "seed=9")
-    assert shown.status == 0
-    listed = dict(line.split(" = ") for line in shown.out.splitlines())
-    assert listed["algorithm"] == '"vdn"'
-    assert listed["seed"] == "9"
-    assert "buffer_size" in listed
-    assert "clip_epsilon" not in listed
-    assert "clip_epsilon" in sjdsl("train", "--keys").out
-
-
-def test_keys_say_when_they_are_read(sjdsl: Sjdsl) -> None:
-    assert "exchange_ratio = 0.5  # read where reward is exchange" in sjdsl("train", "--keys").out.splitlines()
-    assert "exchange_ratio = 0.5" in sjdsl("train", "--keys", "--reward", "exchange").out.splitlines()
-
-
 def test_what_nothing_reads_of_a_preset_is_said(sjdsl: Sjdsl) -> None:
     Path("p.toml").write_text("[config]\nexchange_ratio = 0.9\n")
     shown = sjdsl("train", "--preset", "p.toml", "--keys")

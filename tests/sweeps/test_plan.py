@@ -12,21 +12,6 @@ from sjdsl.trainers import register
 from tests.sweeps.described import plan
 
 
-def test_every_combination_is_a_cell() -> None:
-    found = plan("reward=individual,common", "param.apple=1,2.5", games=("coins", "clean_up")).cells
-    assert [cell.name for cell in found] == [
-        f"{game}_reward-{reward}_apple-{apple}"
-        for game in ("coins", "clean_up")
-        for reward in ("individual", "common")
-        for apple in ("1", "2.5")
-    ]
-    last = found[-1]
-    assert last.values == {"reward": "common", "param.apple": 2.5}
-    assert last.provenance["params"] == {"apple": 2.5}
-    assert last.config["reward"] == "common"
-    assert last.seeds == range(2)
-
-
 def test_a_value_is_one_however_it_is_written() -> None:
     (cell,) = plan("exchange_ratio=.50", settings={"reward": "exchange"}).cells
     assert cell.values == {"exchange_ratio": 0.5}
@@ -49,12 +34,6 @@ def test_entries_of_tables() -> None:
     (cell,) = plan("param.regrow[red][x]=0.1").cells
     assert cell.provenance["params"] == {"regrow": {"red": {"x": 0.1}}}
     assert re.fullmatch(r"[\w.-]+", cell.name)
-
-
-def test_variants_have_their_own_hash() -> None:
-    first, second = plan("variant=rich,poor").cells
-    assert (first.hash, second.hash) == ("coins-rich", "coins-poor")
-    assert first.provenance["variant"] == "rich"
 
 
 def test_presets_lay_their_tables_under_each_cell() -> None:
@@ -85,15 +64,6 @@ def test_settings_of_ones_own_on_axes() -> None:
         plan("own.bonus=1,2", settings={"algorithm": "mine", "own": {"bonus": 1}})
 
 
-EXCHANGE = [("individual", None), ("exchange", 0.25), ("exchange", 0.5), ("exchange", 0.75), ("common", None)]
-
-
-def test_the_protocol_exchange() -> None:
-    found = plan(protocol="exchange").cells
-    assert [(cell.values["reward"], cell.values.get("exchange_ratio")) for cell in found] == EXCHANGE
-    assert [cell.point for cell in found] == [0, 0.25, 0.5, 0.75, 1]
-
-
 def test_the_protocol_algorithms_has_six_columns() -> None:
     found = {cell.point: cell.config for cell in plan(protocol="algorithms", settings={"network": "mlp"}).cells}
     assert [*found] == ["ippo_individual", "ippo_common", "mappo", "vdn", "exchange", "svo_90"]
@@ -112,13 +82,6 @@ def test_the_protocol_algorithms_has_six_columns() -> None:
 def test_a_setting_of_all_cells_is_for_those_that_read_it() -> None:
     own, exchanged = plan("reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores").cells
     assert (own.config["exchange_ratio"], exchanged.config["exchange_ratio"]) == (0.5, 0.9)
-
-
-def test_the_protocol_sharing_and_an_axis() -> None:
-    found = plan("reward=individual,common", protocol="sharing").cells
-    assert [(cell.point, cell.values["reward"]) for cell in found] == [
-        (way, reward) for way in ("shared", "per_agent") for reward in ("individual", "common")
-    ]
 
 
 def test_the_second_stage_of_svo_has_the_best_weight_and_fresh_seeds() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from probes import matching, quick
 
-from sjdsl.trainers import PPOConfig, load_preset, make_train, trained_policy
+from sjdsl.trainers import PPOConfig, make_train, trained_policy
 from sjdsl.trainers.actor_critics import make_actor_critics
 from sjdsl.trainers.irat import both_rewards, irat_loss
 from sjdsl.trainers.losses import Batch
@@ -175,15 +175,3 @@ def test_individual_policies_act_while_learning_and_team_policies_are_what_is_ke
 
 
 # runs
-
-
-def test_presets_have_the_released_configuration() -> None:
-    """`irat_base.yaml` of SocialJax 9df972d."""
-    for name, width, team_reward in (("paper", 64, "mean"), ("released", 16, "sum")):
-        config = load_preset(name, IRAT, "clean_up").config
-        assert isinstance(config, PPOConfig)
-        assert (config.reward, config.team_reward, config.network_width) == ("individual", team_reward, width)
-        assert (config.num_envs, config.num_steps, config.num_epochs, config.num_minibatches) == (5, 100, 2, 4)
-        assert (config.learning_rate, config.anneal_learning_rate, config.total_timesteps) == (5e-4, True, 3e8)
-        assert (config.gamma, config.gae_lambda, config.clip_epsilon, config.scale_clip_epsilon) == (0.99, 0.95, 0.2, True)
-        assert (config.entropy_coefficient, config.value_coefficient, config.max_gradient_norm, config.seed) == (0.01, 0.5, 0.5, 30)
