@@ -63,12 +63,6 @@ def test_every_stage_can_be_dumped(sjdsl: Sjdsl, stage: str) -> None:
     assert "orchard" in first.out
 
 
-def test_a_dump_without_positions_is_shorter(sjdsl: Sjdsl) -> None:
-    full = sjdsl("dump", "orchard.sj", "--after", "ir").out
-    bare = sjdsl("dump", "orchard.sj", "--after", "ir", "--no-positions").out
-    assert len(bare) < len(full)
-
-
 def test_codes_are_explained(sjdsl: Sjdsl) -> None:
     assert "SJ101" in sjdsl("explain", "SJ101").out
     unknown = sjdsl("explain", "SJ9999")
