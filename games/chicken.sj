@@ -22,8 +22,8 @@ game chicken "Chicken in the matrix: Arena" extends "pd_arena.sj" {
   look patch where patch.class is hawk                         as "#f3e0bd"
   look patch where patch.class is dove and patch.stock is ripe as sky gem
   look patch where patch.class is hawk and patch.stock is ripe as red mushroom
-  look agent where agent.bag[dove] > 0                         with sky gem
-  look agent where agent.bag[hawk] > 0                         with red mushroom
+  look agent where agent.bag[dove] > agent.bag[hawk]           with sky gem
+  look agent where agent.bag[hawk] > agent.bag[dove]           with red mushroom
   policy cooperator "gathers dove alone, and then meets whoever is nearest" {
     aim reach at agent as other where meets(agent, other, dove) avoiding patch where patch.class is hawk choose interact
     seek patch where patch.class is dove and patch.stock is ripe avoiding patch where patch.class is hawk

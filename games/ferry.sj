@@ -29,6 +29,8 @@ game ferry "Ferry to a Market that Remembers" {
   }
   kind dock  "D" { field across : cell of dock  blocks boat }
   map "maps/ferry.txt"
+  look farm where farm.crop is ripe as "#c9a227" bush
+  look agent where agent.load > 0   with crate
   look lane where lane.way is east  as "#8fc1e6" water
   look lane where lane.way is west  as "#2f5f8f" water
   look lane where lane.way is north as "#c9e4f5" water

@@ -22,8 +22,8 @@ game stag_hunt "Stag Hunt in the matrix: Arena" extends "pd_arena.sj" {
   look patch where patch.class is hare                         as "#d5e4ea"
   look patch where patch.class is stag and patch.stock is ripe as brown animal
   look patch where patch.class is hare and patch.stock is ripe as white animal
-  look agent where agent.bag[stag] > 0                         with brown animal
-  look agent where agent.bag[hare] > 0                         with white animal
+  look agent where agent.bag[stag] > agent.bag[hare]           with brown animal
+  look agent where agent.bag[hare] > agent.bag[stag]           with white animal
   policy cooperator "gathers stag alone, and then meets whoever is nearest" {
     aim reach at agent as other where meets(agent, other, stag) avoiding patch where patch.class is hare choose interact
     seek patch where patch.class is stag and patch.stock is ripe avoiding patch where patch.class is hare

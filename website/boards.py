@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -90,8 +91,9 @@ def write(board: Board, folder: Path) -> None:
 
 def _frames(game: ir.Game, moments: Sequence[Moment]) -> Iterator[Image.Image]:
     look = make_look(game)
-    for moment in moments:
-        picture = Image.fromarray(draw_board(look, moment.snapshot))
+    for before, moment in pairwise([None, *moments]):
+        assert moment is not None
+        picture = Image.fromarray(draw_board(look, moment.snapshot, moment.actions, before and before.snapshot))
         smaller = min(1.0, WIDTH / picture.width)
         yield picture.resize((round(picture.width * smaller), round(picture.height * smaller)), Image.Resampling.LANCZOS, reducing_gap=2.0)
 

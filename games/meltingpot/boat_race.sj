@@ -93,8 +93,10 @@ game boat_race "Boat Race: Eight Races" {
     }
   }
 
-  look river as blue water  look lane as "#86b4d6" water
-  look bunch as "#86b4d6" water  look dock where dock.boat is here as "#86b4d6" raft
+  look river as blue water  look lane as "#86b4d6" water  look bunch as "#86b4d6" water
+  look dock as "#86b4d6" water  look dock where dock.boat is here as boat
+  look tree where tree.side in { north, south } as tree  look agent where agent.state is rowing as boat
+  look barrier where barrier.side in { north, south } as "#e2dccb"  look barrier where barrier.gate is shut as door
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show agent.index

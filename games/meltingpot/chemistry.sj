@@ -105,6 +105,15 @@ game chemistry "Chemistry" {
     each agent as v where v.mol is hot and v.next is not none { set v.mol = v.next  set v.next = none  set v.fresh = 3  give v.due to v }
     each agent as v where v.mol is not hot and v.next is not none { set v.mol = hot }
   }
+  look dish where dish.mol is xa as sky cube  look dish where dish.mol is xb as blue cube  look dish where dish.mol is xc as purple cube
+  look dish where dish.mol is ya as yellow mushroom  look dish where dish.mol is yb as orange mushroom
+  look dish where dish.mol is yc as red mushroom  look dish where dish.mol is za as white coin
+  look dish where dish.mol is zb as green coin  look dish where dish.mol is zc as black coin
+  look dish where dish.mol is x as blue ore  look dish where dish.mol is y as red ore
+  look dish where dish.mol is ix as sky gem  look dish where dish.mol is iy as pink gem
+  look dish where dish.mol is food1 as red apple  look dish where dish.mol is food2 as green apple
+  look dish where dish.mol is food3 as brown apple  look dish where dish.mol is energy as yellow gem
+  look dish where dish.mol is lure as banana  look dish where dish.mol is hot as orange
   observe { show agent.mol  show other.mol  hide dish.next  hide dish.held  hide dish.plan  hide dish.site  hide dish.lit  hide dish.spark }
   metrics { event lit by { background, low, medium, high }  mean energy_left = count(dish where dish.mol is energy) }
   checks { symmetric agents  always count(dish as d where d.plan is not idle or d.site is not idle or d.lit is yes or d.spark is yes) == 0 }

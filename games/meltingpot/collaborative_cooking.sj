@@ -74,14 +74,12 @@ game collaborative_cooking "Collaborative Cooking" {
     each pot where pot.tomatoes == 3 and pot.heat <= cooking { set pot.heat = pot.heat + 1 }
   }
   phase cool { each agent where agent chose interact { set agent.cooling = pause } }
-  look counter where counter.supply is endless as "#6f6f6f"
+  look counter where counter.supply is endless as "#94703f" table
   look counter where counter.item is tomato    as red apple
-  look counter where counter.item is dish      as white pot
-  look counter where counter.item is soup      as orange pot
+  look counter where counter.item is dish      as white plate
+  look counter where counter.item is soup      as orange plate
+  look pot                                     as table
   look pot                                     as pot
-  look agent where agent.hand is tomato        with red apple
-  look agent where agent.hand is dish          with white pot
-  look agent where agent.hand is soup          with orange pot
 
   observe {
     window ahead 3, behind 1, left 2, right 2  # Melting Pot: 5 x 5

@@ -99,6 +99,10 @@ game daycare "Daycare" {
     }
   }
   phase ripen { each plot where plot.fruit is growing and plot.left == 0 { set plot.fruit = ripe } }
+  look plot where plot.plant is apple_tree as tree  look plot where plot.plant is banana_tree as "#a8962a" tree
+  look plot where plot.plant is apple_shrub as bush  look plot where plot.plant is banana_shrub as "#a8962a" bush
+  look plot where plot.fruit is ripe and plot.plant in { apple_tree, apple_shrub }   with red apple
+  look plot where plot.fruit is ripe and plot.plant in { banana_tree, banana_shrub } with banana
   observe {
     show plot.plant as {
       apple_tree where agent.role is parent and plot.plant in { apple_tree, banana_tree },

@@ -95,6 +95,7 @@ game factory_commons "Factory of the Commons: Either Or" extends "shared/endings
     }
   }
   phase finish { when may_end(soonest, interval) { chance ending { end } } }
+  look floor where floor.place is belt as "#cfc8bb"
   observe {
     show other.index  show agent.hand  show other.hand  show agent.stamina  show other.stamina  show agent.gripped
     show mouth.clock as { open where mouth.clock == 0, shut }  show floor.place as { belt where floor.place is belt, bare }

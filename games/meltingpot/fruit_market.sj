@@ -92,6 +92,10 @@ game fruit_market "Fruit Market: Concentric Rivers" {
       add b.asks to b.bag[price(a)]  add -1 * a.asks to b.bag[price(b)]  set b.wants = none  tally trades for b
     }
   }
+  look ground where ground.tree is apple as tree  look ground where ground.tree is banana as "#a8962a" tree
+  look ground where ground.tree is apple and ground.fruit is ripe   with red apple
+  look ground where ground.tree is banana and ground.fruit is ripe  with banana
+  look ground where ground.tree is apple and ground.fruit is unripe as tree
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show agent.farms  show agent.bag  show agent.wants  show agent.asks  show agent.pays  show agent.stamina  show agent.hunger

@@ -103,9 +103,13 @@ game paintball "Paintball: Capture the Flag" {
   phase signal {
     set control = case safe(red) { yes: case safe(blue) { yes: both, no: red }, no: case safe(blue) { yes: blue, no: neither } }
   }
+  look ground where ground.site is hill as "#efdca0"  look ground where ground.site is sign as "#c9c4ba"
+  look ground where ground.site is red_home as "#e3c7c0"  look ground where ground.site is blue_home as "#c4cde3"
   look ground where ground.paint is red as "#e8a0a8"  look ground where ground.paint is blue as "#a0b0e8"
-  look barrier where barrier.health > 0 as "#b98d74" wall
+  look barrier where barrier.health > 0 as "#dcc6b8" wall  look barrier where barrier.health > 2 as "#b98d74" wall
   look agent where agent.team is red as red  look agent where agent.team is blue as blue
+  look agent where agent.team is red and agent.load is flag  with blue flag
+  look agent where agent.team is blue and agent.load is flag with red flag
   observe {
     window ahead 9, behind 1, left 5, right 5  show control  hide barrier.sort                         # Melting Pot
     show agent.team  show agent.health  show agent.cooling  show agent.load  show other.team  show other.health  show other.load

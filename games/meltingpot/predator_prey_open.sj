@@ -103,9 +103,12 @@ game predator_prey_open "Predator and Prey: Open" {
     }
   }
   phase grow { each tree where tree.fruit is none and tree.stands is yes_ { chance growth[tree.food] { set tree.fruit = ripe } } }
-  look tree where tree.fruit is ripe and tree.food is apple as green apple
-  look tree where tree.fruit is ripe and tree.food is acorn as brown apple
-  look agent where agent.role is predator                   as red animal
+  look tree where tree.fruit is ripe and tree.food is apple     as green apple
+  look tree where tree.fruit is ripe and tree.food is acorn     as brown apple
+  look agent where agent.role is predator                       as red animal
+  look agent where agent.hand is acorn or agent.mouth is eating with brown apple
+  look grass where grass.stands is no_ as "#eeece7"  look tree where tree.stands is no_ as "#eeece7"
+  look tree where tree.stands is no_ as "#eeece7" floor
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show tree as { apple where tree.fruit is ripe and tree.food is apple, acorn where tree.fruit is ripe, floor }

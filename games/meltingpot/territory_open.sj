@@ -87,6 +87,7 @@ game territory_open "Territory: Open" extends "shared/endings.sj" {
   phase close { when may_end(soonest, interval) { chance ending { end } } }
   look brick                               as "#b98d74" wall
   look brick where brick.damage > 0        as "#dcc6b8" wall
+  look brick where brick.damage == strikes as "#e6e0da"
   look brick where brick.damage == strikes as grey floor
   look brick where brick.paint is wet      with white
   look brick where brick.paint is dry      with yellow coin

@@ -57,12 +57,11 @@ def write_film(
         say(f"writing {path}")
         make_page(env.game, whole, speed).save(path)
         return f"{path}  {len(whole)} moments to look at in a browser, {path.stat().st_size / 1000:.0f} kB"
-    from sjdsl.render import make_painter, one_of, save_gif, save_mp4
+    from sjdsl.render import draw_film, save_gif, save_mp4
 
-    shots = [moment.snapshot for moment in one_of(every, moments)]
-    say(f"drawing {len(shots)} pictures")
-    painter = make_painter(env)
-    frames = [painter.draw(shot) for shot in shots]
+    whole = list(moments)
+    say("drawing the pictures")
+    frames = list(draw_film(env, whole, every))
     say(f"writing {path}")
     save = save_mp4 if path.suffix == ".mp4" else save_gif
     save(frames, path, round(1000 / speed))

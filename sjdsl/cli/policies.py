@@ -15,7 +15,15 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or FILE.py:FUNCTION."
-policy_option = click.option("--policy", default="random", show_default=True, metavar="P", help=f"All agents: {NAMES}")
+SIDE_BY_SIDE = "file"
+policy_option = click.option(
+    "--policy",
+    default=SIDE_BY_SIDE,
+    show_default=True,
+    metavar="P",
+    help=f"Who plays. {SIDE_BY_SIDE}: the policies of the game's file in turn, agent by agent, such as cooperators beside defectors; "
+    f"random agents where it has none. Or all agents: {NAMES}",
+)
 
 
 def _allow(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
@@ -38,14 +46,18 @@ code_option = click.option(
 def check_policy(name: str, game: "ir.Game") -> None:
     """Raises ClickException for a text that can't name a policy of the game; needs no JAX."""
     declared = [policy.name for policy in game.policies]
-    if not might_be_named(name, declared):
+    if name != SIDE_BY_SIDE and not might_be_named(name, declared):
         raise click.ClickException(unknown_policy(name, declared))
 
 
 def choose_policy(name: str, env: "Environment") -> Any:
     """Returns a policy by its name; warnings about it are printed as notes."""
-    from sjdsl.runtime.policy import UNTRAINED
+    from sjdsl.runtime.policy import UNTRAINED, mixed_policy
 
+    if name == SIDE_BY_SIDE:
+        parts = [choose_policy(policy.name, env) for policy in env.game.policies]
+        turns = [(range(first, env.num_agents, len(parts)), part) for first, part in enumerate(parts)]
+        return mixed_policy(env.num_agents, turns) if parts else UNTRAINED["random"](env)
     if name in UNTRAINED:  # they need no trainers, whose packages take a second to load
         return UNTRAINED[name](env)
     check_policy(name, env.game)

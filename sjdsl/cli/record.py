@@ -9,7 +9,7 @@ import click
 
 from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
 from sjdsl.cli.folders import require_folder_of, require_unused
-from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
+from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 from sjdsl.replay import Dataset, DatasetWriter, Header
 from sjdsl.trainers.policy_names import UNTRAINED, split_name
@@ -121,7 +121,7 @@ def _summary(env: "Environment", path: Path, writer: "DatasetWriter") -> str:
 
 def _digest(policy: str) -> str | None:
     """Returns the SHA-256 of the file that a policy is stored in; None if it isn't stored."""
-    if policy in UNTRAINED:
+    if policy in (*UNTRAINED, SIDE_BY_SIDE):
         return None
     from sjdsl.trainers.policy_file import policy_path
 

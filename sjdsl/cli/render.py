@@ -1,5 +1,6 @@
 """`sjdsl render`: writes a game as a film or a page, or one moment of it as a picture."""
 
+from collections import deque
 from pathlib import Path
 
 import click
@@ -16,7 +17,7 @@ from sjdsl.extras import require
 @click.argument("game")
 @click.option("-o", "output", metavar="FILE", help="A .gif, .mp4 or .html, or a .png of the last step; by default GAME.gif.")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", default=100, show_default=True, help="Steps to play.")
-@click.option("--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N.")
+@click.option("--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N of a film.")
 @policy_option
 @code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
@@ -25,7 +26,7 @@ from sjdsl.extras import require
 def command(
     game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, options: EnvironmentOptions
 ) -> None:
-    """Plays GAME, a bundled or installed one or a `.sj` file, and draws what happens."""
+    """Plays GAME, a bundled or installed one or a `.sj` file, and draws what happens: by default cooperators beside defectors."""
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix == ".png":
         require("pictures", "PIL", "resvg_py")
@@ -37,12 +38,13 @@ def command(
     require_folder_of(path)
     with stages(LOADING) as say:
         env = options.make(game)
-        from sjdsl.render import make_painter, one_of, play_moments, save_png
+        from sjdsl.render import make_painter, play_moments, save_png
 
         chosen = choose_policy(policy, env)
         if path.suffix == ".png":
-            *_, last = one_of(every, announced(play_moments(env, chosen, steps, seed), env, say))
-            save_png(make_painter(env).draw(last.snapshot), path)
+            *before, last = deque(announced(play_moments(env, chosen, steps, seed), env, say), maxlen=2)
+            painter = make_painter(env, [last.snapshot])
+            save_png(painter.draw(last.snapshot, last.actions, *(moment.snapshot for moment in before)), path)
             done = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:
             done = save_film(env, chosen, path, steps, seed, every, speed, say)

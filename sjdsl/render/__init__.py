@@ -6,7 +6,7 @@ from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from sjdsl.render.episode_page import EpisodePage, make_page
-    from sjdsl.render.film import Painter, make_painter, save_gif, save_mp4, save_png
+    from sjdsl.render.film import Painter, draw_film, make_painter, save_gif, save_mp4, save_png
     from sjdsl.render.moment import Moment, Snapshot, take_snapshot
     from sjdsl.render.playing import one_of, play, play_moments, random_policy, stay_policy
 
@@ -15,6 +15,7 @@ __all__ = [
     "Moment",
     "Painter",
     "Snapshot",
+    "draw_film",
     "make_page",
     "make_painter",
     "one_of",

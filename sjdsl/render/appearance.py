@@ -1,22 +1,25 @@
 """The appearance of a board at one moment, for everything that shows one: what is in each cell, which are marked, who stands where.
 
-A cell or an agent shows what the `look`s that apply say, and then the fields that none of these reads.
+A cell or an agent shows what the `look`s that apply say, and then those fields that agents see and none of these looks reads.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from sjdsl.render.colours import BARS, FILLING, SPRITES, Colour, mixed
+from sjdsl.render.colours import BARS, COVERING, FILLING, SPRITES, Colour, mixed
 from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values
 from sjdsl.render.moment import Snapshot
 from sjdsl.render.usual import Picture
+from sjdsl.runtime.actions import DIRECTIONS
 
 BAR_STEPS = 8
 TINTED = 0.45
-CORNERS = 4  # badges that have room
+CORNERS = 4  # badges of a cell that have room
+BADGES = 2  # of an agent: its other corners are in front of its eyes
+FLASH: Colour = (255, 236, 110)
 Key = tuple[int, ...]  # a number for each field: a word's, an agent's and 1, eighths of a bar; 0 or 1 for each rule: whether it applies
 
 
@@ -36,7 +39,7 @@ class Drawing:
 class Figure:
     """An agent, or without a number a mover.
 
-    heading: 0 north, 1 east, 2 south, 3 west; held: it can only stay; badges: what it carries, at most four.
+    heading: 0 north, 1 east, 2 south, 3 west; held: it can only stay; badges: what it carries, at most two.
     """
 
     number: int | None
@@ -48,29 +51,101 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Appearance:
-    """A board, from the bottom up: each cell, the cells that phases have marked, agents and movers.
+class Beam:
+    """A marked cell. fill: the colour of who has marked it; edge: of the phase; sides: north, east, south and west, where the beam ends."""
 
-    drawings: those that occur; cells: `[H, W]` int, the number of each cell's; marks: colour and `[H, W]` bool, each over those before;
-    figures: with row and column, who is on the map, each over those before.
+    fill: Colour
+    edge: Colour
+    sides: tuple[bool, bool, bool, bool]
+
+
+@dataclass(frozen=True)
+class Appearance:
+    """A board, from the bottom up: each cell, and what is over the cells.
+
+    drawings: those that occur; cells: `[H, W]` int, the number of each cell's; figures: with row and column, beams, flashes and who is on
+    the map, each over those before.
     """
 
     drawings: tuple[Drawing, ...]
     cells: np.ndarray
-    marks: tuple[tuple[Colour, np.ndarray], ...]
-    figures: tuple[tuple[Figure, int, int], ...]
+    figures: tuple[tuple[Figure | Beam, int, int], ...]
+
+    def things(self) -> list[set[Picture]]:
+        """Returns what stands in the cells of each drawing."""
+        return [{*d.objects, *d.badges, *([d.body] if d.body is not None else [])} for d in self.drawings]
 
 
-def appearance_of(look: Look, snapshot: Snapshot) -> Appearance:
-    """Returns what is seen of a board."""
+def appearance_of(look: Look, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None) -> Appearance:
+    """Returns what is seen of a board.
+
+    Args:
+      actions: number of each agent's action in the last step, which say whose beam is whose; unknown without them.
+      before: the moment before; what was taken, cleaned or hit since then flashes. None, or another moment: nothing flashes.
+    """
+    ground = _ground(look, snapshot)
+    beams = tuple(_beams(look, snapshot, actions))
+    flash = Figure(None, FLASH, "flash")
+    struck = () if before is None or before.step + 1 != snapshot.step else _struck(look, ground, snapshot, before)
+    standing = ((figure, row, col) for _, figure, row, col in standing_figures(look, snapshot))
+    return Appearance(ground.drawings, ground.cells, (*beams, *((flash, row, col) for row, col in struck), *standing))
+
+
+def _ground(look: Look, snapshot: Snapshot) -> Appearance:
+    """Returns the cells alone."""
     drawings: list[Drawing] = []
     cells = np.zeros((look.height, look.width), int)
     for kind in look.kinds:
         keys, key_of = cell_keys(kind, snapshot.values)
         cells[kind.rows, kind.cols] = len(drawings) + key_of
-        drawings += [draw_cell(kind, key) for key in keys]
-    marks = tuple((colour, snapshot.marks[label]) for label, colour in look.marks)
-    return Appearance(tuple(drawings), cells, marks, tuple((figure, row, col) for _, figure, row, col in standing_figures(look, snapshot)))
+        drawings += [draw_cell(kind, key, snapshot.step > 0) for key in keys]
+    return Appearance(tuple(drawings), cells, ())
+
+
+def _beams(look: Look, snapshot: Snapshot, actions: Sequence[int]) -> Iterator[tuple[Beam, int, int]]:
+    """Yields the marked cells, each in the colour of the agent nearest behind it of those whose action marks in this phase."""
+    colours = [figure.colour for figure in draw_figures(look, snapshot)["agent"]] if any(map(np.any, snapshot.marks.values())) else []
+    for label, edge in look.marks:
+        cells = np.argwhere(snapshot.marks[label]).tolist()
+        acted = [not actions or not look.acting[label] or actions[agent] in look.acting[label] for agent in range(look.num_agents)]
+        agents = [agent for agent in range(look.num_agents) if acted[agent] and snapshot.row[agent] >= 0]
+        owner: dict[tuple[int, int], int] = {}
+        for row, col in cells:
+            away = [_from_behind(snapshot, agent, row, col) for agent in agents]
+            owner[row, col] = agents[away.index(min(away))] if away else -1
+        for (row, col), agent in owner.items():
+            sides = tuple(owner.get((row + down, col + right)) != agent for down, right in DIRECTIONS)
+            yield Beam(colours[agent] if agent >= 0 else edge, edge, sides), row, col  # type: ignore[arg-type]
+
+
+def _from_behind(snapshot: Snapshot, agent: int, row: int, col: int) -> tuple[bool, int]:
+    """Returns whether a cell lies behind an agent, and how far from it."""
+    down, right = row - int(snapshot.row[agent]), col - int(snapshot.col[agent])
+    facing = DIRECTIONS[int(snapshot.heading[agent])]
+    return down * facing[0] + right * facing[1] < 0, abs(down) + abs(right)
+
+
+def _struck(look: Look, ground: Appearance, snapshot: Snapshot, before: Snapshot) -> set[tuple[int, int]]:
+    """Returns the cells where something that stood there is gone under an agent or a mark, and where agents or movers were struck down."""
+    was = _ground(look, before)
+    reached = np.any([np.zeros((look.height, look.width), bool), *snapshot.marks.values()], axis=0)
+    for row, col in zip(snapshot.row.tolist(), snapshot.col.tolist(), strict=True):
+        if row >= 0:
+            reached[row, col] = True
+    earlier, now = was.things(), ground.things()
+    lost = {
+        (row, col)
+        for row, col in np.argwhere(reached).tolist()
+        if any(p.sprite != "floor" for p in earlier[was.cells[row, col]] - now[ground.cells[row, col]])
+    }
+    newly_held = np.flatnonzero((snapshot.row >= 0) & snapshot.held & ~before.held)
+    lost |= {(int(snapshot.row[agent]), int(snapshot.col[agent])) for agent in newly_held}
+    there = [(snapshot.row, snapshot.col, before.row, before.col)]
+    there += [(*snapshot.movers[sort], *places) for sort, places in before.movers.items()]
+    for rows, cols, rows_before, cols_before in there:
+        gone = (rows_before >= 0) & ((rows < 0) | (abs(rows - rows_before) + abs(cols - cols_before) > 1))
+        lost |= set(zip(rows_before[gone].tolist(), cols_before[gone].tolist(), strict=True))
+    return lost
 
 
 def cell_keys(kind: KindLook, values: Values) -> tuple[list[Key], np.ndarray]:
@@ -99,15 +174,20 @@ def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=4096)
-def draw_cell(kind: KindLook, key: Key) -> Drawing:
-    """Returns what is drawn in a cell of a kind in one of its states."""
+def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
+    """Returns what is drawn in a cell of a kind in one of its states; after the first step, `begun`, no mark of a starting place."""
     applied = [rule for rule, applies in zip(kind.rules, key[len(kind.fields) :], strict=True) if applies]
-    ground, body = kind.ground, kind.body
+    ground, body = kind.ground, None if begun and kind.starting else kind.body
+    standing: Picture | None = None  # on a body that fills the cell
     for rule in applied:  # the last one that speaks of body or ground counts, and all that speak of badges
         if rule.sprite is not None:
-            body = Picture(rule.sprite, rule.colour or SPRITES[rule.sprite])
+            picture = Picture(rule.sprite, rule.colour or SPRITES[rule.sprite])
+            is_on = picture.sprite not in FILLING and body is not None and body.sprite in FILLING
+            body, standing = (body, picture) if is_on else (picture, None)
         elif rule.colour is not None:
             ground = rule.colour
+    if body == Picture("floor", ground):  # a mark in the colour of its ground is not seen
+        body = None
     badges = tuple(dict.fromkeys(rule.badge for rule in applied if rule.badge is not None))[:CORNERS]
     read = frozenset().union(*(rule.reads for rule in applied))
     objects: list[Picture] = []
@@ -118,7 +198,7 @@ def draw_cell(kind: KindLook, key: Key) -> Drawing:
         if field.name in read:
             continue
         match field.sort:
-            case "tint" if field.is_drawn(value):
+            case "tint" if field.is_drawn(value) and (body is None or body.sprite not in COVERING):
                 ground = mixed(ground, field.colours[value], TINTED)
             case "shape" if field.is_drawn(value):
                 objects.append(field.pictures[value])
@@ -126,8 +206,8 @@ def draw_cell(kind: KindLook, key: Key) -> Drawing:
                 edge = field.colours[value - 1]
             case "bar" if value > 0 and places[field.name] < len(BARS):
                 bars.append((places[field.name], value))
-    if body is not None and body.sprite not in FILLING:  # a tree with an apple, not an apple over a tree
-        objects, badges = [], (*objects, *badges)[:CORNERS]
+    if standing is not None or (body is not None and body.sprite not in FILLING):  # a tree with an apple, not an apple over a tree
+        objects, badges = [standing] if standing is not None else [], (*objects, *badges)[:CORNERS]
     return Drawing(ground, body, tuple(objects), badges, edge, tuple(bars))
 
 
@@ -152,6 +232,13 @@ def draw_figures(look: Look, snapshot: Snapshot) -> dict[str, list[Figure]]:
     return found
 
 
+def held_entries(look: Look, snapshot: Snapshot, agent: int) -> list[tuple[Picture, float]]:
+    """Returns how much an agent has of each thing that it can have several of; nothing where agents have no row of numbers."""
+    if look.held is None:
+        return []
+    return list(zip(look.held.pictures, snapshot.values[look.held.attribute][agent].tolist(), strict=True))
+
+
 def standing_figures(look: Look, snapshot: Snapshot) -> Iterator[tuple[str, Figure, int, int]]:
     """Yields who is on the map, each over those before: `agent` or the sort of the mover, its figure, row, column."""
     figures = draw_figures(look, snapshot)
@@ -167,17 +254,10 @@ def _looking(prefix: str, plain: list[Figure], rules: tuple[Rule, ...], carried:
         own = [rule for rule, applies in zip(rules, applied, strict=True) if applies[number]]
         for rule in own:
             figure = ruled(figure, rule)
-        badges = list(figure.badges)
         read = frozenset().union(*(rule.reads for rule in own))
-        for field in carried:
-            value = values[field.attribute][number]
-            if field.name in read:
-                continue
-            if field.holds == "word":  # all but the one it has at the start
-                badges += [field.pictures[int(value)]] * (int(value) != field.start)
-            else:
-                badges += [picture for picture, amount in zip(field.pictures, np.reshape(value, -1), strict=True) if amount != 0]
-        figures.append(replace(figure, badges=tuple(dict.fromkeys(badges))[:CORNERS]))
+        words = [(field, int(values[field.attribute][number])) for field in carried if field.name not in read]
+        said = [field.pictures[word] for field, word in words if word != field.start and field.words[word] not in field.asked]
+        figures.append(replace(figure, badges=tuple(dict.fromkeys([*figure.badges, *said]))[:BADGES]))
     return figures
 
 

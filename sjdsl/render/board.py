@@ -1,5 +1,6 @@
 """Draws boards as pixels: the SVG of cells and figures, rasterised, and numbers of agents, for which resvg has no font."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from io import BytesIO
@@ -8,7 +9,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.extras import needs
-from sjdsl.render.appearance import Drawing, Figure, appearance_of
+from sjdsl.render.appearance import Beam, Drawing, Figure, appearance_of
 from sjdsl.render.look import Look
 from sjdsl.render.moment import Snapshot
 from sjdsl.render.vector import number_ink, number_place, vector_figure, vector_tile
@@ -18,22 +19,17 @@ with needs("pictures"):
     from PIL import Image, ImageDraw, ImageFont
     from resvg_py import svg_to_bytes
 
-MARKED = 0.5  # how much of a marked cell has the colour of its mark
 SMALLEST_WITH_NUMBER = 15  # pixels of a tile
 FINE = 4  # numbers are drawn this many times larger, then shrunk
 KEPT = 4096  # pictures of cells, and as many of figures
 STEPS = np.array(DIRECTIONS)
 
 
-def draw_board(look: Look, snapshot: Snapshot) -> np.ndarray:
-    """Returns the board of one moment, `[H * tile, W * tile, 3]` uint8."""
-    seen, size = appearance_of(look, snapshot), look.tile
+def draw_board(look: Look, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None) -> np.ndarray:
+    """Returns the board of one moment, `[H * tile, W * tile, 3]` uint8; the arguments are those of `appearance_of`."""
+    seen, size = appearance_of(look, snapshot, actions, before), look.tile
     tiles = np.stack([draw_tile(drawing, size) for drawing in seen.drawings])
     board: np.ndarray = tiles[seen.cells].swapaxes(1, 2)  # [H, tile, W, tile, 3]
-    for colour, cells in seen.marks:
-        rows, cols = np.nonzero(cells)
-        under = board[rows, :, cols].astype(np.float32)
-        board[rows, :, cols] = np.round(under + (np.array(colour) - under) * MARKED).astype(np.uint8)
     for figure, row, col in seen.figures:
         put_figure(board[row, :, col], figure)
     return board.reshape(look.height * size, look.width * size, 3)
@@ -45,16 +41,18 @@ def draw_tile(drawing: Drawing, size: int) -> np.ndarray:
     return np.asarray(_rasterised(vector_tile(drawing, size)).convert("RGB"))
 
 
-def put_figure(tile: np.ndarray, figure: Figure) -> None:
-    """Draws an agent or a mover on its cell, `[size, size, 3]` uint8, in place."""
+def put_figure(tile: np.ndarray, figure: Figure | Beam) -> None:
+    """Draws an agent, a mover or a beam on its cell, `[size, size, 3]` uint8, in place."""
     drawn = draw_figure(figure, tile.shape[0])
     opacity = drawn[..., 3:].astype(np.float32) / 255
     tile[...] = np.round(tile * (1 - opacity) + drawn[..., :3] * opacity).astype(np.uint8)
 
 
 @lru_cache(KEPT)
-def draw_figure(figure: Figure, size: int) -> np.ndarray:
-    """Returns the picture of an agent or a mover with what it carries, `[size, size, 4]` uint8 with opacity."""
+def draw_figure(figure: Figure | Beam, size: int) -> np.ndarray:
+    """Returns the picture of an agent or a mover with what it carries, or of a beam, `[size, size, 4]` uint8 with opacity."""
+    if isinstance(figure, Beam):
+        return np.asarray(_rasterised(vector_figure(figure, size=size)))
     picture = _rasterised(vector_figure(replace(figure, number=None), size=size))
     if figure.number is not None and size >= SMALLEST_WITH_NUMBER:
         x, y, height = number_place(figure)

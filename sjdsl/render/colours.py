@@ -33,6 +33,7 @@ WORDS: dict[str, Colour] = {
     **{name: read_colour(name) for name in NAMED},
     "gray": read_colour("grey"),
     "ripe": read_colour("red"),
+    **dict.fromkeys(("unripe", "growing", "young"), (166, 196, 120)),
     "dirty": (104, 72, 40),
     "polluted": (104, 72, 40),
     "iron": (150, 164, 184),
@@ -58,6 +59,7 @@ WORDS: dict[str, Colour] = {
 # Sprites and the colour each has unless it is given one.
 SPRITES: dict[str, Colour] = {
     "tree": (58, 132, 72),
+    "bush": (58, 132, 72),
     "apple": read_colour("red"),
     "water": (164, 204, 230),
     "mushroom": read_colour("red"),
@@ -69,28 +71,40 @@ SPRITES: dict[str, Colour] = {
     "animal": (160, 102, 44),
     "raft": (168, 116, 63),
     "pot": (74, 79, 88),
+    "banana": read_colour("yellow"),
+    "flag": read_colour("red"),
+    "boat": (140, 90, 43),
+    "cart": read_colour("blue"),
+    "crate": (176, 130, 76),
+    "cube": (150, 164, 184),
+    "door": (140, 90, 43),
+    "block": (122, 126, 134),
+    "table": (206, 178, 138),
+    "plate": (236, 238, 240),
 }
 
-FILLING = frozenset({"wall", "water", "floor"})  # sprites as large as their cell; the others stand in it
+COVERING = frozenset({"wall", "water", "block", "table", "door"})  # sprites that leave nothing of the ground
+FILLING = COVERING | {"floor"}  # sprites as large as their cell; the others stand in it
 SHAPES = ("disc", "diamond", "square", "triangle", "ring", "cross", "hexagon", "wedge")  # sprites of words that have none of their own
 
-# Grounds by the part of a kind's name that says what it is: pale, so that what stands there is seen first.
+# Grounds by the part of a kind's name that says what it is: pale, so that what stands there is seen first; they differ in brightness, too,
+# so that the colour-blind tell grass from an orchard.
 KINDS: dict[str, Colour] = {
     "wall": (96, 102, 112),
     "water": (164, 204, 230),
     "river": (164, 204, 230),
-    "channel": (134, 180, 214),
-    "sea": (134, 180, 214),
-    "grass": (222, 234, 206),
-    "orchard": (205, 224, 182),
-    "forest": (190, 214, 172),
-    "soil": (226, 214, 190),
-    "ground": (232, 224, 208),
-    "sand": (240, 231, 206),
+    "channel": (112, 168, 216),
+    "sea": (112, 168, 216),
+    "grass": (206, 226, 172),
+    "orchard": (172, 200, 124),
+    "forest": (140, 178, 120),
+    "soil": (208, 186, 150),
+    "ground": (234, 220, 202),
+    "sand": (252, 240, 176),
     "floor": (238, 236, 231),
-    "rock": (214, 209, 203),
-    "stone": (202, 200, 200),
-    "brick": (196, 160, 140),
+    "rock": (204, 197, 190),
+    "stone": (168, 172, 180),
+    "brick": (180, 124, 98),
     "tile": (234, 232, 228),
 }
 
@@ -99,23 +113,24 @@ ALIKE: dict[str, str] = {
     **dict.fromkeys(("lake", "pond", "pool", "stream", "brook", "canal", "moat", "bay", "ocean", "swamp", "puddle"), "water"),
     **dict.fromkeys(("land", "meadow", "lawn", "plain", "garden", "park", "pasture"), "grass"),
     **dict.fromkeys(("earth", "dirt", "mud", "path", "road", "farm"), "soil"),
+    **dict.fromkeys(("bush", "shrub", "tree", "oak", "plant", "crop"), "ground"),
     **dict.fromkeys(("beach", "desert", "dune", "coast"), "sand"),
-    **dict.fromkeys(("hedge", "shrub", "thicket", "woods", "wood", "jungle"), "forest"),
+    **dict.fromkeys(("thicket", "woods", "wood", "jungle"), "forest"),
     **dict.fromkeys(("cliff", "mountain", "boulder", "hill", "crag"), "rock"),
 }
 
 # Words that are colours: a field with no others shows its first word like the rest.
 COLOURS = frozenset({*NAMED, "gray"})
 
-TILES: tuple[Colour, ...] = (
+TILES: tuple[Colour, ...] = (  # none is blue, as water is
     (238, 236, 231),
-    (222, 232, 214),
-    (240, 228, 208),
-    (214, 228, 234),
-    (238, 220, 224),
-    (224, 226, 212),
-    (228, 222, 240),
-    (214, 214, 214),
+    (244, 222, 176),
+    (244, 210, 212),
+    (206, 171, 150),
+    (192, 171, 185),
+    (220, 192, 150),
+    (199, 185, 178),
+    (208, 228, 196),
 )
 SOLID_TILES: tuple[Colour, ...] = ((96, 102, 112), (122, 108, 98), (92, 114, 108), (112, 102, 126))
 MARKS: tuple[Colour, ...] = (
@@ -129,6 +144,9 @@ MARKS: tuple[Colour, ...] = (
 # For words that name no colour: Okabe and Ito's, in an order that keeps neighbours far apart.
 INKS: tuple[Colour, ...] = tuple(map(read_colour, ("blue", "orange", "green", "pink", "sky", "brown", "purple", "black")))
 
+# Grounds of words without a colour: none is blue, as water is.
+TINTS: tuple[Colour, ...] = tuple(map(read_colour, ("orange", "pink", "brown", "green", "purple", "black")))
+
 BARS = (INKS[7], *INKS[1:4])  # of the numbers of a cell, in order: at its foot, its head, its left and its right side
 
 # An own colour for each agent a game can have: Okabe and Ito's, then those farthest from all before them, by the smallest CIE76
@@ -141,6 +159,7 @@ _AGENTS = (
 )
 AGENTS: tuple[Colour, ...] = tuple(read_colour(f"#{code}") for code in _AGENTS.split())
 OUTSIDE: Colour = (250, 250, 250)
+PALE: Colour = (214, 216, 220)  # of nobody's beam
 INK: Colour = (34, 38, 44)
 PAPER: Colour = (255, 255, 255)
 
@@ -161,9 +180,14 @@ def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> 
     return colours | dict.fromkeys(plain, colours.get(main, TILES[0]))
 
 
-def word_colours(words: tuple[str, ...]) -> tuple[Colour, ...]:
+def tint_colours(words: tuple[str, ...]) -> tuple[Colour, ...]:
+    """Returns the colour in which each word of a field tints its ground."""
+    return word_colours(words, TINTS)
+
+
+def word_colours(words: tuple[str, ...], inks: tuple[Colour, ...] = INKS) -> tuple[Colour, ...]:
     """Returns a colour for each word of a field; the first is plain and its colour only counts where all words have one."""
-    spare = [ink for ink in INKS if ink not in {WORDS.get(word) for word in words}]
+    spare = [ink for ink in inks if ink not in {WORDS.get(word) for word in words}]
     others = [word for word in words[1:] if word not in WORDS]
     numbers = {word: number for number, word in enumerate([*others, *(w for w in words[:1] if w not in WORDS)])}
     return tuple(WORDS[word] if word in WORDS else spare[numbers[word] % len(spare)] for word in words)

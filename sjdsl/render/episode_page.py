@@ -2,7 +2,7 @@
 
 import html
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -14,11 +14,11 @@ from markupsafe import Markup
 
 from sjdsl.compiler import ir
 from sjdsl.files import write_whole
-from sjdsl.render.appearance import Drawing, appearance_of, draw_figures
+from sjdsl.render.appearance import Drawing, Figure, appearance_of, draw_figures, held_entries
 from sjdsl.render.colours import PAPER, hexadecimal
 from sjdsl.render.legend import legend_entries
 from sjdsl.render.look import Look, make_look
-from sjdsl.render.moment import Moment
+from sjdsl.render.moment import Moment, Snapshot
 from sjdsl.render.vector import SIZE, svg_url, vector_figure, vector_tile
 
 FORMAT = 1  # of the data; the page refuses another
@@ -73,18 +73,17 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
     """Returns an episode, or several one after the other, as JSON can hold it.
 
     Keys: `format`; `title`; `height`, `width` of the map in cells, `size` of a picture in pixels;
-    `actions`: names by number; `agents`: a colour for each; `marks`: label and colour for each phase that marks; `pictures`: SVG files
-    as data URLs; `legend`: [picture, text]; `moments`: see `Artist.moment`.
+    `actions`: names by number; `agents`: a colour for each; `pictures`: SVG files as data URLs; `legend`: [picture, text] of what is in
+    some moment; `moments`: see `Artist.moment`.
     """
-    artist = Artist(make_look(game))
-    told = [artist.moment(moment) for moment in moments]
+    artist, shown = Artist(make_look(game)), []
+    told = []
+    for moment in moments:
+        shown.append(moment.snapshot)
+        told.append(artist.moment(moment))
     if not told:
         raise ValueError("an episode without a moment cannot be shown: give at least its start")
     look = artist.look
-    legend = []
-    for seen, text in legend_entries(look):
-        svg = vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)
-        legend.append([artist.picture_of(svg), text])
     return {
         "format": FORMAT,
         "title": look.title,
@@ -93,8 +92,7 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
         "size": SIZE,
         "actions": list(game.agents.actions),
         "agents": artist.colours,
-        "marks": [{"label": label, "colour": hexadecimal(colour)} for label, colour in look.marks],
-        "legend": legend,
+        "legend": artist.legend(shown),
         "moments": told,
         "pictures": artist.pictures,
     }
@@ -109,17 +107,19 @@ class Artist:
     colours: list[str] = field(default_factory=list)
     _numbers: dict[str, int] = field(default_factory=dict)
     _last: np.ndarray | None = None
+    _before: Snapshot | None = None
 
     def moment(self, moment: Moment) -> dict[str, Any]:
         """Returns one moment.
 
         Keys: `step`; `cells`: [cell, picture, cell, picture, …], of all cells in the first moment and then of those that look otherwise
-        than in the moment before, numbered in reading order; `figures`: [picture, row, column] of agents and then movers that are on the
-        map; `marks`: the marked cells of each phase; `actions`: a number for each agent, or nothing at the start of an episode;
-        `rewards`, `returns` of each agent; `events`: [name, count of each agent, or one count]; `done`.
+        than in the moment before, numbered in reading order; `figures`: [picture, row, column] of beams, flashes, agents and movers, each
+        over those before; `actions`: a number for each agent, or nothing at the start of an episode; `rewards`, `returns` of each agent;
+        `held`: [picture, amount] of what each agent has; `events`: [name, count of each agent, or one count]; `done`.
         """
         shot = moment.snapshot
-        seen = appearance_of(self.look, shot)
+        seen = appearance_of(self.look, shot, moment.actions, self._before)
+        self._before = shot
         numbers = np.array([self.picture_of(vector_tile(drawing)) for drawing in seen.drawings])
         cells = numbers[seen.cells].reshape(-1)
         changed = np.arange(cells.size) if self._last is None else np.flatnonzero(cells != self._last)
@@ -129,13 +129,25 @@ class Artist:
             "step": shot.step,
             "cells": np.stack([changed, cells[changed]], axis=1).reshape(-1).tolist(),
             "figures": [[self.picture_of(vector_figure(figure)), row, col] for figure, row, col in seen.figures],
-            "marks": [np.flatnonzero(marked).tolist() for _, marked in seen.marks],
             "actions": list(moment.actions),
             "rewards": _rounded(moment.reward),
             "returns": _rounded(shot.returns),
+            "held": [self._held(shot, agent) for agent in range(self.look.num_agents)] if self.look.held is not None else [],
             "events": [[name, np.asarray(count).tolist()] for name, count in moment.events.items()],
             "done": moment.done,
         }
+
+    def _held(self, snapshot: Snapshot, agent: int) -> list[list[float]]:
+        things = held_entries(self.look, snapshot, agent)
+        return [[self.picture_of(vector_figure(Figure(None, thing.colour, thing.sprite))), amount] for thing, amount in things if amount]
+
+    def legend(self, shown: Sequence[Snapshot] | None = None) -> list[list[Any]]:
+        """Returns what can be seen on the board, or is in one of the moments that are shown: [picture, text]."""
+        entries = legend_entries(self.look, shown)
+        return [
+            [self.picture_of(vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)), text]
+            for seen, text in entries
+        ]
 
     def picture_of(self, svg: str) -> int:
         """Returns the number of a picture; equal ones have one number."""

@@ -1,20 +1,22 @@
 """Draws the frames of a film, each a board with its legend below, and writes frames as files: GIF, MP4, PNG."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from sjdsl.extras import needs
 from sjdsl.files import written_whole
-from sjdsl.render.appearance import Drawing, draw_figures
+from sjdsl.render.appearance import Drawing, Figure, draw_figures, held_entries
 from sjdsl.render.board import draw_board, draw_figure, draw_tile, put_figure
 from sjdsl.render.colours import INK, OUTSIDE, PAPER
 from sjdsl.render.legend import legend_entries
 from sjdsl.render.look import Look, make_look
-from sjdsl.render.moment import Snapshot
+from sjdsl.render.moment import Moment, Snapshot
+from sjdsl.render.playing import one_of
 from sjdsl.runtime.env import Environment
 
 with needs("pictures"):
@@ -22,6 +24,7 @@ with needs("pictures"):
     from PIL.PngImagePlugin import PngInfo
 
 LINE, SWATCH, GAP, MARGIN = 23, 19, 14, 8  # pixels
+SMALL, HELD = 15, 40  # pixels of the picture of what an agent has, and of that with its number
 FONT = ImageFont.load_default(12.5)
 MIN_WIDTH = 400
 MILLISECONDS = 120  # a frame is shown
@@ -37,9 +40,14 @@ class Painter:
     width: int
     legend: Image.Image
 
-    def draw(self, snapshot: Snapshot) -> Image.Image:
-        """Returns the picture of one moment; all pictures of a game have the same size."""
-        board = Image.fromarray(draw_board(self.look, snapshot))
+    def draw(self, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None) -> Image.Image:
+        """Returns the picture of one moment; all pictures of a game have the same size.
+
+        Args:
+          actions: number of each agent's action in the last step, if they are known: a beam then has the colour of the agent whose it is.
+          before: the moment before, if what was taken, cleaned or hit since then shall flash.
+        """
+        board = Image.fromarray(draw_board(self.look, snapshot, actions, before))
         status = draw_status(self.look, snapshot, self.width)
         picture = Image.new("RGB", (self.width, board.height + status.height + self.legend.height), OUTSIDE)
         picture.paste(board, ((self.width - board.width) // 2, 0))
@@ -48,18 +56,28 @@ class Painter:
         return picture
 
 
-def make_painter(env: Environment) -> Painter:
-    """Returns what draws the states of an environment."""
+def make_painter(env: Environment, shown: Sequence[Snapshot] | None = None) -> Painter:
+    """Returns what draws the states of an environment. `shown`: the moments that will be drawn; the legend leaves out what is in none."""
     look = make_look(env.game)
     width = max(look.width * look.tile, MIN_WIDTH)
-    return Painter(look, width, draw_legend(look, width))
+    return Painter(look, width, draw_legend(look, width, shown))
 
 
-def draw_legend(look: Look, width: int) -> Image.Image:
+def draw_film(env: Environment, moments: Iterable[Moment], every: int = 1) -> Iterator[Image.Image]:
+    """Yields the picture of the first moment of each episode, and of one of `every` that follow, an episode's last one included."""
+    kept = list(moments)
+    chosen = {id(moment) for moment in one_of(every, kept)}
+    painter = make_painter(env, [moment.snapshot for moment in kept if id(moment) in chosen])
+    for before, moment in pairwise([None, *kept]):
+        if moment is not None and id(moment) in chosen:
+            yield painter.draw(moment.snapshot, moment.actions, None if before is None else before.snapshot)
+
+
+def draw_legend(look: Look, width: int, shown: Sequence[Snapshot] | None = None) -> Image.Image:
     """Returns the part below the board that is the same in every frame: what can be seen, each with its text."""
     lines: list[list[tuple[int, np.ndarray, str]]] = [[]]  # from the left, the picture, its text
     left = MARGIN
-    for seen, text in legend_entries(look):
+    for seen, text in legend_entries(look, shown):
         if isinstance(seen, Drawing):
             swatch = draw_tile(seen, SWATCH)
         else:
@@ -81,9 +99,11 @@ def draw_legend(look: Look, width: int) -> Image.Image:
 
 
 def draw_status(look: Look, snapshot: Snapshot, width: int) -> Image.Image:
-    """Returns the part below the board that changes: the step, and the rewards of each agent so far."""
+    """Returns the part below the board that changes: the step, and for each agent its rewards so far and what it has."""
     texts = [f"{total:.4g}" for total in snapshot.returns]
-    chip = SWATCH + 4 + max(30, round(max(map(FONT.getlength, texts)))) + GAP
+    wide = max(30, round(max(map(FONT.getlength, texts))))
+    entries = () if look.held is None else look.held.pictures
+    chip = SWATCH + 4 + wide + len(entries) * HELD + GAP
     per_line = max(1, (width - 2 * MARGIN) // chip)
     strip = Image.new("RGB", (width, LINE * (1 + -(-len(texts) // per_line)) + 4), PAPER)
     pen = ImageDraw.Draw(strip)
@@ -95,6 +115,12 @@ def draw_status(look: Look, snapshot: Snapshot, width: int) -> Image.Image:
         body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
         strip.paste(body, (left, top), body)
         pen.text((left + SWATCH + 4, top + SWATCH // 2), text, INK, FONT, anchor="lm")
+        left += SWATCH + 4 + wide + 4
+        for picture, amount in held_entries(look, snapshot, number):
+            thing = Image.fromarray(draw_figure(Figure(None, picture.colour, picture.sprite), SMALL))
+            strip.paste(thing, (left, top + (SWATCH - SMALL) // 2), thing)
+            pen.text((left + SMALL + 3, top + SWATCH // 2), f"{amount:.3g}", INK, FONT, anchor="lm")
+            left += HELD
     return strip
 
 

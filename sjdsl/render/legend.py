@@ -1,55 +1,82 @@
 """The legend of a game: each appearance of cells, agents and movers, with its text."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice, product
 
 import numpy as np
 
-from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import expression
-from sjdsl.render.appearance import BAR_STEPS, Drawing, Figure, draw_cell, ruled
-from sjdsl.render.colours import agent_colour, mixed
+from sjdsl.render.appearance import BAR_STEPS, Beam, Drawing, Figure, Key, cell_keys, draw_cell, draw_figures, ruled
+from sjdsl.render.colours import PALE, agent_colour
 from sjdsl.render.look import FieldLook, KindLook, Look, Rule
+from sjdsl.render.moment import Snapshot
 
 MOST = 4096  # combinations of words that are tried
 SHOWN = 5  # eighths of the bar in a legend
-MARKED = 0.6  # how much of a marked cell has the colour of its mark
+ALL = (True, True, True, True)  # sides of the beam in a legend
+
+Entry = tuple[Drawing | Figure | Beam, str]
 
 
-def legend_entries(look: Look) -> Iterator[tuple[Drawing | Figure, str]]:
-    """Yields what can be seen: cells, marks, then agents and movers."""
-    yield from cell_entries(look)
+def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[Entry]:
+    """Returns what can be seen, each thing once: cells, marks, then agents and movers.
+
+    shown: the moments whose pictures the legend is for, which then leaves out what is in none of them.
+    """
+    found: dict[str, Entry] = {}
+    for drawing, text in cell_entries(look, shown):
+        if not any(drawing == other for other, _ in found.values()):  # what looks like grass is grass
+            found.setdefault(text, (drawing, text))
     for label, colour in look.marks:
-        yield Drawing(mixed(look.kinds[0].ground, colour, MARKED)), label
-    yield from figure_entries(look)
+        if shown is None or any(shot.marks[label].any() for shot in shown):
+            names = dict.fromkeys(look.actions[number] for number in look.acting[label])
+            text = " or ".join(names) or label
+            found.setdefault(text, (Beam(PALE, colour, ALL), text))
+    pictured = {picture: drawing for drawing, _ in found.values() if isinstance(drawing, Drawing) for picture in drawing.objects}
+    for figure, text in figure_entries(look, shown):
+        word = text.rpartition(": ")[2]
+        if not (word in found and figure.badges and figure.badges[-1] in pictured):  # what lies on the ground and is carried
+            found.setdefault(text, (figure, text))
+    return list(found.values())
 
 
-def cell_entries(look: Look) -> Iterator[tuple[Drawing, str]]:
+def cell_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> Iterator[tuple[Drawing, str]]:
     """Yields the kinds, what their looks say, and the words, owners and numbers that are drawn without one."""
     for kind in look.kinds:
-        found = list(dict.fromkeys(_kind_entries(kind)))
+        states: set[tuple[Key, bool]] | None = None
+        if shown is not None:
+            states = {(key, shot.step > 0) for shot in shown for key in cell_keys(kind, shot.values)[0]}
+        found = [
+            (drawing, text) for drawing, text, occurs in _kind_entries(kind) if states is None or any(occurs(*state) for state in states)
+        ]
+        found = list(dict.fromkeys(found))
         if not any(text.split(":")[0] == kind.name for _, text in found):  # no cell of it is ever without one of its words
             found[:1] = [(drawing, f"{kind.name}: {text}") for drawing, text in found[:1]]
         yield from found
 
 
-def _kind_entries(kind: KindLook) -> Iterator[tuple[Drawing, str]]:
-    nothing, always = (0,) * len(kind.fields), tuple(int(rule.condition is None) for rule in kind.rules)
+def _kind_entries(kind: KindLook) -> Iterator[tuple[Drawing, str, Callable[[Key, bool], bool]]]:
+    """Yields drawings and texts, each with whether cells in a state, after the first step or at it, show it."""
+    nothing, always = tuple(field.plain for field in kind.fields), tuple(int(rule.condition is None) for rule in kind.rules)
     real = frozenset(_word_drawings(kind))
     plain = draw_cell(kind, nothing + always)
     if plain in real:
-        same = [text for field in kind.fields for value, text in _values(field, kind.rules) if value == 0]
-        yield plain, f"{kind.name}: {', '.join(same)}" if same else kind.name
+        same = [text for field in kind.fields for value, text in _values(field) if value == field.plain]
+        text = f"{kind.name}: {', '.join(same)}" if same else kind.name
+        yield plain, text, lambda key, begun: draw_cell(kind, key, begun) == plain
     for place, rule in enumerate(kind.rules):
         if rule.condition is not None:
             applied = tuple(max(a, int(p == place or _implies(rule, other))) for p, (a, other) in enumerate(zip(always, kind.rules)))
-            yield draw_cell(kind, nothing + applied), rule.label
+            at = len(nothing) + place
+            yield draw_cell(kind, nothing + applied), rule.label or kind.name, lambda key, _, at=at: bool(key[at])  # type: ignore[misc]
     for place, field in enumerate(kind.fields):
-        for value, text in _values(field, kind.rules):
+        for value, text in _values(field):
             drawn = draw_cell(kind, (*nothing[:place], value, *nothing[place + 1 :], *always))
             if drawn != plain and (drawn in real or field.holds != "word"):
-                yield drawn, text
+                is_word = field.holds == "word"
+                yield drawn, text, lambda key, _, at=place, v=value, w=is_word: key[at] == v if w else key[at] > 0  # type: ignore[misc]
 
 
 def _word_drawings(kind: KindLook) -> Iterator[Drawing]:
@@ -72,16 +99,21 @@ def _implies(rule: Rule, other: Rule) -> bool:
     return second <= first
 
 
-def figure_entries(look: Look) -> Iterator[tuple[Figure, str]]:
+def figure_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> Iterator[tuple[Figure, str]]:
     """Yields the roles of the agents, their looks, what they can carry, the pale one, and then the movers."""
+    drawn = None if shown is None else [draw_figures(look, shot) for shot in shown]
+
+    def occur(sort: str, is_like: Callable[[Figure], bool]) -> bool:
+        return drawn is None or any(is_like(figure) for figures in drawn for figure in figures[sort])
+
     if look.colour_field is not None:
-        attribute, colours = look.colour_field
         for number, role in enumerate(look.roles):
-            if not _is_said(attribute.removeprefix("agent_"), role, look.rules):
-                yield Figure(number, colours[number]), role
+            figure = Figure(number, look.colour_field[1][number])
+            if role not in look.said_roles and occur("agent", lambda f, c=figure.colour: f.colour == c):  # type: ignore[misc]
+                yield figure, role
     agent = Figure(0, agent_colour(0))
-    yield from _body_entries(agent, look.rules, look.carried)
-    if look.can_be_held:
+    yield from _body_entries(agent, look.rules, look.carried, lambda is_like: occur("agent", is_like))
+    if look.can_be_held and occur("agent", lambda figure: figure.held):
         yield Figure(0, agent_colour(0), held=True), "pale: can only stay"
     for herd in look.herds:
         plain = Figure(None, herd.colour, herd.sprite)
@@ -89,48 +121,31 @@ def figure_entries(look: Look) -> Iterator[tuple[Figure, str]]:
             if rule.condition is None:
                 plain = ruled(plain, rule)
         yield plain, herd.name
-        for figure, text in _body_entries(plain, herd.rules, herd.carried):
+        for figure, text in _body_entries(plain, herd.rules, herd.carried, lambda is_like, n=herd.name: occur(n, is_like)):  # type: ignore[misc]
             yield figure, f"{herd.name}: {text}"
 
 
-def _body_entries(plain: Figure, rules: tuple[Rule, ...], carried: tuple[FieldLook, ...]) -> Iterator[tuple[Figure, str]]:
+def _body_entries(
+    plain: Figure, rules: tuple[Rule, ...], carried: tuple[FieldLook, ...], occur: Callable[[Callable[[Figure], bool]], bool]
+) -> Iterator[tuple[Figure, str]]:
     """Yields what the looks of agents, or of a sort of movers, do to their body, and the badges of what it carries."""
-    yield from ((ruled(plain, rule), rule.label) for rule in rules if rule.condition is not None)
+    for rule in rules:
+        if rule.condition is not None and occur(lambda f, rule=rule: _shows(f, rule)):  # type: ignore[misc]
+            yield ruled(plain, rule), rule.label
     for field in carried:
-        for number, picture in enumerate(field.pictures):
-            word = field.words[number] if field.words else ""
-            is_start = field.holds == "word" and number == field.start
-            if not is_start and not _is_said(field.name, word, rules):
-                figure = Figure(plain.number, plain.colour, plain.sprite, badges=(*plain.badges, picture))
-                yield figure, f"{field.name}: {word}" if word else field.name
+        for number, (word, picture) in enumerate(zip(field.words, field.pictures, strict=True)):
+            if number != field.start and word not in field.asked and occur(lambda f, picture=picture: picture in f.badges):  # type: ignore[misc]
+                yield replace(plain, badges=(*plain.badges, picture)), f"{field.name}: {word}"
 
 
-def _values(field: FieldLook, rules: tuple[Rule, ...]) -> Iterator[tuple[int, str]]:
+def _shows(figure: Figure, rule: Rule) -> bool:
+    """Returns whether a figure looks as a look says."""
+    return rule.sprite in (None, figure.sprite) and rule.colour in (None, figure.colour) and rule.badge in (None, *figure.badges)
+
+
+def _values(field: FieldLook) -> Iterator[tuple[int, str]]:
     """Yields the values of a field that a legend names: words, some owner, a bar."""
     if field.sort in ("bar", "edge"):
-        if not _is_said(field.name, "", rules):
-            yield (SHOWN * BAR_STEPS // 8 if field.sort == "bar" else 1), field.name
-        return
-    for number, word in enumerate(field.words):
-        if field.is_drawn(number) and not _is_said(field.name, word, rules):
-            yield number, word
-
-
-def _is_said(name: str, word: str, rules: tuple[Rule, ...]) -> bool:
-    """Returns whether a look says alone how a word of a field is drawn, or, without a word, a field that has none."""
-    for rule in rules:
-        parts = () if rule.condition is None else tuple(conjuncts(rule.condition))
-        if len(parts) == 1 and name in rule.reads and (not word or word in _words(parts[0])):
-            return True
-    return False
-
-
-def _words(part: ir.Expr) -> frozenset[str]:
-    """Returns the words with which a condition holds, or the entries of a row that it reads."""
-    match part:
-        case ir.InWords():
-            return frozenset(part.words)
-        case ir.Same():
-            return frozenset(side.value for side in (part.left, part.right) if isinstance(side, ir.Word))
-        case _:
-            return frozenset(node.value for node in ir.walk(part) if isinstance(node, ir.Word))
+        yield (SHOWN * BAR_STEPS // 8 if field.sort == "bar" else 1), field.name
+    else:
+        yield from ((number, word) for number, word in enumerate(field.words) if field.is_drawn(number))

@@ -1,6 +1,6 @@
 """The appearance of a game: everything about its pictures that does not change from step to step."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, assert_never
 
@@ -11,12 +11,13 @@ from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.printer import expression
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, written_field
-from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour
+from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour, tint_colours
 from sjdsl.render.colours import word_colours as colours_of
-from sjdsl.render.usual import Picture, is_passing, is_taken, main_kind, spawn_kinds, usual_body, usual_movers, usual_words
+from sjdsl.render.usual import Picture, is_taken, main_kind, named_sprite, spawn_kinds, usual_body, usual_movers, usual_words
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
+NOTHING = ("none", "nothing", "empty", "bare")  # words that say that nothing is there
 Sort = Literal["shape", "tint", "edge", "bar"]
 Values = Mapping[str, np.ndarray]  # attribute of the state -> array
 
@@ -28,7 +29,8 @@ class FieldLook:
     sort: a word is a `shape` if rules change it, else a `tint`; an agent is an `edge` of its colour; all that can be counted is a
     `bar`, and `full` fills it.
     holds: `word`, `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
-    pictures: of its words; of each entry of a row of numbers; one for a number of the agents.
+    pictures: of its words, or of each entry of a row of numbers.
+    plain: the number of the word that is not drawn. asked: the words that it does not draw: looks do, or agents do not tell them from others.
     """
 
     name: str
@@ -40,10 +42,13 @@ class FieldLook:
     pictures: tuple[Picture, ...] = ()
     full: float = 1.0
     start: int = 0
+    plain: int = 0
+    asked: frozenset[str] = frozenset()
 
     def is_drawn(self, word: int) -> bool:
-        """Returns whether a shape or a tint shows this word: the first is plain unless it is a colour like all others."""
-        return word > 0 or (self.words[0] in WORDS if self.sort == "tint" else set(self.words) <= COLOURS)
+        """Returns whether a shape or a tint shows this word: all but the plain one, and that, too, if it is a colour like all others."""
+        shown = word != self.plain or (self.words[word] in WORDS if self.sort == "tint" else set(self.words) <= COLOURS)
+        return shown and self.words[word] not in self.asked
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,7 @@ class KindLook:
     rules: tuple[Rule, ...]
     rows: np.ndarray  # [S] int, in reading order
     cols: np.ndarray  # [S] int
+    starting: bool = False  # its body is only the mark of a starting place
 
 
 @dataclass(frozen=True)
@@ -95,8 +101,10 @@ class HerdLook:
 class Look:
     """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any.
 
-    roles: the words of that field, if they do not say themselves which colour they are. carried: fields of the agents that are
-    drawn as badges; rules: looks of the agents.
+    marks: label and colour of each phase that marks; acting: its label -> the numbers of the actions with which an agent marks in it.
+    roles: the words of the field that colours agents, if they do not say themselves which colour they are; said_roles: those that a look
+    asks for. carried: fields of the agents
+    that are drawn as badges; held: the row of numbers that stands beside an agent's return; rules: looks of the agents.
     """
 
     title: str
@@ -104,10 +112,14 @@ class Look:
     width: int
     tile: int
     kinds: tuple[KindLook, ...]
-    marks: tuple[tuple[str, Colour], ...]  # label of the phase, colour
+    marks: tuple[tuple[str, Colour], ...]
+    acting: Mapping[str, tuple[int, ...]]
+    actions: tuple[str, ...]
     colour_field: tuple[str, tuple[Colour, ...]] | None
     roles: tuple[str, ...]
+    said_roles: frozenset[str]
     carried: tuple[FieldLook, ...]
+    held: FieldLook | None
     rules: tuple[Rule, ...]
     num_agents: int
     can_be_held: bool
@@ -125,8 +137,10 @@ def make_look(game: ir.Game) -> Look:
     """Returns how a game looks."""
     height, width = len(game.rows), len(game.rows[0])
     labels = tuple(phase.label for phase in marking_phases(game))
-    colour_field = _colour_field(game)
+    colour_field, seen = _colour_field(game), seen_fields(game)
     words = () if colour_field is None else colour_field.type.words
+    rules = tuple(_rule(look) for look in game.looks if look.what == "agent")
+    fields = [field for field in game.agents.fields if field is not colour_field and ("agent", field.name) in seen]
     return Look(
         title=game.title or game.name,
         height=height,
@@ -134,10 +148,14 @@ def make_look(game: ir.Game) -> Look:
         tile=max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE)),
         kinds=tuple(_kind_looks(game)),
         marks=tuple(zip(labels, mark_colours(labels), strict=True)),
+        acting={phase.label: tuple(sorted(_acting(phase, game))) for phase in marking_phases(game)},
+        actions=tuple(game.agents.actions),
         colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(words)),
         roles=() if set(words) <= set(WORDS) else words,
-        carried=tuple(_carried((f for f in game.agents.fields if f is not colour_field), "agent", game)),
-        rules=tuple(_rule(look) for look in game.looks if look.what == "agent"),
+        said_roles=frozenset() if colour_field is None else asked_words(colour_field, rules),
+        carried=tuple(_carried(fields, "agent", rules, game)),
+        held=_held(fields, game),
+        rules=rules,
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
         herds=tuple(
@@ -146,32 +164,91 @@ def make_look(game: ir.Game) -> Look:
                 glyph=sort.glyph,
                 sprite=body.sprite,
                 colour=body.colour,
-                rules=tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name),
-                carried=tuple(_carried((f for f in sort.fields if f.name != "heading"), sort.name, game)),
+                rules=(own := tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name)),
+                carried=tuple(
+                    _carried([f for f in sort.fields if f.name != "heading" and (sort.name, f.name) in seen], sort.name, own, game)
+                ),
             )
             for sort, body in zip(game.movers, usual_movers(game), strict=True)
         ),
     )
 
 
+def seen_fields(game: ir.Game) -> frozenset[tuple[str, str]]:
+    """Returns the fields that agents see: kind, sort of movers or `agent`, and name. What nobody sees keeps the books of the rules.
+
+    Of cells they are also those that decide which label is seen.
+    """
+    found: set[tuple[str, str]] = set()
+    for observable in game.observables:
+        if observable.what in ("cell", "mover"):
+            read = (node for label in observable.labels for node in ir.walk(label) if isinstance(node, ir.FieldRead))
+            found |= {(observable.kind, observable.field), *((kind, node.name) for node in read for kind in _kinds_of(node.owner))}
+        elif observable.what in ("own", "other", "everyone"):
+            found.add(("agent", observable.field))
+    return frozenset(found)
+
+
+def merged_words(kind: str, field: ir.VarField, game: ir.Game) -> frozenset[str]:
+    """Returns the words of a field of cells that look alike to agents: those that no label asks for, where labels are all that is seen."""
+    seen = [observable for observable in game.observables if observable.what == "cell" and observable.kind == kind]
+    if field.type.kind != "word" or any(observable.field == field.name and not observable.labels for observable in seen):
+        return frozenset()
+    conditions = [label.condition for observable in seen for label in observable.labels if label.condition is not None]
+    nodes = [node for condition in conditions for node in ir.walk(condition)]
+    asking = [node for node in nodes if isinstance(node, ir.Same | ir.InWords) and _words(node)]
+    reads, worded = (sum(isinstance(n, ir.FieldRead) and n.name == field.name for n in some) for some in (nodes, map(_asked, asking)))
+    rest = {*field.type.words} - {word for node in asking for word in _words(node)}
+    return frozenset(rest) if len(rest) > 1 and reads == worded else frozenset()
+
+
+def _asked(node: ir.Expr) -> ir.Expr:
+    """Returns what is compared with words."""
+    if isinstance(node, ir.Same):
+        return node.right if isinstance(node.left, ir.Word) else node.left
+    return node.value if isinstance(node, ir.InWords) else node
+
+
+def _kinds_of(owner: ir.Expr | None) -> tuple[str, ...]:
+    """Returns the kinds of the cell that a condition speaks of; none of an agent or a mover."""
+    return owner.sort.names if isinstance(owner, ir.Member) and owner.sort.what == "cell" else ()
+
+
+def _acting(node: ir.Node, game: ir.Game, chosen: frozenset[int] = frozenset()) -> Iterator[int]:
+    """Yields the numbers of the actions with which agents mark in a part of the rules. chosen: those that the conditions around it ask for."""
+    if isinstance(node, ir.Mark):
+        yield from chosen
+    parts = [part for part in ir.children(node) if not isinstance(part, ir.Statement | ir.Branch)]
+    for read in (inner for part in parts for inner in ir.walk(part)):
+        if isinstance(read, ir.Chose):
+            chosen |= {read.action}
+        elif isinstance(read, ir.ChoseWith):
+            chosen |= {number for number, name in enumerate(game.agents.actions) if name.split("(")[0] == read.action}
+    for part in ir.children(node):
+        if isinstance(part, ir.Statement | ir.Branch):
+            yield from _acting(part, game, chosen)
+
+
 def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
     """Yields the kinds on the map in the order of the file."""
-    spawns = spawn_kinds(game)
+    spawns, seen = spawn_kinds(game), seen_fields(game)
     grounds = kind_colours(game, spawns, main_kind(game))
     kind_of = kinds_by_glyph(game)
     grid = np.array([[kind_of[glyph] for glyph in row] for row in game.rows])
     for kind in game.kinds:
         rows, cols = np.nonzero(grid == kind.name)
         if len(rows):
-            shown = [f for f in kind.fields if not f.timer and (not f.type.by or f.type.kind in ("int", "real"))]
-            fields, shapes = [], 0
-            for field in shown:
-                if not is_passing(field, game):
-                    fields.append(_field(field, kind.name, game, shapes))
-                    shapes += max(0, len(field.type.words) - 1)
             rules = tuple(_rule(look) for look in game.looks if kind.name in look.kinds)
-            ground = grounds[kind.name]
-            yield KindLook(kind.name, ground, usual_body(kind, ground, spawns), blocks_always(kind), tuple(fields), rules, rows, cols)
+            fields, shapes = [], 0
+            for field in kind.fields:
+                is_row = bool(field.type.by) and field.type.kind not in ("int", "real")
+                is_read = field.type.kind != "word" and any(field.name in rule.reads for rule in rules)
+                if (kind.name, field.name) in seen and not (field.timer or is_row or is_read):
+                    fields.append(_field(field, kind.name, game, shapes, asked_words(field, rules) | merged_words(kind.name, field, game)))
+                    shapes += max(0, len(field.type.words) - 1)
+            ground, starting = grounds[kind.name], kind.name in spawns
+            body = usual_body(kind, ground, spawns)
+            yield KindLook(kind.name, ground, body, blocks_always(kind), tuple(fields), rules, rows, cols, starting)
 
 
 def _rule(look: ir.Look) -> Rule:
@@ -191,6 +268,23 @@ def _rule(look: ir.Look) -> Rule:
     )
 
 
+def asked_words(field: ir.VarField, rules: tuple[Rule, ...]) -> frozenset[str]:
+    """Returns the words of a field that some look asks for."""
+    parts = [part for rule in rules if rule.condition is not None and field.name in rule.reads for part in conjuncts(rule.condition)]
+    return frozenset(word for part in parts if not isinstance(part, ir.Not) for word in _words(part)) & {*field.type.words}
+
+
+def _words(part: ir.Expr) -> frozenset[str]:
+    """Returns the words with which a condition holds, or the entries of a row that it reads."""
+    match part:
+        case ir.InWords():
+            return frozenset(part.words)
+        case ir.Same():
+            return frozenset(side.value for side in (part.left, part.right) if isinstance(side, ir.Word))
+        case _:
+            return frozenset(node.value for node in ir.walk(part) if isinstance(node, ir.Word))
+
+
 def _label(condition: ir.Expr, name: str) -> str:
     """Returns a condition in short: the words that hold, or what else it says, without the name of the cell."""
     parts = []
@@ -199,7 +293,7 @@ def _label(condition: ir.Expr, name: str) -> str:
             case ir.Same(right=ir.Word(value=word)) | ir.Same(left=ir.Word(value=word)):
                 parts.append(word)
             case ir.InWords():
-                parts.append(" or ".join(part.words))
+                parts += [" or ".join(part.words)] * (set(part.words) != set(part.value.type.words))  # of any word there is nothing to say
             case ir.Compare(fn=">", left=ir.At(row=ir.FieldRead(name=field), key=ir.Word(value=word)), right=ir.Number(value=0)):
                 parts.append(f"{field}: {word}")
             case _:
@@ -208,14 +302,16 @@ def _label(condition: ir.Expr, name: str) -> str:
     return ", ".join(parts)
 
 
-def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLook:
+def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, asked: frozenset[str]) -> FieldLook:
     attribute = f"{kind}_{field.name}"
     match field.type.kind:
         case "word":
             sort: Sort = "shape" if _sets(game, ir.Sort("cell", (kind,)), field.name) else "tint"
             pictures = usual_words(field, is_taken(field.name, kind, game), shapes)
             words = field.type.words
-            return FieldLook(field.name, attribute, sort, "word", words, colours_of(words), pictures)
+            colours = tint_colours(words) if sort == "tint" else colours_of(words)
+            plain = next((number for number, word in enumerate(words) if word in NOTHING), 0)
+            return FieldLook(field.name, attribute, sort, "word", words, colours, pictures, plain=plain, asked=asked)
         case "agents":
             return FieldLook(field.name, attribute, "bar", "agents", full=game.agents.number)
         case "cell":
@@ -227,27 +323,42 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int) -> FieldLo
             return FieldLook(field.name, attribute, "bar", "number", full=max(1.0, most))
 
 
-def _carried(fields: Iterable[ir.VarField], prefix: str, game: ir.Game) -> Iterator[FieldLook]:
-    """Yields the fields that an agent or a mover shows in its corners: words and numbers. `prefix`: of their attributes.
-
-    Timers say what it may do, not what it has; rows by agent or by numbers have no words to be pictures of.
-    """
+def _carried(fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...], game: ir.Game) -> Iterator[FieldLook]:
+    """Yields the words that an agent or a mover shows as badges. `prefix`: of their attributes."""
     shapes = 0
     for field in fields:
-        by, attribute = field.type.by, f"{prefix}_{field.name}"
-        if field.timer or any(level.sort != "word" for level in by) or is_passing(field, game):
-            continue
-        if field.type.kind == "word" and not by:
-            pictures = usual_words(field, False, shapes)
-            start = field.type.words.index(str(field.start))
-            yield FieldLook(field.name, attribute, "shape", "word", field.type.words, pictures=pictures, start=start)
+        if field.type.kind == "word" and not field.type.by:
+            words, attribute = field.type.words, f"{prefix}_{field.name}"
+            pictures = _as_looked(words, usual_words(field, False, shapes), game)
+            start, asked = words.index(str(field.start)), asked_words(field, rules)
+            yield FieldLook(field.name, attribute, "shape", "word", words, pictures=pictures, start=start, asked=asked)
             shapes += len(pictures) - 1
-        elif field.type.kind in ("int", "real"):
-            words = by[0].names if by else ()
-            row = ir.Type(kind="word", words=("nothing", *(words or (field.name,))))
-            pictures = usual_words(ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=row), False, shapes)[1:]
-            yield FieldLook(field.name, attribute, "shape", "number", words, pictures=pictures)
-            shapes += len(pictures)
+
+
+def _held(fields: Sequence[ir.VarField], game: ir.Game) -> FieldLook | None:
+    """Returns what the agents have of each of several words, of several such fields the first."""
+    for field in fields:
+        if field.type.kind in ("int", "real") and [level.sort for level in field.type.by] == ["word"]:
+            words = field.type.by[0].names
+            row = ir.Type(kind="word", words=("nothing", *words))
+            usual = usual_words(ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=row), False)[1:]
+            pictures = _as_looked(words, usual, game)
+            return FieldLook(field.name, f"agent_{field.name}", "shape", "number", words, pictures=pictures)
+    return None
+
+
+def _as_looked(words: Sequence[str], usual: Sequence[Picture], game: ir.Game) -> tuple[Picture, ...]:
+    """Returns for each word the sprite that a look shows where it asks for the word, so that what is carried looks as what lies about.
+
+    Other words, and those that are named after a sprite, keep their usual one.
+    """
+    found = dict(zip(words, usual, strict=True))
+    for rule in map(_rule, game.looks):
+        shown = rule.badge or (Picture(rule.sprite, rule.colour or SPRITES[rule.sprite]) if rule.sprite else None)
+        if shown is not None and rule.condition is not None:
+            asked = [word for part in map(_words, conjuncts(rule.condition)) if len(part) == 1 for word in part]
+            found |= {word: shown for word in asked if word in found and named_sprite(word) is None}
+    return tuple(found[word] for word in words)
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:

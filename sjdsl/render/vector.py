@@ -2,11 +2,12 @@
 
 import re
 from base64 import b64encode
+from collections.abc import Sequence
 from functools import cache, lru_cache
 from importlib.resources import files
 
-from sjdsl.render.appearance import BAR_STEPS, Drawing, Figure
-from sjdsl.render.colours import BARS, FILLING, INK, PAPER, Colour, hexadecimal, mixed
+from sjdsl.render.appearance import BAR_STEPS, Beam, Drawing, Figure
+from sjdsl.render.colours import BARS, COVERING, FILLING, INK, PAPER, Colour, hexadecimal, mixed
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.actions import DIRECTIONS
 
@@ -14,7 +15,9 @@ SIZE = 48  # pixels of a picture's side for browsers: sharp where a cell has 24 
 EDGE = 0.12  # of a cell's side
 BAR = 0.13
 BODY, OBJECT, HALF, BADGE = 0.88, 0.74, 0.5, 0.42  # sides of sprites, as shares of a cell's side
-BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))  # row and column of the corner of each badge, in order
+BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))  # of a cell: row and column of the corner of each badge, in order
+BEHIND = (((1, 1), (1, 0)), ((1, 0), (0, 0)), ((0, 0), (0, 1)), ((0, 1), (1, 1)))  # of an agent, by its heading: never over its eyes
+BEAM_OPACITY, BEAM_EDGE = 0.45, 0.09
 BADGE_INSIDE = 0.74  # of the disc that a badge lies on
 GRIDDED = 8  # pixels from which on cells are told apart by lines
 NUMBER = 0.44, 0.36  # heights of numbers of one digit and of more, as shares of a cell's side
@@ -32,7 +35,7 @@ KEPT = 4096  # texts of cells, and as many of figures
 def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
     """Returns the tile of a cell, as SVG of `size` pixels."""
     parts = [_box(0, 0, size, size, drawing.ground)]
-    if size >= GRIDDED and (drawing.body is None or drawing.body.sprite not in ("wall", "water")):
+    if size >= GRIDDED and (drawing.body is None or drawing.body.sprite not in COVERING):
         line = mixed(drawing.ground, INK, 0.08)
         parts += [_box(0, size - 1, size, 1, line), _box(size - 1, 0, 1, size, line)]
     if drawing.body is not None:
@@ -49,13 +52,19 @@ def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
         length, far = max(1, round(size * eighths / BAR_STEPS)), size - width
         boxes = ((0, far, length, width), (0, 0, length, width), (0, size - length, width, length), (far, size - length, width, length))
         parts.append(_box(*boxes[place], BARS[place]))
-    return _whole([*parts, *_badges(drawing.badges, size)], size)
+    return _whole([*parts, *_badges(drawing.badges, size, BADGE_CORNERS)], size)
 
 
 @lru_cache(KEPT)
-def vector_figure(figure: Figure, ground: Colour | None = None, size: int = SIZE) -> str:
-    """Returns an agent or a mover with what it carries, as SVG of `size` pixels. `ground`: what lies under it; None for nothing."""
+def vector_figure(figure: Figure | Beam, ground: Colour | None = None, size: int = SIZE) -> str:
+    """Returns an agent or a mover with what it carries, or a beam, as SVG of `size` pixels. `ground`: what lies under it; None for nothing."""
     parts = [] if ground is None else [_box(0, 0, size, size, ground)]
+    if isinstance(figure, Beam):
+        width = max(1, round(size * BEAM_EDGE))
+        far = size - width
+        boxes = ((0, 0, size, width), (far, 0, width, size), (0, far, size, width), (0, 0, width, size))
+        edges = [_box(*box, figure.edge) for box, side in zip(boxes, figure.sides, strict=True) if side]
+        return _whole([*parts, f'<g opacity="{BEAM_OPACITY}">{_box(0, 0, size, size, figure.fill)}</g>', *edges], size)
     body = _sprite(figure.sprite, _filling(figure), 0, 0, size)
     if figure.heading:
         body = f'<g transform="rotate({90 * figure.heading} {size / 2} {size / 2})">{body}</g>'
@@ -69,7 +78,7 @@ def vector_figure(figure: Figure, ground: Colour | None = None, size: int = SIZE
             f'<text x="{x:g}" y="{y:g}" dy=".35em" text-anchor="middle" font-family="sans-serif" font-weight="600" '
             f'font-size="{height:g}" fill="{hexadecimal(number_ink(figure))}">{figure.number}</text>'
         )
-    return _whole([*parts, *_badges(figure.badges, size)], size)
+    return _whole([*parts, *_badges(figure.badges, size, BEHIND[figure.heading])], size)
 
 
 def _filling(figure: Figure) -> Colour:
@@ -130,12 +139,12 @@ def _slots(count: int) -> list[tuple[float, tuple[float, float]]]:
     return [(HALF, (row, col)) for row in (0.25, 0.75) for col in (0.25, 0.75)]
 
 
-def _badges(badges: tuple[Picture, ...], size: int) -> list[str]:
+def _badges(badges: tuple[Picture, ...], size: int, corners: Sequence[tuple[int, int]]) -> list[str]:
     """Returns small sprites in the corners of a cell, each on a pale disc so that it is seen on any ground."""
     side = max(3, round(size * BADGE))
     inner = max(2, round(side * BADGE_INSIDE))
     found = []
-    for picture, (row, col) in zip(badges, BADGE_CORNERS, strict=False):
+    for picture, (row, col) in zip(badges, corners, strict=False):
         left, top, edge = col * (size - side), row * (size - side), (side - inner) // 2
         found.append(_sprite("disc", PAPER, left, top, side) + _sprite(picture.sprite, picture.colour, left + edge, top + edge, inner))
     return found

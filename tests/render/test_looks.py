@@ -1,5 +1,6 @@
 """What a `look` does to pictures, and that it does nothing else."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,15 +11,13 @@ from sjdsl.compiler import build, check, compile_source
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate.looks import COLOURS, SPRITES
 from sjdsl.compiler.ir.hash import game_hash
-from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
 from sjdsl.render import Snapshot, board, make_painter, take_snapshot
-from sjdsl.render.appearance import TINTED, Figure, cell_keys, draw_cell, draw_figures
+from sjdsl.render.appearance import TINTED, Figure, cell_keys, draw_cell, draw_figures, held_entries
 from sjdsl.render.board import draw_figure
 from sjdsl.render.colours import FILLING, SHAPES, agent_colour, mixed, read_colour
 from sjdsl.render.legend import cell_entries, figure_entries
 from sjdsl.render.look import Look, make_look
-from sjdsl.render.usual import Picture, is_passing, spawn_kinds
+from sjdsl.render.usual import Picture, spawn_kinds
 from sjdsl.runtime.env import Environment
 
 GAME = """sj 1
@@ -51,6 +50,10 @@ game grove "Grove" {
       set bush.fruit = none  add agent to bush.pickers  add 1 to bush.crop  add 1 to agent.bag[fresh]
       set agent.mood = wild  set agent.tired = 3
     }
+  }
+  observe {
+    show bush.crop as { much where bush.crop > 2, little }  show bush.owner
+    show bush.pickers as { mine where agent in bush.pickers, others }  show agent.bag  show other.mood
   }
 LOOKS
 }
@@ -107,7 +110,7 @@ def test_conditions_read_words_numbers_owners_and_sets(looked: Environment) -> N
     look = make_look(looked.game)
     first, blue, _ = bushes(look)
     assert first.ground == mixed((16, 32, 48), read_colour("red"), TINTED), "no look reads its hue"
-    assert first.body is None
+    assert first.body is not None and first.body.sprite == "bush", "by its name"
     assert blue.body == Picture("gem", read_colour("green"))
     assert blue.ground == (16, 32, 48), "what a later look does not speak of stays"
     cropped = bushes(look, crop=[2, 1, 4], owner=[-1, -1, 1], pickers=[4, 0, 0])
@@ -116,19 +119,48 @@ def test_conditions_read_words_numbers_owners_and_sets(looked: Environment) -> N
 
 
 def test_a_field_that_a_look_reads_is_drawn_by_it_alone(looked: Environment, plain: Environment) -> None:
-    for env, places in ((looked, [{1}, {0, 1}]), (plain, [{0, 1}, {0, 1}])):
+    for env, bars, edge in ((looked, set(), None), (plain, {0, 1}, agent_colour(2))):
         drawn = bushes(make_look(env.game), crop=[3, 3, 3], owner=[-1, -1, 2], pickers=[1, 1, 1])
-        assert [{place for place, _ in d.bars} for d in (drawn[0], drawn[2])] == (places if env is plain else [set(), {0}])
-        assert drawn[0].edge is None
-        assert drawn[2].edge == agent_colour(2)
+        assert {place for place, _ in drawn[2].bars} == bars
+        assert (drawn[0].edge, drawn[2].edge) == (None, edge)
+
+
+def test_what_no_agent_sees_is_not_drawn() -> None:
+    """Numbers, owners, sets and the agents' fields are seen if they are shown, words of cells unless they are hidden."""
+    unseen = re.sub(r"observe \{.*?\n  \}", "observe { hide bush.fruit }", GAME, flags=re.DOTALL)
+    dark, light = (make_look(build(Source("grove.sj", text.replace("LOOKS", ""))).game) for text in (unseen, GAME))
+    crops = {"fruit": [1] * 3, "crop": [3] * 3, "owner": [2] * 3, "pickers": [1] * 3}
+    for look, some in ((dark, False), (light, True)):
+        bush, *_ = bushes(look, **crops)
+        _, _, wild = figures(look, bag=[[9, 9]] * 3, mood=[1] * 3)
+        assert [bool(part) for part in (bush.badges, bush.bars, bush.edge, wild.badges, look.held)] == [some] * 5
+
+
+def test_words_that_agents_cannot_tell_apart_look_alike() -> None:
+    told = "show bush.hue as { reddish where bush.hue is red, other }"
+    text = GAME.replace("{ red, blue } = red", "{ red, blue, green } = red").replace("show bush.owner", told).replace("LOOKS", "")
+    look = make_look(build(Source("grove.sj", text)).game)
+    red, blue, green = bushes(look, hue=[0, 1, 2])
+    assert blue == green != red
+
+
+def test_what_stands_on_water_is_drawn_on_it(tmp_path: Path) -> None:
+    look = make_look(
+        made("  look bush as blue water  look bush where bush.hue is blue as boat  look bush where bush.crop > 3 as wall", tmp_path).game
+    )
+    water, afloat, walled = bushes(look, hue=[0, 1, 1], crop=[0, 0, 4])
+    assert [drawing.body.sprite for drawing in (water, afloat, walled) if drawing.body] == ["water", "water", "wall"]
+    assert [[picture.sprite for picture in drawing.objects] for drawing in (water, afloat, walled)] == [[], ["boat"], []]
 
 
 def test_agents_show_what_they_carry(looked: Environment, plain: Environment) -> None:
-    idle, busy, full = figures(make_look(plain.game), bag=[[0, 0], [2, 0], [1, 3]], mood=[0, 0, 1])
-    assert idle.badges == ()
-    assert len(busy.badges) == 1
-    assert len(set(full.badges)) == 3, "two entries and a mood"
-    assert busy.badges[0] in full.badges
+    look = make_look(plain.game)
+    idle, busy, full = figures(look, bag=[[0, 0], [2, 0], [1, 3]], mood=[0, 0, 1])
+    assert (idle.badges, busy.badges) == ((), ())
+    assert len(full.badges) == 1, "a mood; what can be counted stands in the agent's row"
+    nothing = np.zeros(3, int)
+    shot = Snapshot(0, {"agent_bag": np.array([[0, 0], [2, 0], [1, 3]])}, nothing, nothing, nothing, nothing > 0, nothing)
+    assert [amount for _, amount in held_entries(look, shot, 2)] == [1, 3]
     calm, _, wild = figures(make_look(looked.game), bag=[[1, 0], [0, 0], [1, 3]], mood=[0, 1, 1])
     assert (calm.sprite, calm.colour) == ("agent", agent_colour(0))
     assert (wild.sprite, wild.colour, wild.badges[0].sprite) == ("animal", read_colour("orange"), "pot")
@@ -137,7 +169,7 @@ def test_agents_show_what_they_carry(looked: Environment, plain: Environment) ->
 
 def test_what_is_usual_follows_from_the_rules(plain: Environment) -> None:
     kinds = {kind.name: kind for kind in make_look(plain.game).kinds}
-    assert kinds["hedge"].body is not None and kinds["hedge"].body.sprite == "tree", "it blocks agents, and is green by its name"
+    assert kinds["hedge"].body is not None and kinds["hedge"].body.sprite == "bush", "by its name"
     assert kinds["moss"].body is None
     assert kinds["start_"].body is None, "nobody is sent there"
     fruit = next(field for field in kinds["bush"].fields if field.name == "fruit")
@@ -185,7 +217,7 @@ def test_each_sprite_is_drawn_at_any_size_in_its_colour(name: str) -> None:
 
 def test_every_file_and_every_name_of_a_sprite() -> None:
     folder = Path(sjdsl.__file__).parent / "render" / "sprites"
-    assert {path.stem for path in folder.iterdir()} == {*SPRITES, *SHAPES, "agent"}
+    assert {path.stem for path in folder.iterdir()} == {*SPRITES, *SHAPES, "agent", "flash"}
     assert not set(SPRITES) & set(COLOURS)
 
 
@@ -193,14 +225,8 @@ def test_a_legend_leaves_out_what_no_cell_shows() -> None:
     """Every patch has a class, so there is no plain one; and no word is said twice."""
     look = make_look(sjdsl.make("pd_arena").game)
     assert [text for _, text in cell_entries(look)] == ["floor", "wall", "patch: coop", "defect", "coop, ripe", "defect, ripe", "gate"]
-    assert [text for _, text in figure_entries(look)] == ["bag: coop", "bag: defect", "pale: can only stay"]
-
-
-@pytest.mark.parametrize(("name", "passing"), [("gift_refinement", {"post"}), ("territory", {"rivals"}), ("coop_mining", set())])
-def test_what_is_gone_after_every_step_is_not_drawn(name: str, passing: set[str]) -> None:
-    game = build(read_source(find_game(name))).game
-    fields = [*game.agents.fields, *(field for kind in game.kinds for field in kind.fields)]
-    assert {field.name for field in fields if is_passing(field, game)} == passing
+    leaning = ["bag[coop] > bag[defect]", "bag[defect] > bag[coop]"]
+    assert [text for _, text in figure_entries(look)] == [*leaning, "pale: can only stay"]
 
 
 def test_a_frame_drawn_again_rasterises_nothing(looked: Environment, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -231,8 +257,8 @@ def test_what_is_wrong_with_a_look_is_said(look: str, code: str) -> None:
 
 
 def test_what_blocks_is_drawn_by_its_name_and_water_is_not_land() -> None:
-    kinds = ("land", "lake", "pond", "hedge", "cliff", "fence", "path")
-    blocking = ("lake", "hedge", "cliff", "fence")
+    kinds = ("land", "lake", "pond", "hedge", "cliff", "fence", "path", "x")
+    blocking = ("lake", "hedge", "cliff", "fence", "x")
     declared = "  ".join(
         f'kind {name} "{name[0] if name != "path" else "t"}"' + " { blocks agents }" * (name in blocking) for name in kinds
     )
@@ -240,7 +266,7 @@ def test_what_blocks_is_drawn_by_its_name_and_water_is_not_land() -> None:
 game x "X" {{
   episode 4
   {declared}
-  map {{ "lLphcft" }}
+  map {{ "lLphcftx" }}
   agents 1 {{ acts stay }}
   phase start {{ each agent {{ send agent to land }} }}
   schedule rest
@@ -249,5 +275,14 @@ game x "X" {{
 """.replace('kind lake "l"', 'kind lake "L"')
     looks = {kind.name: kind for kind in make_look(build(Source("x.sj", game)).game).kinds}
     bodies = {name: look.body.sprite if look.body is not None else "" for name, look in looks.items()}
-    assert bodies == {"land": "", "lake": "water", "pond": "water", "hedge": "tree", "cliff": "ore", "fence": "wall", "path": ""}
+    assert bodies == {
+        "land": "",
+        "lake": "water",
+        "pond": "water",
+        "hedge": "bush",
+        "cliff": "ore",
+        "fence": "wall",
+        "path": "",
+        "x": "block",
+    }
     assert len({look.ground for look in looks.values()}) == len(kinds)

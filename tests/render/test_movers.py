@@ -35,6 +35,7 @@ game herd "Herd" {
     each deer where deer.index == 1 { set deer.fear = scared  set deer.rest = 3 }
     each coin { remove coin }
   }
+  observe { show deer.fear }
 LOOKS
 }
 """

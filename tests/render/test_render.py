@@ -1,6 +1,7 @@
 """Pictures: what can be seen at known cells, not the pixels of a whole film."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -12,10 +13,12 @@ from PIL import Image
 import sjdsl
 from sjdsl.cli import run
 from sjdsl.render import Painter, Snapshot, make_painter, play, save_gif, save_png, stay_policy
-from sjdsl.render.appearance import shown_values
+from sjdsl.render.appearance import Beam, Figure, appearance_of, shown_values
 from sjdsl.render.board import draw_board
 from sjdsl.render.colours import INK, WORDS, agent_colour, kind_colours, mark_colours, word_colours
+from sjdsl.render.legend import legend_entries
 from sjdsl.render.look import FieldLook, make_look
+from sjdsl.render.vector import BEAM_OPACITY
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import MemoryPolicy
 
@@ -142,15 +145,72 @@ def kind_corner(cell: np.ndarray) -> np.ndarray:
     return cell[1, 1].astype(int)
 
 
-def test_a_beam_tints_its_cells_for_one_step(painter: Painter, after: Play) -> None:
+def test_a_beam_has_the_colour_of_who_fires_and_an_edge_for_one_step(painter: Painter, after: Play) -> None:
     before, during, later = (_board(painter, shot) for shot in (after(STAY, 1), after(ZAP, 1), after(ZAP, 2)))
-    tint = np.array(mark_colours(("fire",))[0])
+    middle, edge = painter.look.tile // 2, np.array(mark_colours(("fire",))[0])
     for place in ((1, 3), (0, 3)):
-        plain, lit = _cell(before, painter, place)[5, 5], _cell(during, painter, place)[5, 5]
-        assert np.abs(lit - (plain.astype(int) + tint) / 2).max() <= 1
-        assert (_cell(later, painter, place)[5, 5] == plain).all()
+        plain, lit, gone = (_cell(board, painter, place) for board in (before, during, later))
+        expected = plain[middle, middle] + (np.array(agent_colour(0)) - plain[middle, middle]) * BEAM_OPACITY
+        assert np.abs(lit[middle, middle] - expected).max() <= 1
+        assert (gone == plain).all()
+        assert (lit[middle, 0] == edge).all() and (lit[middle, -1] == edge).all()
+    near, far = (_cell(during, painter, place) for place in ((1, 3), (0, 3)))
+    assert (far[0, middle] == edge).all() and not (far[-1, middle] == edge).all() and (near[-1, middle] == edge).all(), "around the beam"
     outside = _cell(during, painter, (0, 0))
     assert (outside == _cell(before, painter, (0, 0))).all()
+    assert [text for _, text in legend_entries(painter.look)][-2:] == ["zap", "pale: can only stay"], "the action, not the phase"
+
+
+def test_whose_beam_it_is_follows_from_the_actions(painter: Painter, after: Play) -> None:
+    """Two agents stand in a line; without their actions it is the nearer one's."""
+    one, marks = after(STAY, 1), np.zeros((3, 7), bool)
+    marks[0, 2:4] = True
+    look = replace(painter.look, num_agents=2)
+    where = {
+        "row": np.array([1, 2]),
+        "col": np.array([3, 3]),
+        "heading": np.zeros(2, int),
+        "held": np.zeros(2, bool),
+        "returns": np.zeros(2),
+    }
+    shot = replace(one, marks={"fire": marks}, **where)
+    for actions, agent in (((), 0), ((STAY, ZAP), 1), ((ZAP, STAY), 0), ((STAY, STAY), None)):
+        beams = [(beam, row, col) for beam, row, col in appearance_of(look, shot, actions).figures if isinstance(beam, Beam)]
+        assert [(row, col) for _, row, col in beams] == [(0, 2), (0, 3)]
+        fill = mark_colours(("fire",))[0] if agent is None else agent_colour(agent)
+        assert {beam.fill for beam, _, _ in beams} == {fill}
+        assert [beam.sides for beam, _, _ in beams] == [(True, False, True, True), (True, True, True, False)]
+
+
+def test_what_is_taken_or_struck_flashes_and_what_comes_does_not(painter: Painter, after: Play) -> None:
+    before = replace(after(STAY, 1), step=6)
+
+    def flashes(now: Snapshot, then: Snapshot = before) -> set[tuple[int, int]]:
+        found = appearance_of(painter.look, now, (), then).figures
+        return {(row, col) for figure, row, col in found if isinstance(figure, Figure) and figure.sprite == "flash"}
+
+    def with_fruit(*ripe: int) -> Snapshot:
+        fruit = np.array([int(number in ripe) for number in range(3)])
+        return replace(before, values={**before.values, "soil_fruit": fruit})
+
+    row, col = RIPE
+    on_it = {"step": 7, "row": np.array([row]), "col": np.array([col])}
+    assert flashes(replace(with_fruit(), **on_it), with_fruit(2)) == {RIPE}
+    assert flashes(replace(with_fruit(), step=7), with_fruit(2)) == set(), "it rotted, and nobody was there"
+    assert flashes(replace(with_fruit(2), **on_it), with_fruit()) == set(), "it has grown"
+    assert flashes(replace(with_fruit(), **{**on_it, "step": 9}), with_fruit(2)) == set(), "that was not the moment before"
+    marked = replace(with_fruit(), step=7, marks={"fire": np.arange(21).reshape(3, 7) == 7 * row + col})
+    assert flashes(marked, with_fruit(2)) == {RIPE}
+    assert flashes(replace(before, step=7, held=np.array([True]))) == {GATE}, "it was hit"
+    assert flashes(replace(before, step=7, row=np.array([-1]), col=np.array([-1]))) == {GATE}, "it was sent away"
+
+
+def test_starting_places_are_marked_at_the_start_alone(painter: Painter, after: Play) -> None:
+    first = after(STAY, 0)
+    aside = {"row": np.array([0]), "col": np.array([0])}
+    start, later = (_cell(_board(painter, replace(first, step=step, **aside)), painter, GATE) for step in (0, 1))
+    assert (start != later).any()
+    assert len(np.unique(later.reshape(-1, 3), axis=0)) <= 2, "ground and grid"
 
 
 def test_an_agent_that_can_only_stay_is_paler(painter: Painter, after: Play) -> None:
@@ -221,6 +281,7 @@ game owned "Owned" {
   agents 2 { acts stay, zap  field role : { guest, host } = guest }
   phase start { each agent { when agent.index == 1 { set agent.role = host }  send agent to floor } }
   schedule claim
+  observe { show plot.owner }
   phase claim {
     pick 1 agent where agent.index == 1 and agent chose zap { each plot { set plot.owner = agent  set plot.colour = blue } }
   }

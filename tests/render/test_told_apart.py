@@ -10,7 +10,7 @@ import sjdsl
 from sjdsl.games_folder import main_games
 from sjdsl.render.appearance import Drawing, cell_keys, draw_cell
 from sjdsl.render.board import draw_tile
-from sjdsl.render.colours import AGENTS, BARS
+from sjdsl.render.colours import AGENTS, BARS, KINDS, TILES, Colour
 from sjdsl.render.look import KindLook, Look, make_look
 from tests.render.colour_vision import VISIONS, distance, lab
 
@@ -62,6 +62,21 @@ def test_objects_stand_out_more_than_starting_places(name: str) -> None:
             elif drawing.objects or (drawing.body is not None and drawing.body.sprite not in ("water", "wall")):
                 things.append(apart)
     assert max(marks, default=0.0) < 0.5 * min(things, default=100.0)
+
+
+def apart(first: Colour, second: Colour) -> float:
+    """Returns the least distance of two colours to people with any kind of colour vision."""
+    return min(float(distance(np.array(first), np.array(second), vision)) for vision in VISIONS)
+
+
+@pytest.mark.parametrize(("grounds", "least"), [(KINDS, 6.5), (dict(enumerate(TILES)), 5)], ids=["named", "spare"])
+def test_grounds_are_told_apart_by_the_colour_blind(grounds: dict, least: float) -> None:
+    alike = {frozenset(pair) for pair in (("water", "river"), ("channel", "sea"), ("floor", "tile"), ("wall", "brick"))}
+    for first, second in combinations(grounds, 2):
+        assert apart(grounds[first], grounds[second]) >= least or {first, second} in alike, f"{first} and {second}"
+    assert apart(KINDS["grass"], KINDS["orchard"]) >= 10
+    land = [colour for name, colour in grounds.items() if name not in ("water", "river", "channel", "sea", "wall")]
+    assert min(apart(KINDS["water"], colour) for colour in land) >= 12
 
 
 def test_agents_have_colours_of_their_own() -> None:

@@ -23,7 +23,7 @@ FIGURES = [
     *(Figure(None, RED, heading=heading) for heading in range(4)),
     Figure(None, BLUE, "animal", 3),
     Figure(None, RED, held=True),
-    Figure(None, BLUE, badges=tuple(Picture(sprite, RED) for sprite in ("gem", "disc", "ore"))),
+    *(Figure(None, BLUE, heading=heading, badges=tuple(Picture(sprite, RED) for sprite in ("gem", "disc", "ore"))) for heading in range(4)),
 ]
 
 
@@ -66,8 +66,9 @@ def test_figures_turn_pale_and_carry(figure: Figure) -> None:
         assert drawn[..., :3][drawn[..., 3] == 255].mean() > 40 + draw_figure(replace(figure, held=False), SIZE)[..., :3].mean()
     plain = draw_figure(replace(figure, badges=()), SIZE)
     corners = [slice(SIZE // 2, None), slice(0, SIZE // 2)]
-    changed = [apart(drawn[rows, cols], plain[rows, cols]) > 5 for rows in corners for cols in corners]
-    assert changed == [place < len(figure.badges) for place in range(4)]
+    behind = np.rot90(drawn, figure.heading), np.rot90(plain, figure.heading)  # as if it looked up
+    changed = [apart(behind[0][rows, cols], behind[1][rows, cols]) > 5 for rows in corners for cols in corners]
+    assert changed == [place < min(2, len(figure.badges)) for place in range(4)], "two behind it at most, none over its eyes"
     assert min(apart(draw_figure(other, SIZE), drawn) for other in FIGURES if other != figure) > 2.5
 
 

@@ -15,7 +15,10 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
 
 HEXADECIMAL = re.compile("#[0-9a-fA-F]{6}")
-SPRITES = ("tree", "apple", "water", "mushroom", "ore", "gem", "coin", "wall", "floor", "animal", "raft", "pot")
+SPRITES = (
+    *("tree", "apple", "water", "mushroom", "ore", "gem", "coin", "wall", "floor", "animal", "raft", "pot"),
+    *("bush", "banana", "flag", "boat", "cart", "crate", "cube", "door", "block", "table", "plate"),
+)
 
 # The colours a file can name. Those after grey are Okabe and Ito's (2008, "Color universal design"), which people with any kind of
 # colour vision can tell apart, or darker and paler ones between them.

@@ -1,10 +1,8 @@
-// Draws the board of an episode on a canvas: cells, marks over them, then agents and movers.
+// Draws the board of an episode on a canvas: cells, then beams, agents and movers.
 "use strict";
 
-const MARKED = 0.5; // how much of a cell the colour of a mark covers
-
 // Draws one moment so that it fits into `width` pixels of the page; cells never get larger than their pictures.
-// map: height, width in cells, size of a picture in pixels, marks; cells: the picture of each cell; moment: its marks and figures.
+// map: height, width in cells, size of a picture in pixels; cells: the picture of each cell; moment: its figures.
 function paintBoard(canvas, map, images, cells, moment, width) {
   const density = window.devicePixelRatio || 1;
   const cell = Math.max(2, Math.min(map.size, Math.floor((width * density) / map.width)));
@@ -14,12 +12,6 @@ function paintBoard(canvas, map, images, cells, moment, width) {
   canvas.style.width = `${canvas.width / density}px`;
   const pen = canvas.getContext("2d");
   cells.forEach((picture, at) => put(picture, Math.floor(at / map.width), at % map.width));
-  pen.globalAlpha = MARKED;
-  moment.marks.forEach((marked, mark) => {
-    pen.fillStyle = map.marks[mark].colour;
-    marked.forEach((at) => pen.fillRect((at % map.width) * cell, Math.floor(at / map.width) * cell, cell, cell));
-  });
-  pen.globalAlpha = 1;
   moment.figures.forEach(([picture, row, col]) => put(picture, row, col));
 }
 

@@ -68,9 +68,11 @@ async function showEpisode(root, data) {
 
 // Makes a row for each agent; returns what fills each of them from a moment.
 function agentRows(table, data) {
+  const some = data.moments[0].held.length > 0;
+  if (!some) table.querySelector('[data-part="has"]').remove();
   return data.agents.map((colour, agent) => {
     const row = table.tBodies[0].insertRow();
-    const [name, action, reward, total] = Array.from({ length: 4 }, () => row.insertCell());
+    const [name, action, reward, total, has] = Array.from({ length: some ? 5 : 4 }, () => row.insertCell());
     const swatch = document.createElement("span");
     swatch.className = "swatch";
     swatch.style.background = colour;
@@ -79,18 +81,24 @@ function agentRows(table, data) {
       action.textContent = moment.actions.length ? data.actions[moment.actions[agent]] : "";
       reward.textContent = moment.rewards[agent] === 0 ? "" : signed(moment.rewards[agent]);
       total.textContent = plain(moment.returns[agent]);
+      has?.replaceChildren(...moment.held[agent].flatMap(([picture, amount]) => [pictureOf(data, picture), plain(amount)]));
     };
   });
 }
 
 function fillLegend(place, data) {
   for (const [picture, text] of data.legend) {
-    const item = document.createElement("li"), image = document.createElement("img");
-    image.src = data.pictures[picture];
-    image.alt = "";
-    item.append(image, text);
+    const item = document.createElement("li");
+    item.append(pictureOf(data, picture), text);
     place.append(item);
   }
+}
+
+function pictureOf(data, picture) {
+  const image = document.createElement("img");
+  image.src = data.pictures[picture];
+  image.alt = "";
+  return image;
 }
 
 // An event of everybody has one count, one of agents a count for each.
