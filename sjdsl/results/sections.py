@@ -3,12 +3,13 @@
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sjdsl.results.drawing import colours
+from sjdsl.render.plot_style import line_colour
 from sjdsl.results.figures import Cell, Figure, Table, counted, interval, of_cell, of_comparison, short
 from sjdsl.results.loading import CONTRASTS, WAY
 from sjdsl.results.page import Picture, Section
@@ -19,12 +20,12 @@ from sjdsl.trainers.panels import Line, draw_panels, split_lines
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure as Drawing
 
 BEHIND = "seeds, steps, preset, hardware"
 OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing about other training seeds
 USUAL = {"algorithm": "ippo", "reward": "individual", "sharing": "shared"}  # the values that others are compared with
 REWARD = ("reward", "exchange_ratio", "svo_weight", "svo_angle")  # together they are one choice
+BANDS = "Lines: means over seeds. Bands: 95 % intervals."
 Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
 Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]  # game -> way of training -> its cell, and the scores of its seeds
 
@@ -99,12 +100,17 @@ def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[s
 def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
     """Returns the section with a picture for each game: the mean over seeds with a band for its 95 % interval (Student's t)."""
     pictures = []
+    colours: dict[str, str] = {}  # a way of training has one in all games
     for setting, own in games(frame):
         whole = own[~own.run.isin(own[own.status == "failed"].run)]
-        lines = [line for words, seeds in ways(whole) if (line := _line(words, curves[curves.run == seeds.iloc[0].run])) is not None]
+        lines = []
+        for words, seeds in ways(whole):
+            if (line := _line(words, curves[curves.run == seeds.iloc[0].run])) is not None:
+                lines.append(replace(line, colour=colours.setdefault(words, line_colour(len(colours)))))
         if lines:
             name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
-            pictures.append(Picture(name, setting.label, partial(_draw_curves, lines, setting.label)))
+            draw = partial(draw_panels, split_lines(lines, "collective return of an episode"), setting.label, BANDS)
+            pictures.append(Picture(name, setting.label, draw))
     text = ["Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no band."]
     if (frame.algorithm == "vdn").any():
         text.append("The curves of VDN are from episodes in which it explores. The tables evaluate its last policies without exploration.")
@@ -124,12 +130,7 @@ def _line(words: str, points: "pd.DataFrame") -> Line | None:
         return Line(label, steps, values[:, 0])
     found = [estimate(row) for row in values]
     mean, low, high = (np.array([getattr(figure, end) for figure in found]) for end in ("mean", "low", "high"))
-    return Line(label, steps, mean, low, high)
-
-
-def _draw_curves(lines: Sequence[Line], title: str) -> "Drawing":
-    with colours():
-        return draw_panels(split_lines(lines, "collective return of an episode"), title)
+    return Line(label, steps, mean, low, high, least=float(values.min()))
 
 
 def over_games(frame: "pd.DataFrame") -> Section:
