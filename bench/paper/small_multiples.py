@@ -51,8 +51,8 @@ def panel_of(title: str, series: Series, printed: Sequence[tuple[float, float]])
     return Multiple(title, (series,), tuple(printed))
 
 
-def draw_series(plots: Sequence[Multiple], x_title: str, y_title: str, logarithmic: bool = False) -> "Figure":
-    """Returns a figure with a plot a game, three in a row, over the same x; bars are 95 % intervals."""
+def draw_series(plots: Sequence[Multiple], x_title: str, y_title: str, logarithmic: bool = False, bars: str = "95 % intervals") -> "Figure":
+    """Returns a figure with a plot a game, three in a row, over the same x. bars: what they are, in words."""
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
     rows, columns = math.ceil(len(plots) / COLUMNS), min(COLUMNS, len(plots))
@@ -70,7 +70,7 @@ def draw_series(plots: Sequence[Multiple], x_title: str, y_title: str, logarithm
             labels = [Label(series.label, series.mean[-1], colours[series.label]) for series in plot.series]
             name_lines(axes, [*labels, *(Label("published", y, BLACK) for _, y in plot.printed[-1:])])
         figure.supylabel(y_title, fontsize="medium")
-        note_below(figure, f"Over {x_title}. Bars: 95 % intervals.")
+        note_below(figure, f"Over {x_title}. Bars: {bars}.")
     return figure
 
 

@@ -25,7 +25,6 @@ BEHIND = "seeds, steps, preset, hardware"
 OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing about other training seeds
 USUAL = {"algorithm": "ippo", "reward": "individual", "sharing": "shared"}  # the values that others are compared with
 REWARD = ("reward", "exchange_ratio", "svo_weight", "svo_angle")  # together they are one choice
-BANDS = "Lines: means over seeds. Bands: 95 % intervals."
 Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
 Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]  # game -> way of training -> its cell, and the scores of its seeds
 
@@ -109,7 +108,11 @@ def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
                 lines.append(replace(line, colour=colours.setdefault(words, line_colour(len(colours)))))
         if lines:
             name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
-            draw = partial(draw_panels, split_lines(lines, "collective return of an episode"), setting.label, BANDS)
+            seeds_of = {line.label.rpartition(", ")[2] for line in lines}  # told once if all have as many
+            if len(seeds_of) == 1:
+                lines = [replace(line, label=line.label.rpartition(", ")[0]) for line in lines]
+            note = f"Lines: means over {seeds_of.pop() if len(seeds_of) == 1 else 'seeds'}. Bands: 95 % intervals."
+            draw = partial(draw_panels, split_lines(lines, "collective return of an episode"), setting.label, note)
             pictures.append(Picture(name, setting.label, draw))
     text = ["Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no band."]
     if (frame.algorithm == "vdn").any():

@@ -129,7 +129,8 @@ def test_the_page_begins_with_which_claims_hold(tmp_path: Path) -> None:
     contrasts = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 11.0), "fear": (40.0, 30.0, 50.0), "greed": (2.0, -3.0, 7.0)}
     write_diagram(tmp_path / "d", "coins", contrasts, "dilemma", rules="c02")
     page = page_of(tmp_path)
-    assert page.text.split("\n## ")[1].startswith("Findings\n")
+    first = "* **Common reward earns more than individual reward in 1 of 3 games it was run in** (coins); not in mushrooms; undecided in pd_arena.\n"
+    assert page.text.startswith(f"# Results\n\n## Findings\n\n{first}")
     found = {row["claim"]: row for row in page.tables["findings"]}
     claim = "common reward earns more than individual reward"
     verdicts = [found[claim][f"ours {game}"] for game in ("coins", "mushrooms", "pd_arena", "clean_up", "harvest_open")]
