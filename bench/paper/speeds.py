@@ -89,7 +89,14 @@ def speed(frame: pd.DataFrame) -> Section:
     )
     headings = ("game", "", *(f"{number:,}" for number in numbers), "rounds, hardware")
     plots = [plot for name in names if (plot := _plot(frame, name)) is not None]
-    draw = partial(draw_series, plots, "environments at once", "environment steps a second", logarithmic=True)
+    draw = partial(
+        draw_series,
+        plots,
+        "environments at once",
+        "environment steps a second",
+        logarithmic=True,
+        bars="from the slowest round to the fastest",
+    )
     missing = [name for name in published.suite() if not _complete(frame, name)]
     fill = [f"sjdsl bench {called(missing)} --envs 1,128,1024,4096 --agents own,20 --json runs/speed.json"] if missing else []
     pictures = (Picture("speed", "speed over environments", draw),) if plots else ()

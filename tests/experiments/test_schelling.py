@@ -94,7 +94,7 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     stored = json.loads((tmp_path / "diagram/schelling.json").read_text())["verdict"]
     assert (stored["outcome"], stored["without_spread"], stored["caution"]) == ("no dilemma", ["A"], said)
     assert f"verdict: no dilemma: the upper bound of A is not above 0\n{said}" in diagram_text(found)
-    assert "the verdict rests on samples without spread" in draw_diagram(found).axes[0].get_title()
+    assert "the verdict rests on samples without spread" in draw_diagram(found).axes[0].get_title("left")
 
     seeds = replace(found, returns=Returns(*(np.repeat(values, 2, axis=1) for values in astuple(found.returns))))
     assert "up to" in (seeds.caution or "")
@@ -103,7 +103,7 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     noise = np.random.default_rng(0).normal(0, 0.01, (3, 1, 3))
     spread = replace(found, returns=Returns(*(values + noise for values in astuple(found.returns))))
     assert (spread.verdict.outcome, spread.caution) == ("no dilemma", None)
-    assert "spread" not in draw_diagram(spread).axes[0].get_title()
+    assert "spread" not in draw_diagram(spread).axes[0].get_title("left")
 
 
 class Stopped(Exception):

@@ -193,6 +193,7 @@ def test_why_tells_the_rule_and_the_cells(bench: Bench) -> None:
     said = {effect["said"]: (rule["line"], effect["cells"]) for rule in rules for effect in rule["effects"]}
     line = GAME[: GAME.index("phase eat")].count("\n") + 1
     assert said["soil (0, 2)  fruit: ripe -> none"] == (line, [[0, 2]])
+    assert said["agent 0  reward +1"][1] == [[0, 2]]  # where the agent stands: who asks about another cell doesn't see it
 
 
 def test_python_has_the_lines_it_comes_from(bench: Bench) -> None:

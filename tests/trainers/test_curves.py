@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sjdsl.render.plot_style import apart
 from sjdsl.trainers import RunError
 from sjdsl.trainers.curves import curve_line, draw_curves, figures, in_words, read_seeds
 from sjdsl.trainers.learning_curve import curve_panels
@@ -78,7 +79,32 @@ def test_a_plot_has_five_lines_at_most(lines: int, plots: list[int]) -> None:
     assert [shown.label for panel in panels for shown in panel.lines] == [f"run {number}" for number in range(lines)]
     figure = draw_panels(panels)
     assert [len(axes.lines) for axes in figure.axes] == plots
+    named = [{(text.get_text(), text.get_color()) for text in axes.texts} for axes in figure.axes]
+    assert sorted(text for names in named for text, _ in names) == sorted(f"run {number}" for number in range(lines))
+    assert [{colour for _, colour in names} for names in named] == [{shown.get_color() for shown in axes.lines} for axes in figure.axes]
+    assert len({shown.get_color() for axes in figure.axes for shown in axes.lines}) == lines
     assert {axes.get_ylim() for axes in figure.axes} == {figure.axes[0].get_ylim()}, "side by side they can be compared"
+
+
+def test_axes_begin_at_0_unless_a_measurement_is_below() -> None:
+    """A mean and its interval say nothing about the sign of what was measured; the smallest measurement does."""
+    values, low = np.array([3.0, 4.0]), np.array([-1.0, 2.0])
+    for least, begins in ((0.5, True), (-0.5, False)):
+        (axes,) = draw_panels(split_lines([Line("a", np.arange(2), values, low, values + 1, least=least)], "return")).axes
+        assert (axes.get_ylim()[0] == 0) == begins
+
+
+@pytest.mark.parametrize(
+    ("wanted", "places"),
+    [
+        ([0.1, 0.5, 0.9], [0.1, 0.5, 0.9]),
+        ([0.5, 0.5], [0.45, 0.55]),
+        ([0.2, 0.22, 0.24, 0.9], [0.12, 0.22, 0.32, 0.9]),
+        ([0.0, 0.0, 0.2], [0.05, 0.15, 0.25]),
+    ],
+)
+def test_names_of_lines_do_not_overlap(wanted: list[float], places: list[float]) -> None:
+    assert apart(wanted, [0.1] * len(wanted)) == pytest.approx(places)
 
 
 def test_agents_stand_beside_the_return_of_all() -> None:

@@ -3,6 +3,7 @@
 import DOMPurify from "dompurify";
 import { marked } from "marked";
 import { element, table } from "./dom.js";
+import { why } from "./why.js";
 
 export const PANELS = {
   rules: "Rules in English",
@@ -36,24 +37,6 @@ function python({ answer, toLine, line }) {
     return row;
   });
   return element("pre", {}, ...rows);
-}
-
-function why({ answer, cell, agent, toLine }) {
-  if (answer.step === null && !answer.turns.length) return element("p", {}, "Nothing has happened yet: take a step.");
-  const concerns = (effect) => !cell || effect.cells.some(([row, col]) => row === cell[0] && col === cell[1]) || effect.agent === agent;
-  const asked = cell ? `what concerns the cell (${cell[0]}, ${cell[1]})${agent === null ? "" : ` and agent ${agent}`}` : "everything";
-  const made = [element("p", { class: "hint" }, `The last step, ${asked}. Click on a cell of the board to ask about it.`)];
-  for (const turn of answer.turns) {
-    const found = turn.rules.map((rule) => ({ ...rule, effects: rule.effects.filter(concerns) })).filter((rule) => rule.effects.length);
-    if (!found.length) continue;
-    made.push(element("h3", {}, turn.phase));
-    for (const rule of found) {
-      const link = element("button", { class: "rule", disabled: rule.line === null, onclick: () => toLine(rule.line) }, `${rule.place}  ${rule.text}`);
-      const effects = rule.effects.flatMap((effect) => [element("li", {}, effect.said), ...effect.draws.map((draw) => element("li", { class: "draw" }, draw))]);
-      made.push(link, element("ul", {}, ...effects));
-    }
-  }
-  return made.length > 1 ? made : [...made, element("p", {}, "Nothing changed there.")];
 }
 
 function state({ answer }) {
