@@ -81,10 +81,6 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
     if not told:
         raise ValueError("an episode without a moment cannot be shown: give at least its start")
     look = artist.look
-    legend = []
-    for seen, text in legend_entries(look):
-        svg = vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)
-        legend.append([artist.picture_of(svg), text])
     return {
         "format": FORMAT,
         "title": look.title,
@@ -94,7 +90,7 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
         "actions": list(game.agents.actions),
         "agents": artist.colours,
         "marks": [{"label": label, "colour": hexadecimal(colour)} for label, colour in look.marks],
-        "legend": legend,
+        "legend": artist.legend(),
         "moments": told,
         "pictures": artist.pictures,
     }
@@ -136,6 +132,14 @@ class Artist:
             "events": [[name, np.asarray(count).tolist()] for name, count in moment.events.items()],
             "done": moment.done,
         }
+
+    def legend(self) -> list[list[Any]]:
+        """Returns what can be seen on the board: [picture, text]."""
+        svgs = (
+            (vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER), text)
+            for seen, text in legend_entries(self.look)
+        )
+        return [[self.picture_of(svg), text] for svg, text in svgs]
 
     def picture_of(self, svg: str) -> int:
         """Returns the number of a picture; equal ones have one number."""
