@@ -14,6 +14,7 @@ from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
 from sjdsl.properties import GameFamily, Verdict, verify_properties
 from sjdsl.studio.counterexample import as_json
+from sjdsl.studio.episode import Episode, measured
 from sjdsl.studio.opened import Opened
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
@@ -122,6 +123,11 @@ def _effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any
         "cells": [list(cell) for cell in dict.fromkeys(place for place in concerned if isinstance(place, Cell))],
         "because": [reason_report(reason) for reason in explainer.effect(effect)],
     }
+
+
+def curves_panel(episode: Episode) -> dict[str, Any]:
+    """Returns the returns of the agents at each moment so far, and the metrics of the step that led to it."""
+    return {"returns": episode.returns, "metrics": [measured(episode.game, moment.outcome) for moment in episode.moments]}
 
 
 def diff_panel(opened: Opened) -> dict[str, Any]:

@@ -3,10 +3,11 @@
 import DOMPurify from "dompurify";
 import { marked } from "marked";
 import { element, table } from "./dom.js";
+import { pythonView } from "./editor.js";
 import { why } from "./why.js";
 
 export const PANELS = {
-  rules: "Rules in English",
+  rules: "Rules",
   why: "Why",
   state: "State",
   seen: "Seen",
@@ -18,7 +19,7 @@ export const PANELS = {
 export const ASKED = { why: "trace" }; // where the request has another name
 export const LASTING = new Set(["rules", "python", "checks", "diff"]); // depend on the text alone
 
-// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent, showIt }.
+// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent, showIt, keep }; keep: called with a view that follows the cursor.
 export function fill(place, name, about) {
   const made = { rules, why, state, seen, python, checks, diff }[name](about);
   place.replaceChildren(...(Array.isArray(made) ? made : [made]));
@@ -30,13 +31,11 @@ function rules({ answer }) {
   return sheet;
 }
 
-function python({ answer, toLine, line }) {
-  const rows = answer.lines.map(([text, from]) => {
-    const row = element("div", { class: "code" + (from !== null && from === line ? " here" : ""), "data-line": from }, text || " ");
-    if (from !== null) row.addEventListener("click", () => toLine(from));
-    return row;
-  });
-  return element("pre", {}, ...rows);
+function python({ answer, toLine, line, keep }) {
+  const place = element("div", { class: "program" }), view = pythonView(place, answer.lines, toLine);
+  keep(view);
+  requestAnimationFrame(() => view.show(line)); // when it is on the page
+  return place;
 }
 
 function state({ answer }) {
