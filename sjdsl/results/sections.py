@@ -240,17 +240,20 @@ def diagram_row(row: Any) -> tuple[str | Figure, ...]:
     contrasts = (interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS)
     shape = " and ".join(name for name in ("fear", "greed") if row[name])
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
-    return setting_of(row).label, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, _over(row)
+    return setting_of(row).label, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, _sample_text(row)
 
 
-def _over(row: Any) -> str:
+def _sample_text(row: Any) -> str:
     return f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else OF_POLICIES)
 
 
 def cross_play(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return of an agent of each policy in each mixture."""
     found = list(of_record(frame, "mixture"))
-    rows = [(setting_of(row).label, row.mixture, f"`{row.policy}`", interval(row["mean"], row.low, row.high), _over(row)) for row in found]
+    rows = [
+        (setting_of(row).label, row.mixture, f"`{row.policy}`", interval(row["mean"], row.low, row.high), _sample_text(row))
+        for row in found
+    ]
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, rows, 3)
     return Section("Cross-play", (), (table,) if rows else ())

@@ -66,7 +66,9 @@ def _nth_looked_up(word: Array, n: Array) -> Array:
     """The form for GPUs of a byte: a table with a row for each."""
     places = np.argsort(~np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little") & 1, axis=1, kind="stable")
     row = word.astype(jnp.int32) * 8
-    return jnp.asarray(places.reshape(-1), jnp.uint8).at[row + n].get(mode="promise_in_bounds", wrap_negative_indices=False).astype(jnp.int32)
+    return (
+        jnp.asarray(places.reshape(-1), jnp.uint8).at[row + n].get(mode="promise_in_bounds", wrap_negative_indices=False).astype(jnp.int32)
+    )
 
 
 def _nth_by_halves(word: Array, n: Array) -> Array:
