@@ -165,16 +165,16 @@ def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir
         given = {str(key): entry for key, entry in value.items()}
         unknown = [key for key in given if key not in names]
         if unknown:
-            raise ValueError(f"`{name}` has no entry `{unknown[0]}`; its {_entries(by[0])}")
+            raise ValueError(f"`{name}` has no entry `{unknown[0]}`; its {_entries_text(by[0])}")
         inner = {key: _merged(f"{name}[{key}]", before[names.index(key)], entry, by[1:], type_) for key, entry in given.items()}
         return tuple(inner.get(key, before[i]) for i, key in enumerate(names))
     listed = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(listed, Sequence) or isinstance(listed, str) or len(listed) != len(names):
-        raise ValueError(f"`{name}` wants {len(names)} values: its {_entries(by[0])}")
+        raise ValueError(f"`{name}` wants {len(names)} values: its {_entries_text(by[0])}")
     return tuple(_merged(f"{name}[{key}]", before[i], listed[i], by[1:], type_) for i, key in enumerate(names))
 
 
-def _entries(level: Level) -> str:
+def _entries_text(level: Level) -> str:
     """Returns what the entries of a table are."""
     if level.sort == "word":
         return f"words are {', '.join(level.names)}"

@@ -46,10 +46,10 @@ class Checkpoints:
         self._manager.reload()
         return sorted(self._manager.all_steps(), reverse=True)
 
-    def save(self, update: int, state: Any, known: Mapping[str, Any]) -> None:
-        """Writes the state after an update, and further JSON values, `known`. Raises OSError when there is no room."""
+    def save(self, update: int, state: Any) -> None:
+        """Writes the state after an update. Raises OSError when there is no room."""
         arrays = _named_arrays(state)
-        known = {**known, "digest": digest_of(arrays), "arrays": _kinds(arrays)}
+        known = {"digest": digest_of(arrays), "arrays": _kinds(arrays)}
         parts = self._ocp.args.Composite(state=self._ocp.args.StandardSave(arrays), known=self._ocp.args.JsonSave(known))
         try:
             with naming(self.folder / str(update)):
@@ -62,8 +62,8 @@ class Checkpoints:
                 raise
             raise OSError(int(number[1]), os.strerror(int(number[1])), str(self.folder / str(update))) from None
 
-    def restore(self, update: int, like: Any) -> tuple[Any, dict[str, Any]]:
-        """Returns the state after an update, with the structure, dtypes and placement of `like`, and the further values.
+    def restore(self, update: int, like: Any) -> Any:
+        """Returns the state after an update, with the structure, dtypes and placement of `like`.
 
         Raises:
           CheckpointError: it is damaged, or of another run.
@@ -73,16 +73,16 @@ class Checkpoints:
             raise CheckpointError(f"{folder} is damaged: {file} has changed since it was written")
         named = _named_arrays(like)
         wanted = {name: ocp.utils.to_shape_dtype_struct(leaf) for name, leaf in named.items()}
-        known = dict(self._read(update, known=ocp.args.JsonRestore())["known"])
-        if known.pop("arrays", _kinds(named)) != _kinds(named):
+        known = self._read(update, known=ocp.args.JsonRestore())["known"]
+        if known.get("arrays", _kinds(named)) != _kinds(named):
             raise CheckpointError(f"{folder} can't be read: its arrays have other names, shapes or dtypes than this run's")
         arrays = self._read(update, state=ocp.args.StandardRestore(wanted))["state"]
-        if digest_of(arrays) != known.pop("digest", None):
+        if digest_of(arrays) != known.get("digest"):
             raise CheckpointError(f"{folder} is damaged: its arrays aren't those that were written")
         leaves, structure = tree_flatten_with_path(like)
         restored = [(leaf, arrays[keystr(place)]) for place, leaf in leaves]
         keys = [jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf)) if _is_key(leaf) else array for leaf, array in restored]
-        return jax.tree.unflatten(structure, keys), known
+        return jax.tree.unflatten(structure, keys)
 
     def _read(self, update: int, **parts: Any) -> Any:
         """Returns parts of a checkpoint. Raises CheckpointError."""

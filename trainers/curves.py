@@ -69,7 +69,10 @@ def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> No
     """
     lines = [curve_line(label, folder, metric) for label, folder in runs]
     path.parent.mkdir(parents=True, exist_ok=True)
-    picture = draw_panels(split_lines(lines, in_words(metric)))
+    several = any(line.low is not None for line in lines)
+    picture = draw_panels(
+        split_lines(lines, in_words(metric)), note="Lines: means over seeds. Bands: from the lowest seed to the highest." * several
+    )
     with written_whole(path) as file:
         picture.savefig(file, format=path.suffix.removeprefix(".") or "png", dpi=110)
 
@@ -90,6 +93,8 @@ def curve_line(label: str, folder: Path, metric: str) -> Line:
     values = np.stack([values[:, start : start + size].mean(axis=1) for start in range(0, len(steps), size)], axis=1)
     steps = steps[::size]
     whose = f"{label}, {len(seeds)} seed{'s' if len(seeds) > 1 else ''}"
+    if len(seeds) == 1:
+        return Line(whose, steps, values[0])
     return Line(whose, steps, values.mean(axis=0), values.min(axis=0), values.max(axis=0))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from sjdsl.extras import is_installed
 from sjdsl.files import write_whole
+from sjdsl.render.plot_style import FAINT, agent_line_colour, line_colour
 
 from .learning_signs import FIGURES
 from .metrics_files import Row
@@ -34,19 +35,23 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
         return []
     steps = np.array([row["env_steps"] for row in ended])
 
-    def line(name: str, label: str) -> Line:
-        return Line(label, steps, np.array([row[name] for row in ended], float))
+    def line(name: str, label: str, colour: str) -> Line:
+        return Line(label, steps, np.array([row[name] for row in ended], float), colour=colour)
 
     before = np.full(len(ended), ended[0]["collective_return"])  # played by the policy that the run began with
-    earned = (line("collective_return", "collective return"), Line("before learning", steps, before))
+    earned = (line("collective_return", "all agents", line_colour(0)), Line("before learning", steps, before, colour=FAINT))
     together = Panel("all agents together", "collective return of an episode", earned)
     learning = [
-        Panel(label, label, (Line(label, np.array([row["env_steps"] for row in rows]), np.array([row[name] for row in rows], float)),))
+        Panel(
+            label,
+            label,
+            (Line("", np.array([row["env_steps"] for row in rows]), np.array([row[name] for row in rows], float), colour=line_colour(0)),),
+        )
         for name, label in FIGURES.items()
         if name in rows[0]
     ]
     names = [name for name in ended[0] if name.startswith("return_agent_")]
-    agents = [line(name, f"agent {number}") for number, name in enumerate(names)]
+    agents = [line(name, f"agent {number}", agent_line_colour(number)) for number, name in enumerate(names)]
     for panel in split_lines(agents, "return of an agent in an episode") if len(agents) > 1 else ():
         first, last = (line.label.removeprefix("agent ") for line in (panel.lines[0], panel.lines[-1]))
         learning.append(replace(panel, title=f"agents {first} to {last}" if first != last else f"agent {first}"))

@@ -30,7 +30,7 @@ from .resuming import check_same_run, extended
 from .run_errors import DiskError, RunError, TooLargeError
 from .run_files import write_json
 from .run_folder import describe_run
-from .run_lock import is_unused, locked
+from .run_lock import in_use, is_unused, locked
 from .side_by_side import Part, PartCheckpoints, compile_parts, joint_config, kind_of, of_part
 from .updates import AfterUpdate, Callback, Keeping, Progress, Update, describe_divergence, diverged_before, of_seed, run_updates
 
@@ -171,7 +171,7 @@ def train_side_by_side(runs: Sequence[Run], progress: ProgressStyle = "auto", ca
 
 def _lock(run_dir: Path) -> AbstractContextManager[None]:
     """Returns the lock of a run's folder, in the process that writes there."""
-    return locked(run_dir) if is_first() else nullcontext()
+    return locked(run_dir, in_use(run_dir)) if is_first() else nullcontext()
 
 
 def _start(run: Run) -> Part:
@@ -219,7 +219,7 @@ def _run(parts: Sequence[Part], progress: ProgressStyle, callback: Callback | No
         recorders = [recorder for own in each for recorder in own]
         so_far = Progress(done, diverged_before(state, recorders, config))
         try:
-            keeping = Keeping(recorders, checkpoints, show, runs=len(parts))
+            keeping = Keeping(recorders, checkpoints.save, show, runs=len(parts))
             if callback is not None and is_first():
                 keeping = replace(keeping, after_update=_call_after_update(callback, parts, config))
             state = run_updates(compiled, state, so_far, config, keeping)

@@ -50,7 +50,10 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
             case "inequity":
                 return scale * inequity_averse(reward, trace, config.inequity_envy, config.inequity_guilt)
             case "svo":
-                penalty = svo_deviation(trace, angles, config.svo_at_rest, config.svo_quadrant)
+                # Counted from what an agent loses while nobody is rewarded: a constant loss in each step, pi / 2 at 90 degrees, teaches
+                # nothing in episodes of a fixed length, but the critic would learn little else, and the policy with it.
+                at_rest = svo_deviation(jnp.zeros_like(trace), angles, config.svo_at_rest, config.svo_quadrant)
+                penalty = svo_deviation(trace, angles, config.svo_at_rest, config.svo_quadrant) - at_rest
                 return scale * (reward - config.svo_weight * penalty)
             case _:
                 raise AssertionError(config.reward)  # a user's own reward isn't shaped

@@ -148,10 +148,10 @@ class PartCheckpoints:
         self._parts = parts
         self._each = [Checkpoints(part.run_dir) for part in parts]
 
-    def save(self, update: int, state: Any, known: Mapping[str, Any]) -> None:
+    def save(self, update: int, state: Any) -> None:
         """Writes the checkpoint of each part. Raises OSError when there is no room."""
         for index, checkpoints in enumerate(self._each):
-            checkpoints.save(update, of_part(state, index, self._parts), known)
+            checkpoints.save(update, of_part(state, index, self._parts))
 
     def restore_last(self, compiled: Compiled) -> tuple[TrainState, int]:
         """Returns the state after the last update of which all parts have a checkpoint, and that update; else the first state, and 0.
@@ -173,7 +173,7 @@ class PartCheckpoints:
                     if later > update and len(self._parts) > 1:
                         checkpoints.drop(later)
             try:
-                states = [each.restore(update, of_part(start, index, self._parts))[0] for index, each in enumerate(self._each)]
+                states = [each.restore(update, of_part(start, index, self._parts)) for index, each in enumerate(self._each)]
             except CheckpointError as error:
                 if len(self._parts) > 1:
                     raise RunError(f"{error}; without it, these runs can't be resumed side by side") from None

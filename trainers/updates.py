@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import jax
 import numpy as np
@@ -59,20 +59,12 @@ class Progress:
     stopped: bool = False  # by its callback
 
 
-class Saver(Protocol):
-    """Writes checkpoints."""
-
-    def save(self, update: int, state: Any, known: Mapping[str, Any]) -> None:
-        """Writes the state after an update. Raises OSError when there is no room."""
-        ...
-
-
 @dataclass(frozen=True)
 class Keeping:
     """Where the updates of a run are kept and shown."""
 
     recorders: Sequence[Recorder]  # of each seed; none in processes that don't write
-    checkpoints: Saver
+    save: Callable[[int, Any], None]  # writes a checkpoint: the state after an update
     show: Show
     after_update: AfterUpdate = lambda *_: False
     runs: int = 1  # trained side by side by one program, with the same number of seeds each
@@ -102,7 +94,7 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
         parameters = jax.device_get(compiled.parameters(state))
         for index, recorder in keeping.recording(learning):
             recorder.store(of_seed(parameters, index, config), number, "last")
-        keeping.checkpoints.save(number, state, {})
+        keeping.save(number, state)
 
     with stop_between_updates() as asked_to_stop:
         try:

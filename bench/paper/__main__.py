@@ -101,12 +101,13 @@ def made_page(data: dict[str, pd.DataFrame], made: Sequence[Section], notes: Seq
     seen = f"{PAGE.stem}/data"
     how = [
         METHOD[0],
+        *sections.DECIDING,
         "The paper reports no seed counts, so we run no tests against its figures: "
         "we give the difference, and whether the published figure lies in our interval.",
         *method(games_of(under_the_papers_rules(data[RESULTS]))),
         f"The data behind the page are in [{seen}]({seen}): add rows there and run the same command to update it.",
     ]
-    by = "Written by `make results`, which overwrites changes made by hand."
+    by = "This page is written by `make results`, which overwrites changes made by hand."
     return page_text("Results", by, made, how, notes, f"{PAGE.stem}/")
 
 

@@ -1,6 +1,6 @@
 """The sections of docs/results.md that compare our results with the paper's: each is a function of the results."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -68,6 +68,15 @@ OWN, ALL, HALF = _exchange(0.0, "individual reward"), _exchange(1.0, "common rew
 PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (_angle(90.0), OWN), (_angle(67.5), OWN), (_angle(90.0), ALL))
 
 
+DECIDING = (
+    "Each claim of the paper was tested with runs under its rules. In each game, a claim about returns is decided if p is below "
+    f"{SURE} (Welch's test over seeds): it holds if the difference has the paper's sign. Otherwise it is undecided. We take the paper to "
+    "claim an ordering if its means differ by more than the numbers it prints after ±, or by 5 % if it prints none.",
+    "A claim about a diagram holds if the verdict over training seeds is a dilemma with the paper's fear or greed. "
+    f"Two ways of training converge alike if the 95 % interval of their difference lies within {ALIKE:.0%} of the return.",
+)
+
+
 def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the first section of the page: one line for each claim."""
     suite = {game.published: game for game in games if game.published}
@@ -82,14 +91,33 @@ def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         by_verdict = {verdict: [game for game, one in verdicts.items() if one == verdict] for verdict in (HOLDS, FAILS, UNDECIDED, UNKNOWN)}
         said = [f"{name}: {'all' if len(own) == len(verdicts) else ', '.join(own)}" for name, own in by_verdict.items() if own]
         rows.append((claim, theirs, Figure("; ".join(said), verdicts), f"{len(by_verdict[HOLDS])} of {len(verdicts)}"))
-    text = (
-        "Each claim was tested with runs under the paper's rules. In each game, a claim about returns is decided if p is below "
-        f"{SURE} (Welch's test over seeds): it holds if the difference has the paper's sign. Otherwise it is undecided. We take the paper to "
-        "claim an ordering if its means differ by more than the numbers it prints after ±, or by 5 % if it prints none.",
-        "A claim about a diagram holds if the verdict over training seeds is a dilemma with the paper's fear or greed. "
-        f"Two ways of training converge alike if the 95 % interval of their difference lies within {ALIKE:.0%} of the return.",
+    told = [(f"{claim} (or less, where the paper has less)" if "less" in theirs else claim, verdicts) for claim, theirs, verdicts in found]
+    return Section(
+        "Findings",
+        ("\n".join(_in_sentences(told)),),
+        (Table("findings", "Claims of the paper", ("claim", "the paper", "ours", "holds in"), rows, 3),),
     )
-    return Section("Findings", text, (Table("findings", "Claims of the paper", ("claim", "the paper", "ours", "holds in"), rows, 3),))
+
+
+def _in_sentences(found: Iterable[tuple[str, Mapping[str, str]]]) -> Iterator[str]:
+    """Yields a line of a list for each claim that some game was run for, and one for all the others."""
+    missing = []
+    for claim, verdicts in found:
+        by_verdict = {verdict: [game for game, one in verdicts.items() if one == verdict] for verdict in (HOLDS, FAILS, UNDECIDED)}
+        run = sum(map(len, by_verdict.values()))
+        if not run:
+            missing.append(claim[0].lower() + claim[1:] if claim[1].islower() else claim)
+            continue
+        others = [
+            f"{said} {', '.join(by_verdict[verdict])}"
+            for verdict, said in ((FAILS, "not in"), (UNDECIDED, "undecided in"))
+            if by_verdict[verdict]
+        ]
+        holds = by_verdict[HOLDS]
+        named = f" ({', '.join(holds)})" if holds and len(holds) < run else ""
+        yield f"* **{claim[0].upper()}{claim[1:]} in {len(holds)} of {run} games it was run in**{named}{'; ' if others else ''}{'; '.join(others)}."
+    if missing:
+        yield f"* Not run yet: {'; '.join(missing)}."
 
 
 def _order(suite: Mapping[str, Game], more: Compared, less: Compared) -> tuple[str, str, dict[str, str]]:
@@ -305,9 +333,8 @@ def svo(games: Sequence[Game]) -> Section:
     text = [
         "The weight is the best one at 90 degrees, in the first table. The angles are trained at that weight with other seeds, because the best "
         "of several noisy means is too high on average.",
-        "At 90 degrees, an agent that is the only one rewarded loses 1.57 times the weight (a quarter turn in radians). From a weight of 0.64 "
-        "that is more than a reward of 1, so earning does not pay unless as much is deducted while nobody is rewarded. The released code and "
-        "`svo_at_rest=selfish` do that; `svo_at_rest=content` does not.",
+        "An agent that seeks 90 degrees gains 1.57 times the weight (a quarter turn in radians) in each step in which others are rewarded and it "
+        "is not, counted from a step in which nobody is: `svo_at_rest=selfish`, as in the released code.",
     ]
     if alone:
         text.append(

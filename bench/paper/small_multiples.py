@@ -1,13 +1,13 @@
 """Small multiples: a plot a game, our means with their intervals beside the published ones."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sjdsl.results.drawing import PUBLISHED, colours
+from sjdsl.render.plot_style import BLACK, PUBLISHED, Label, begin_at_zero, line_colour, name_lines, note_below, plot_style
 from sjdsl.trainers.estimates import Estimate
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 3
-WIDTH, HEIGHT = 3.6, 2.8  # inches of a plot
+WIDTH, HEIGHT = 4.2, 2.8  # inches of a plot
 
 
 @dataclass(frozen=True)
@@ -51,32 +51,41 @@ def panel_of(title: str, series: Series, printed: Sequence[tuple[float, float]])
     return Multiple(title, (series,), tuple(printed))
 
 
-def draw_series(plots: Sequence[Multiple], x_title: str, y_title: str, logarithmic: bool = False) -> "Figure":
-    """Returns a figure with a plot a game, three in a row; bars are 95 % intervals."""
+def draw_series(plots: Sequence[Multiple], x_title: str, y_title: str, logarithmic: bool = False, bars: str = "95 % intervals") -> "Figure":
+    """Returns a figure with a plot a game, three in a row, over the same x. bars: what they are, in words."""
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
     rows, columns = math.ceil(len(plots) / COLUMNS), min(COLUMNS, len(plots))
-    figure = Figure(figsize=(max(5.0, WIDTH * columns), HEIGHT * rows + 0.3), layout="constrained")
-    with colours():
+    colours = {label: line_colour(number) for number, label in enumerate(dict.fromkeys(s.label for plot in plots for s in plot.series))}
+    drawn: list[Axes] = []
+    with plot_style():
+        figure = Figure(figsize=(max(5.0, WIDTH * columns), HEIGHT * rows + 0.6), layout="constrained")
         for number, plot in enumerate(plots, 1):
-            axes = figure.add_subplot(rows, columns, number)
-            _draw(axes, plot, logarithmic)
-            axes.set_title(plot.title, fontsize="medium")
-    figure.supxlabel(x_title, fontsize="medium")
-    figure.supylabel(y_title, fontsize="medium")
+            axes = figure.add_subplot(rows, columns, number, sharex=drawn[0] if drawn else None)
+            axes.tick_params(labelbottom=True)
+            axes.set_title(plot.title)
+            _draw(axes, plot, colours, logarithmic)
+            drawn.append(axes)
+        for axes, plot in zip(drawn, plots, strict=True):
+            labels = [Label(series.label, series.mean[-1], colours[series.label]) for series in plot.series]
+            name_lines(axes, [*labels, *(Label("published", y, BLACK) for _, y in plot.printed[-1:])])
+        figure.supylabel(y_title, fontsize="medium")
+        note_below(figure, f"Over {x_title}. Bars: {bars}.")
     return figure
 
 
-def _draw(axes: "Axes", plot: Multiple, logarithmic: bool) -> None:
+def _draw(axes: "Axes", plot: Multiple, colours: Mapping[str, str], logarithmic: bool) -> None:
+    ends: list[float] = [y for _, y in plot.printed]
     for series in plot.series:
         below, above = series.mean - series.low, series.high - series.mean
         known = np.isfinite(below) & np.isfinite(above)
         bars = np.stack([np.where(known, below, 0.0), np.where(known, above, 0.0)])
-        axes.errorbar(series.x, series.mean, bars, label=series.label, marker="o", markersize=4, linewidth=1.5, capsize=3)
+        axes.errorbar(series.x, series.mean, bars, color=colours[series.label], marker="o", markersize=4, linewidth=1.5, capsize=3)
+        ends += [*series.mean, *series.low, *series.high]
     if plot.printed:
-        axes.plot(*zip(*plot.printed, strict=True), label="published", **PUBLISHED)
+        axes.plot(*zip(*plot.printed, strict=True), **PUBLISHED)
     if logarithmic:
         axes.set_xscale("log")
         axes.set_yscale("log")
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="x-small")
+    else:
+        begin_at_zero(axes, ends)

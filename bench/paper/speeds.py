@@ -47,7 +47,7 @@ def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
             case Report():
                 name, rows = "speeds", [_speed(found, speed) for speed in found.speeds if speed.name != YARDSTICK]
             case Training():
-                name, rows = "updates", [_update(split) for split in found.splits]
+                name, rows = "updates", [_update_row(split) for split in found.splits]
             case _:
                 raise ValueError(f"{file} holds a measurement that no table shows ({type(found).__name__.lower()})")
         more = pd.DataFrame(rows).assign(hardware=hardware)
@@ -61,7 +61,7 @@ def _speed(found: Report, speed: Any) -> dict[str, Any]:
     return {"game": speed.name.removesuffix(CROWD), "crowd": speed.crowd is not None, **own, **rates}
 
 
-def _update(split: Any) -> dict[str, Any]:
+def _update_row(split: Any) -> dict[str, Any]:
     steps, seconds = split.num_envs * split.num_steps, split.update
     rates = dict(zip(("rate", "slowest", "fastest"), (steps / f(seconds) for f in (statistics.median, max, min)), strict=True))
     names = ("num_agents", "algorithm", "sharing", "network", "num_envs", "num_steps")
@@ -89,7 +89,14 @@ def speed(frame: pd.DataFrame) -> Section:
     )
     headings = ("game", "", *(f"{number:,}" for number in numbers), "rounds, hardware")
     plots = [plot for name in names if (plot := _plot(frame, name)) is not None]
-    draw = partial(draw_series, plots, "environments at once", "environment steps a second", logarithmic=True)
+    draw = partial(
+        draw_series,
+        plots,
+        "environments at once",
+        "environment steps a second",
+        logarithmic=True,
+        bars="from the slowest round to the fastest",
+    )
     missing = [name for name in published.suite() if not _complete(frame, name)]
     fill = [f"sjdsl bench {called(missing)} --envs 1,128,1024,4096 --agents own,20 --json runs/speed.json"] if missing else []
     pictures = (Picture("speed", "speed over environments", draw),) if plots else ()

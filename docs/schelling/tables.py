@@ -1,12 +1,21 @@
-"""Writes the tables of docs/schelling.md again, from the diagrams in the folders beside this file."""
+"""Writes the tables of docs/schelling.md again, from the diagrams in the folders beside this file; with `--pictures` also their pictures."""
 
 import json
 import sys
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 from sjdsl.bench.markdown import replace_section
+from sjdsl.compiler import build
+from sjdsl.compiler.syntax.read import read_source
+from sjdsl.experiments.contrasts import Returns
+from sjdsl.experiments.diagram import Diagram
+from sjdsl.experiments.pictures import draw_diagram, picture_bytes
+from sjdsl.games_folder import find_game
 
 HERE = Path(__file__).parent
 PAGE = HERE.with_suffix(".md")
@@ -20,6 +29,16 @@ def main(check: bool) -> int:
     if not check:
         PAGE.write_text(found, encoding="utf-8")
     return int(check and found != page)
+
+
+def draw_again() -> None:
+    """Draws the picture of each diagram from its stored returns."""
+    for path in HERE.glob("*/schelling.json"):
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        returns = (np.array(stored["returns"][who], float) for who in ("cooperators", "defectors", "everybody"))
+        title = build(read_source(find_game(stored["game"]["name"]))).game.title
+        of = SimpleNamespace(title=title, replicates=stored["units"], episodes=stored["units"])
+        path.with_suffix(".svg").write_bytes(picture_bytes(draw_diagram(Diagram(of, Returns(*returns))), "svg"))
 
 
 def written(page: str) -> str:
@@ -66,4 +85,6 @@ def table(rows: list[tuple[str, ...]]) -> str:
 
 
 if __name__ == "__main__":
+    if "--pictures" in sys.argv[1:]:
+        draw_again()
     sys.exit(main("--check" in sys.argv[1:]))

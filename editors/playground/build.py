@@ -31,7 +31,7 @@ PACKAGES = ("lark", "interegular", "pydantic", "typing_inspection", "annotated_t
 PACKAGES += ("pygls", "lsprotocol", "cattrs", "attr", "attrs")
 DISTRIBUTIONS = ("lark", "interegular", "pydantic", "pydantic_core", "typing-inspection", "annotated-types", "jinja2", "markupsafe")
 DISTRIBUTIONS += ("typing_extensions", "pygls", "lsprotocol", "cattrs", "attrs")
-LEFT_OUT = ("bench", "cli", "experiments", "interop", "report", "starter", "sweeps")  # folders of sjdsl that the studio does not use
+LEFT_OUT = ("bench", "cli", "experiments", "interop", "report", "sweeps")  # folders of sjdsl that the studio does not use
 DATA = (".j2", ".json", ".lark", ".md", ".sj", ".svg", ".toml", ".txt", ".html", ".css", ".js")
 
 

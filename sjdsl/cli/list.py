@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Sequence
+from textwrap import wrap
 from typing import Any
 
 import click
@@ -9,6 +10,8 @@ import click
 from sjdsl.cli.describe import describe, outline
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.games_folder import OURS, by_release, game_problems, melting_pot_games
+
+WIDTH = 80  # columns of a terminal
 
 
 @click.command("list")
@@ -46,23 +49,31 @@ def _tried(describe: Callable[[str], dict[str, Any]], name: str, problems: list[
 
 
 def _groups(problems: list[str]) -> list[str]:
-    """Returns the table of all games, with a heading for each release; games that don't compile are added to the problems."""
+    """Returns the table of all games, with a heading for each release, no line wider than a terminal.
+
+    Games that don't compile are added to the problems.
+    """
     own, *others = by_release().items()
     further = set(melting_pot_games())
     groups = {f"of {own[0]}": [name for name in own[1] if name.removeprefix(f"{OURS}:") not in further]}
     groups |= {f"of {own[0]}, further families of Melting Pot": [name for name in own[1] if name.removeprefix(f"{OURS}:") in further]}
     groups |= {f"of {release}": names for release, names in others}
     rows: dict[str, list[tuple[str, ...]]] = {title: [] for title in groups}
+    variants: list[list[str]] = []  # of each game, below its row
     for title, names in groups.items():
         for name in names:
             game = _tried(outline, name, problems)
             if game is not None:
-                variants = ", ".join(v["name"] for v in game["variants"])
-                rows[title].append((name, game["title"], str(game["agents"]), _map(game), str(len(game["actions"])), variants))
-    head, *lines = align([("game", "title", "agents", "map", "actions", "variants"), *(row for found in rows.values() for row in found)])
-    table, below = [head], iter(lines)
-    for title, lines_below in rows.items():
-        table += ["", title, *(next(below) for _ in lines_below)] if lines_below else []
+                rows[title].append((name, str(game["agents"]), _map(game), str(len(game["actions"]))))
+                own = ", ".join(v["name"] for v in game["variants"])
+                variants.append(wrap(own, WIDTH, initial_indent="    variants ", subsequent_indent=" " * 13))
+    head, *lines = align([("game", "agents", "map", "actions"), *(row for found in rows.values() for row in found)])
+    table, below = [head], zip(lines, variants, strict=True)
+    for title, found in rows.items():
+        table += ["", title] if found else []
+        for _ in found:
+            line, own_variants = next(below)
+            table += [line, *own_variants]
     return table
 
 

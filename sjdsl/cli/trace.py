@@ -1,4 +1,4 @@
-"""`sjdsl trace`: prints what happens in a game step by step: every change, its rule and its random draws."""
+"""`sjdsl trace`: prints what happens in a game step by step: every change, its rule and why it happened."""
 
 import json
 from collections.abc import Iterator
@@ -30,6 +30,7 @@ STEPS = 10
 @click.option("--actions", metavar="A", help="What agents do: random (the default), a file, or 'forward, stay; zap, stay'.")
 @click.option("--policy", metavar="P", help="All agents follow this policy of the game's file.")
 @click.option("--all", "everything", is_flag=True, help="Also print failed draws and rules that did not happen.")
+@click.option("--verbose", is_flag=True, help="Also print the random bits of every draw.")
 @click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")
 @environment_options
 def command(
@@ -40,13 +41,15 @@ def command(
     actions: str | None,
     policy: str | None,
     everything: bool,
+    verbose: bool,
     as_json: bool,
     options: EnvironmentOptions,
 ) -> None:
     """Plays GAME on the reference interpreter and prints what each rule did, in the order of the schedule.
 
-    Below each rule (file and line) are the cells and agents it changed, rewards and events, and the draws behind them. In --actions, a
-    line of a file (or a part up to `;`) is a step, with an action for each agent or one for all.
+    Below each rule (file and line) are the cells and agents it changed, rewards and events, and why: the conditions and draws behind a
+    change, and the values that they read. In --actions, a line of a file (or a part up to `;`) is a step, with an action for each agent
+    or one for all.
     """
     if actions is not None and policy is not None:
         raise click.UsageError("--actions and --policy both choose what the agents do: give only one of them")
@@ -55,7 +58,7 @@ def command(
         moments = played(made.game, values, seed, steps, actions or RANDOM, policy)
     except ValueError as error:
         raise click.ClickException(str(error)) from None
-    teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game), everything)
+    teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game), everything, verbose)
     try:
         if as_json:
             click.echo(json.dumps({"game": made.game.name, "seed": seed, "steps": [moment_report(m, teller) for m in moments]}, indent=2))

@@ -1,10 +1,7 @@
 """The folder of an experiment: its settings, and a part for each line-up that has been played, so that a stopped command can resume."""
 
-import fcntl
 import json
-import os
 import re
-import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,13 +11,13 @@ import numpy as np
 
 from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.files import UNFINISHED, naming, open_in_place, write_whole
+from sjdsl.files import UNFINISHED, naming, write_whole
 from sjdsl.trainers.evaluation import Evaluation
 from sjdsl.trainers.run_files import plain, write_json
+from sjdsl.trainers.run_lock import LOCK, locked
 
 ASKED = "experiment.json"
 PARTS = "parts"
-LOCK = ".lock"  # holds the process that plays
 ARRAYS = ("returns", "lengths", "order")
 INNERMOST_LIST = re.compile(r"\[\n\s*([^\[\]{}]*?)\n\s*\]")  # JSON strings contain no line breaks
 
@@ -64,17 +61,8 @@ def open_folder(path: Path | None, asked: Mapping[str, Any]) -> Iterator[Folder 
         return
     wanted = plain(asked)
     _check_same(path, wanted)
-    (path / PARTS).mkdir(parents=True, exist_ok=True)
-    with naming(path / PARTS / LOCK), open_in_place(path / PARTS / LOCK, "a+") as lock:
-        try:  # the system releases the lock when this process ends, however it ends
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            lock.seek(0)
-            holder = lock.read().strip() or "another process"
-            raise ExperimentError(f"{path} is in use by {holder}; wait until it has ended, or name another folder") from None
-        lock.truncate(0)
-        lock.write(f"process {os.getpid()} on {socket.gethostname()}\n")
-        lock.flush()
+    in_use = "{} is in use by {}; wait until it has ended, or name another folder"
+    with naming(path / PARTS / LOCK), locked(path / PARTS, lambda holder: ExperimentError(in_use.format(path, holder))):
         if not _check_same(path, wanted):  # again: another process may have started in between
             write_json(path / ASKED, wanted)
         yield Folder(path)

@@ -152,7 +152,7 @@ class Layout:
         if close is None:
             return container.end + 1
         is_near = container.sort != "block" and not self.tokens.broken[close]
-        opened = (c.open for c in self._containers(close + 1, end) if self.tokens.breaks(c.open + 1, c.end))
+        opened = (c.open for c in self._outermost_containers(close + 1, end) if self.tokens.breaks(c.open + 1, c.end))
         part_end = next(opened, end)  # the last token that is written before the next container that is open
         if not (is_near and self.tokens.fits(close, part_end, self._next_column(close))):
             self.begin(close, indent, comments=indent + INDENT, first=not container.items)
@@ -160,7 +160,7 @@ class Layout:
 
     def _to_open(self, start: int, end: int, indent: int) -> list[Container]:
         """Returns the containers to open: blocks, all with line ends inside, and the lists in parts that are too long."""
-        found = list(self._containers(start, end))
+        found = list(self._outermost_containers(start, end))
         opened = [c for c in found if c.sort == "block" or self.tokens.breaks(c.open + 1, c.end)]
         edges = [start, *(c.end if c.close is None else c.close for c in opened)]
         parts = zip(edges, [*(c.open for c in opened), end], strict=True)
@@ -170,7 +170,7 @@ class Layout:
                 opened += [c for c in found if first <= c.open and c.end <= last and c not in opened]
         return sorted(opened, key=lambda c: c.open)
 
-    def _containers(self, start: int, end: int) -> Iterator[Container]:
+    def _outermost_containers(self, start: int, end: int) -> Iterator[Container]:
         """Yields the containers of some tokens that lie in no other one."""
         yield from (self.structure.containers[at] for at in self._outside(start, end) if at in self.structure.containers)
 

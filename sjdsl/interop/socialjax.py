@@ -121,7 +121,7 @@ class SocialJaxGame(Copied):
           actions: N numbers or arrays of shape `()` or `(1,)`, in the order of `agents`.
           timestep: the time step of the training, for a schedule of reward exchange.
         """
-        observation, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
+        observation, game, reward, ended, info = self.env.step(key, state.game, self._our_actions(actions))
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
         made = replace(made, outer_t=jnp.where(over, 0, made.outer_t))
@@ -135,7 +135,7 @@ class SocialJaxGame(Copied):
         self, key: Array, state: State, actions: Sequence[Array] | Array, timestep: Any = 0
     ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
         """As `step`, but keeps the last state of the last episode."""
-        _, game, reward, ended, info = self.env.step(key, state.game, self._ours(actions))
+        _, game, reward, ended, info = self.env.step(key, state.game, self._our_actions(actions))
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
         made = replace(made, game=jax.tree.map(lambda last, new: jnp.where(over, last, new), info["terminal_state"], game))
@@ -153,7 +153,7 @@ class SocialJaxGame(Copied):
 
         return draw_board(make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents)))
 
-    def _ours(self, actions: Sequence[Array] | Array) -> Array:
+    def _our_actions(self, actions: Sequence[Array] | Array) -> Array:
         """Returns the action numbers of our game; numbers out of range have no effect, as in the suite."""
         given = self._stacked(actions)
         known = (given >= 0) & (given < self.env.num_actions)

@@ -46,11 +46,11 @@ def make_rewards(
             return (common_mean(raw) if shared == "mean" else common_sum(raw)), {}
         if mode.inequity_aversion:
             averse = inequity_averse(whole, whole, mode.inequity_aversion_alpha, mode.inequity_aversion_beta)
-            return jnp.where(_among(mode.inequity_aversion_target_agents, num_agents), averse, whole), {}
+            return jnp.where(_is_target(mode.inequity_aversion_target_agents, num_agents), averse, whole), {}
         if mode.svo:
             away = svo_deviation(whole, jnp.float32(math.radians(mode.svo_ideal_angle_degrees)), at_rest="selfish", quadrant=False)
             sought = whole - num_agents * mode.svo_w * away
-            return jnp.where(_among(mode.svo_target_agents, num_agents), sought, whole), {"svo_theta": _angles(whole)}
+            return jnp.where(_is_target(mode.svo_target_agents, num_agents), sought, whole), {"svo_theta": _angles(whole)}
         if mode.interest:
             kept = jnp.float32(mode.s_interest)
             if mode.s_interest_schedule is not None:
@@ -62,7 +62,7 @@ def make_rewards(
     return rewards
 
 
-def _among(targets: Sequence[int] | None, num_agents: int) -> Array:
+def _is_target(targets: Sequence[int] | None, num_agents: int) -> Array:
     return jnp.asarray([targets is None or agent in targets for agent in range(num_agents)])
 
 

@@ -40,13 +40,17 @@ class Done:
 
 @dataclass(frozen=True)
 class Account:
-    """One turn of the schedule (or the phase `start`): the states around it, what was written and what was drawn in it, in order."""
+    """One turn of the schedule (or the phase `start`): the states around it, what was written and what was drawn in it, in order.
+
+    actions: of each agent, those that are forbidden already `stay`.
+    """
 
     turn: "ir.Phase | ir.Tick"
     before: World
     after: World
     done: tuple[Done, ...] = ()
     drawn: tuple[Drawn, ...] = ()
+    actions: tuple[int, ...] = ()
 
 
 Tell: TypeAlias = Callable[[Account], None]

@@ -62,7 +62,7 @@ def step(
             case ir.Tick():
                 world = _tick(here)
                 if tell is not None:
-                    tell(Account(turn, here.world, world))
+                    tell(Account(turn, here.world, world, actions=allowed))
             case _:
                 assert_never(turn)
     outcome.measures = {m.name: _measured(m, Instance(board, world, allowed)) for m in game.measures}
@@ -148,7 +148,7 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None,
     outcome.terminated = outcome.terminated or writes.end
     _check_places(here.board, world)
     if tell is not None:
-        tell(Account(phase, here.world, world, tuple(writes.done or ()), tuple(writes.drawn or ())))
+        tell(Account(phase, here.world, world, tuple(writes.done or ()), tuple(writes.drawn or ()), here.actions))
     return world
 
 

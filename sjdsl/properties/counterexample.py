@@ -1,6 +1,5 @@
 """Prints a counterexample to a check: the map, the actions, what each rule changes and by which draw; of a long one the step that violates it."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -31,7 +30,6 @@ from sjdsl.trace.wording import say_value
 AROUND = 2  # rows of the map shown above and below what changed
 PLACES = {"place": PLACE, "heading": HEADING, "moved": MOVED, "away": AWAY}
 LARGEST = "3.4e38"  # of float32: (2 - 2^-23) * 2^127
-_BITS = re.compile(r"  \(random bits [0-9a-f]{8}: number \d+ of stream [0-9a-f]{8}\)")
 
 
 def describe_counterexample(family: GameFamily, counterexample: Counterexample) -> list[str]:
@@ -46,7 +44,7 @@ def describe_counterexample(family: GameFamily, counterexample: Counterexample) 
     for t in range(at - 1 if leaves else max(1, at)):
         draws = draws_of(counterexample.scenario, t)
         moment = take_step(trajectory.game, trajectory.worlds[t], trajectory.actions[t], trajectory.params, draws)
-        lines += [in_short(line) for line in moment_lines(moment, teller) if line]
+        lines += [line for line in moment_lines(moment, teller) if line]
     return lines + (describe_overflow(family, trajectory) if leaves else said_of_values(family, counterexample))
 
 
@@ -56,11 +54,6 @@ def opening(family: GameFamily, scenario: Scenario) -> str:
     numbers = "".join(f", {name} = {shown(value)} (the file: {shown(own[name])})" for name, value in (*scenario.params, *scenario.sizes))
     where = "the game's own map" if family.is_own(scenario.rows) else "a small map"
     return f"{scenario.agents} agent{'s' * (scenario.agents != 1)} on {where}{numbers}"
-
-
-def in_short(line: str) -> str:
-    """Returns a line of a trace without the source of its random number."""
-    return _BITS.sub("", line)
 
 
 def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws) -> Moment:
@@ -200,7 +193,7 @@ def _step(family: GameFamily, game: ir.Game, world: World, moment: Moment, check
     yield from (f"    {before[row]}" for row in rows)
     yield f"step {moment.number}: {_acting(game, moment.actions)}"
     for turn in turns:
-        yield from map(in_short, turn_lines(turn, teller))
+        yield from turn_lines(turn, teller)
     yield from (f"    {after[row]}" for row in rows)
 
 

@@ -12,44 +12,10 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.range_arithmetic import INT32, Range
 from sjdsl.compiler.ir.ranges import range_of
 
-READING = (
-    ir.FieldRead
-    | ir.Count
-    | ir.Sum
-    | ir.Extreme
-    | ir.Attribute
-    | ir.Distance
-    | ir.Step
-    | ir.EventTotal
-    | ir.Unoccupied
-    | ir.StandsOn
-    | ir.Local
-    | ir.Member
-    | ir.InSet
-    | ir.Before
-)
-COMPUTED = (  # what has one value throughout an episode if its parts have
-    ir.Number
-    | ir.Word
-    | ir.Truth
-    | ir.ParamRef
-    | ir.Arithmetic
-    | ir.At
-    | ir.SumRow
-    | ir.ShiftRow
-    | ir.Lowest
-    | ir.Mix
-    | ir.Named
-    | ir.Narrowed
-    | ir.Case
-    | ir.Arm
-    | ir.Compare
-    | ir.InRange
-    | ir.InWords
-    | ir.Same
-    | ir.Not
-    | ir.Logic
-)
+COMPUTED = (  # what has one value throughout an episode if its parts have; every other expression reads the state
+    ir.Number | ir.Word | ir.Truth | ir.Nobody | ir.Nowhere | ir.ParamRef | ir.Arithmetic | ir.At | ir.SumRow | ir.ShiftRow | ir.Lowest | ir.Mix
+    | ir.Named | ir.Narrowed | ir.Case | ir.Arm | ir.Compare | ir.InRange | ir.InWords | ir.Same | ir.Not | ir.Logic
+)  # fmt: skip
 
 
 def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
@@ -81,7 +47,7 @@ def _atoms(e: ir.Node) -> set[str]:
     """Returns the texts of the largest parts that read the state."""
     if _is_fixed(e):
         return set()
-    if ir.is_expression(e) and isinstance(e, READING):
+    if ir.is_expression(e) and not isinstance(e, COMPUTED):
         return {text(e)}
     return {atom for child in ir.children(e) for atom in _atoms(child)}
 

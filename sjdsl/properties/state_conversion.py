@@ -12,8 +12,8 @@ from sjdsl.runtime.env import Environment
 from sjdsl.testing.states import FACINGS, pool_numbers
 
 
-def world_of(env: Environment, state: Any) -> World:
-    """Returns a compiled state, without its marks, as a world of the interpreter with the parameters of the file."""
+def world_of(env: Environment, state: Any, params: dict[str, Value] | None = None) -> World:
+    """Returns a compiled state, without its marks, as a world of the interpreter; `params`: other ones than those of the file."""
     game = env.game
     agents = _herd(AGENTS, (), env, state)
     return World(
@@ -26,7 +26,7 @@ def world_of(env: Environment, state: Any) -> World:
         moved=agents.moved,
         away=agents.away,
         marks=[],
-        params=default_params(game),
+        params=default_params(game) if params is None else params,
         movers={sort.name: _herd(sort.sort, sort.fields, env, state) for sort in game.movers},
     )
 

@@ -93,7 +93,7 @@ class PlayedVerdicts:
         is_compiled = self._effort.episodes > 0 and find_spec("jax") is not None
         refuted = {c.number for c in self._found()}
         numbers = [i for i in self.numbers if i not in refuted and checks[i].sort in STATES]
-        if is_compiled and (numbers or self._symmetries() or search.missing()):
+        if is_compiled and (numbers or self._unrefuted_symmetries() or search.missing()):
             self._play_worlds(own, (), numbers)
         search.reach()
         for (agents, sizes), numbers in self._other_numbers().items() if is_compiled else ():
@@ -117,7 +117,7 @@ class PlayedVerdicts:
                 found.setdefault(numbers, []).append(c.number)
         return found
 
-    def _symmetries(self) -> list[int]:
+    def _unrefuted_symmetries(self) -> list[int]:
         """Returns the checks of symmetry without a counterexample that counts."""
         refuted = {c.number for c in self._found()}
         return [i for i in self.numbers if i not in refuted and self.family.own.checks[i].sort == "symmetric"]
@@ -129,11 +129,11 @@ class PlayedVerdicts:
         worlds, record = WorldSearch(self.family, game, sizes, numbers, self._effort, self._progress), self._search.record
 
         def is_enough(ran: Collection[StatementId]) -> bool:
-            return not self._search.missing() - set(ran) and not self.fail_elsewhere() & set(self._symmetries())
+            return not self._search.missing() - set(ran) and not self.fail_elsewhere() & set(self._unrefuted_symmetries())
 
         for number, scenario in worlds.run(is_enough):
             refuted = {c.number for c in self._found()}
-            looked_at = self._symmetries() if number is None else [number] if number not in refuted else []
+            looked_at = self._unrefuted_symmetries() if number is None else [number] if number not in refuted else []
             checks = [game.checks[i] for i in looked_at if i != FLOATS and game.checks[i].sort in STATES]
             trajectory = play(game, scenario, None if looked_at else 0, checks)
             since = 0 if number is not None else max(0, len(trajectory.outcomes) - STEPS)

@@ -11,13 +11,4 @@ if TYPE_CHECKING:
 
 __all__ = ["ResultsError", "ResultsWarning", "load", "load_curves", "write_report"]
 
-__getattr__ = lazy_names(
-    __name__,
-    {
-        "ResultsError": "refusals",
-        "ResultsWarning": "refusals",
-        "load": "loading",
-        "load_curves": "loading",
-        "write_report": "report",
-    },
-)
+__getattr__ = lazy_names(__name__)

@@ -38,12 +38,12 @@ class Section:
 
 
 def page_text(title: str, made: str, sections: Iterable[Section], method: Sequence[str], notes: Sequence[str], folder: str = "") -> str:
-    """Returns the page: its heading and what made it, its sections, the method, and notes.
+    """Returns the page: its heading, its sections, the method with what made the page, and notes.
 
     Args:
       folder: the folder of pictures and tables relative to the page: empty, or ending in `/`.
     """
-    parts = [f"# {title}", made, *(_section_text(section, folder) for section in sections), "## Method", *method]
+    parts = [f"# {title}", *(_section_text(section, folder) for section in sections), "## Method", *method, made]
     if notes:
         parts += ["## Notes", "\n".join(f"* {inert(_sentence(note))}" for note in notes)]
     return "\n\n".join(parts) + "\n"

@@ -3,12 +3,13 @@
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sjdsl.results.drawing import colours
+from sjdsl.render.plot_style import line_colour
 from sjdsl.results.figures import Cell, Figure, Table, counted, interval, of_cell, of_comparison, short
 from sjdsl.results.loading import CONTRASTS, WAY
 from sjdsl.results.page import Picture, Section
@@ -19,7 +20,6 @@ from sjdsl.trainers.panels import Line, draw_panels, split_lines
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure as Drawing
 
 BEHIND = "seeds, steps, preset, hardware"
 OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing about other training seeds
@@ -99,12 +99,21 @@ def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[s
 def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
     """Returns the section with a picture for each game: the mean over seeds with a band for its 95 % interval (Student's t)."""
     pictures = []
+    colours: dict[str, str] = {}  # a way of training has one in all games
     for setting, own in games(frame):
         whole = own[~own.run.isin(own[own.status == "failed"].run)]
-        lines = [line for words, seeds in ways(whole) if (line := _line(words, curves[curves.run == seeds.iloc[0].run])) is not None]
+        lines = []
+        for words, seeds in ways(whole):
+            if (line := _line(words, curves[curves.run == seeds.iloc[0].run])) is not None:
+                lines.append(replace(line, colour=colours.setdefault(words, line_colour(len(colours)))))
         if lines:
             name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
-            pictures.append(Picture(name, setting.label, partial(_draw_curves, lines, setting.label)))
+            seeds_of = {line.label.rpartition(", ")[2] for line in lines}  # told once if all have as many
+            if len(seeds_of) == 1:
+                lines = [replace(line, label=line.label.rpartition(", ")[0]) for line in lines]
+            note = f"Lines: means over {seeds_of.pop() if len(seeds_of) == 1 else 'seeds'}. Bands: 95 % intervals."
+            draw = partial(draw_panels, split_lines(lines, "collective return of an episode"), setting.label, note)
+            pictures.append(Picture(name, setting.label, draw))
     text = ["Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no band."]
     if (frame.algorithm == "vdn").any():
         text.append("The curves of VDN are from episodes in which it explores. The tables evaluate its last policies without exploration.")
@@ -124,12 +133,7 @@ def _line(words: str, points: "pd.DataFrame") -> Line | None:
         return Line(label, steps, values[:, 0])
     found = [estimate(row) for row in values]
     mean, low, high = (np.array([getattr(figure, end) for figure in found]) for end in ("mean", "low", "high"))
-    return Line(label, steps, mean, low, high)
-
-
-def _draw_curves(lines: Sequence[Line], title: str) -> "Drawing":
-    with colours():
-        return draw_panels(split_lines(lines, "collective return of an episode"), title)
+    return Line(label, steps, mean, low, high, least=float(values.min()))
 
 
 def over_games(frame: "pd.DataFrame") -> Section:
@@ -236,17 +240,20 @@ def diagram_row(row: Any) -> tuple[str | Figure, ...]:
     contrasts = (interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS)
     shape = " and ".join(name for name in ("fear", "greed") if row[name])
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
-    return setting_of(row).label, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, _over(row)
+    return setting_of(row).label, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, _sample_text(row)
 
 
-def _over(row: Any) -> str:
+def _sample_text(row: Any) -> str:
     return f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else OF_POLICIES)
 
 
 def cross_play(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return of an agent of each policy in each mixture."""
     found = list(of_record(frame, "mixture"))
-    rows = [(setting_of(row).label, row.mixture, f"`{row.policy}`", interval(row["mean"], row.low, row.high), _over(row)) for row in found]
+    rows = [
+        (setting_of(row).label, row.mixture, f"`{row.policy}`", interval(row["mean"], row.low, row.high), _sample_text(row))
+        for row in found
+    ]
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, rows, 3)
     return Section("Cross-play", (), (table,) if rows else ())

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import stats
 
 from sjdsl.extras import needs
-from sjdsl.results.drawing import colours
+from sjdsl.render.plot_style import Label, line_colour, name_lines, note_below, plot_style
 from sjdsl.trainers.panels import MOST
 
 if TYPE_CHECKING:
@@ -107,16 +107,18 @@ def draw_profiles(scores: Scores) -> "Figure":
     flat = np.concatenate([table.ravel() for table in scores.values()])
     scale = np.linspace(min(0.0, float(flat.min())), max(1.0, float(flat.max())), POINTS)
     groups = [list(scores)[first : first + MOST] for first in range(0, len(scores), MOST)]
-    figure = Figure(figsize=(max(7.0, 5.0 * len(groups)), 3.8), layout="constrained")
-    with colours():
+    colour = {way: line_colour(number) for number, way in enumerate(scores)}
+    with plot_style():
+        figure = Figure(figsize=(max(7.0, 5.6 * len(groups)), 3.8), layout="constrained")
         for place, group in enumerate(groups, 1):
-            axes = figure.add_subplot(1, len(groups), place)
+            axes, labels = figure.add_subplot(1, len(groups), place), list[Label]()
             for way in group:
                 with _rliable() as library:
                     profile, band = library.create_performance_profile({way: scores[way]}, scale, reps=RESAMPLES)
-                (line,) = axes.plot(scale, profile[way], label=way)
-                axes.fill_between(scale, *band[way], color=line.get_color(), alpha=0.2, linewidth=0)
-            axes.set(xlabel="score", ylabel="share of seeds and games above it")
-            axes.grid(alpha=0.3)
-            axes.legend(fontsize="small")
+                axes.plot(scale, profile[way], color=colour[way])
+                axes.fill_between(scale, *band[way], color=colour[way], alpha=0.2, linewidth=0)
+                labels.append(Label(way, float(profile[way].mean()), colour[way]))  # the ends of all lines are near 0
+            axes.set(xlabel="score", ylabel="share of seeds and games above it", ylim=(0, 1.02))
+            name_lines(axes, labels)
+        note_below(figure, "Bands: 95 % intervals.")
     return figure

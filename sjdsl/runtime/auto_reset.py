@@ -22,7 +22,8 @@ def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Arr
 
 def _always_computed(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
     """The form for GPUs, where a reset takes a few kernels more, and a branch would wait for the host."""
-    return jax.tree.map(lambda new, old: jnp.where(done, new, old), reset(params, words), state)
+    stored = lax.optimization_barrier(done)
+    return jax.tree.map(lambda new, old: jnp.where(stored if jnp.ndim(old) else done, new, old), reset(params, words), state)
 
 
 def _if_any_is_done(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:

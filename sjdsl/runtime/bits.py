@@ -2,9 +2,11 @@
 
 import operator
 from collections.abc import Sequence
+from functools import reduce
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
@@ -57,6 +59,19 @@ def count(words: Array) -> Array:
 @jax.jit  # one function of the program for each shape, however many rules pick
 def nth_bit(word: Array, n: Array) -> Array:
     """Returns the place of the n-th set bit, n from 0: `[...]` unsigned and int32 -> `[...]` int32. Anything if there are fewer."""
+    return by_platform(_nth_by_halves, _nth_looked_up if word.dtype == jnp.uint8 else _nth_by_halves, word, n)
+
+
+def _nth_looked_up(word: Array, n: Array) -> Array:
+    """The form for GPUs of a byte: a table with a row for each."""
+    places = np.argsort(~np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little") & 1, axis=1, kind="stable")
+    row = word.astype(jnp.int32) * 8
+    return (
+        jnp.asarray(places.reshape(-1), jnp.uint8).at[row + n].get(mode="promise_in_bounds", wrap_negative_indices=False).astype(jnp.int32)
+    )
+
+
+def _nth_by_halves(word: Array, n: Array) -> Array:
     place, width = jnp.zeros_like(n), word.dtype.itemsize * 4
     while width:
         low = lax.population_count(word & word.dtype.type((1 << width) - 1)).astype(jnp.int32)
@@ -111,15 +126,22 @@ def nth_of(words: Sequence[Array], n: Array) -> tuple[Array, Array]:
     return number, nth_bit(word, n - before)
 
 
+def field(words: Sequence[Array], number: Array, width: int, some: int) -> Array:
+    """Returns a field of those that words hold, `some` a word, the first in the lowest bits of the first: uint32 of `number`'s shape."""
+    word = reduce(lambda one, place: jnp.where(number // some == place, words[place], one), range(1, len(words)), words[0])
+    result: Array = (word >> (number % some * width).astype(jnp.uint32)) & jnp.uint32((1 << width) - 1)
+    return result
+
+
 def _ones(word: Array) -> Array:
     return lax.population_count(word).astype(jnp.int32)
 
 
 def set_of(numbers: Array, size: int) -> Array:
     """Returns the members of some numbers as bits, in a form for GPUs: `[..., M]` int32, -1 for none -> `[..., W]` uint32."""
-    word = jnp.arange(-(-size // WIDTH), dtype=jnp.int32).reshape((1,) * (numbers.ndim - 1) + (-1, 1))
-    bit = jnp.uint32(1) << (numbers & (WIDTH - 1)).astype(jnp.uint32)
-    mine = jnp.where((numbers >> 5)[..., None, :] == word, bit[..., None, :], jnp.uint32(0))
+    first = np.arange(0, size, WIDTH, dtype=np.int32).reshape((1,) * (numbers.ndim - 1) + (-1, 1))
+    bit = (lax.optimization_barrier(numbers)[..., None, :] - first).astype(jnp.uint32)  # of other words: more than a word has
+    mine = jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0))
     words: Array = lax.optimization_barrier(lax.reduce(mine, jnp.uint32(0), lax.bitwise_or, (numbers.ndim,)))
     return words
 

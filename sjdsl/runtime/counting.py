@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from sjdsl.runtime.bits import count, pack
+from sjdsl.runtime.bits import WIDTH, count, field, pack
 from sjdsl.runtime.forms import by_platform
 
 
@@ -47,9 +47,13 @@ def times_in(sets: Array, agents: int) -> Array:
 
 
 def _added_at_once(sets: Array, agents: int) -> Array:
-    """The form for GPUs."""
-    agent = jnp.arange(agents, dtype=sets.dtype)[:, None]
-    return jnp.sum(((sets[None] >> agent) & 1).astype(jnp.int32), axis=1, dtype=jnp.int32)
+    """The form for GPUs: each set is a word that has a field for each of some agents, with its bit, and the words are added."""
+    width = max(2, sets.size.bit_length())
+    some = min(WIDTH // width, width - 1)  # bits that one product takes that far apart
+    apart, ones = (sum(1 << place * step for place in range(some)) for step in (width - 1, width))
+    words = [(sets >> first).astype(jnp.uint32) & ((1 << some) - 1) for first in range(0, agents, some)]
+    totals = [jnp.sum((word * jnp.uint32(apart)) & jnp.uint32(ones), dtype=jnp.uint32) for word in words]
+    return field(totals, jnp.arange(agents, dtype=jnp.int32), width, some).astype(jnp.int32)
 
 
 def _added_in_rows(sets: Array, agents: int) -> Array:

@@ -42,8 +42,8 @@ def _windows_looked_up(plane: Array, position: Array, heading: Array, sides: tup
     row, col = np.mgrid[-ahead : behind + 1, -left : right + 1].reshape(2, -1)
     turned = np.stack([row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]).astype(np.int32)
     cells = position[:, None] + jnp.asarray(turned)[heading]
-    seen: Array = plane.reshape(-1).at[cells].get(mode="clip")  # of who is nowhere something is seen, which the caller masks
-    return seen
+    seen: Array = plane.reshape(-1).at[cells].get(mode="promise_in_bounds", wrap_negative_indices=False)
+    return seen  # of who is nowhere: of anything, which the caller masks
 
 
 def _windows_cut(plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]) -> Array:
@@ -155,8 +155,10 @@ def _painted_as_bits(plane: Array, cells: Array, bits: Array) -> Array:
 
 def _painted_by_comparing(plane: Array, cells: Array, bits: Array) -> Array:
     """The form for GPUs of a value for each of a few cells: each cell of the plane compares itself with all of them."""
-    here = cells[None] == jnp.arange(plane.shape[0], dtype=jnp.int32)[:, None]
-    painted: Array = lax.reduce(jnp.where(here, bits[None], jnp.uint8(0)), jnp.uint8(0), lax.bitwise_or, (1,))
+    number = jnp.arange(plane.shape[0], dtype=jnp.int32)
+    painted = jnp.zeros_like(plane)
+    for place in range(cells.shape[0]):
+        painted = jnp.where(number == cells[place], bits[place], painted)
     return plane | painted
 
 

@@ -4,6 +4,7 @@ What reads and writes arrays as JAX's authors mean it to is right for a CPU, whe
 
     any of four lanes   ->  any of five, the last of which is false: XLA puts it where it is asked for
     values.at[to].set   ->  each place compares itself with where each writer writes
+    a sum of constants  ->  the constant it is, such as the bits of a set that has all members when an episode begins
 
 The values are the same, bit for bit.
 """
@@ -11,7 +12,7 @@ The values are the same, bit for bit.
 import math
 import operator
 from collections.abc import Callable, Sequence
-from functools import reduce, wraps
+from functools import cache, partial, reduce, wraps
 from typing import Any
 
 import jax
@@ -50,16 +51,30 @@ def rewritten(function: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
-def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[int, Any]) -> list[Any]:
-    """Returns what a program gives. functions: those that programs call, rewritten once each; XLA is given each once."""
+def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any], constants: Sequence[Any] = ()) -> list[Any]:
+    """Returns what a program gives.
+
+    Args:
+      functions: those that programs call, rewritten once each for the constants they are given; XLA is given each once.
+      constants: of the arguments, None for those that are none.
+    """
     values = dict(zip([*program.jaxpr.constvars, *program.jaxpr.invars], [*program.consts, *arguments], strict=True))
     alike: dict[Any, Any] = {}  # arrays whose entries are all one scalar
+    known: dict[Any, Callable[[], Any]] = {of: partial(np.asarray, value) for of, value in zip(program.jaxpr.constvars, program.consts)}
+    known |= {of: partial(np.asarray, value) for of, value in zip(program.jaxpr.invars, constants) if value is not None}
     for equation in program.jaxpr.eqns:
         given = [of.val if isinstance(of, core.Literal) else values[of] for of in equation.invars]
         name, params = equation.primitive.name, equation.params
+        constant = [partial(np.asarray, of.val) if isinstance(of, core.Literal) else known.get(of) for of in equation.invars]
+        if None not in constant:
+            computed = cache(partial(_computed, equation, constant))
+            known |= {of: lambda computed=computed, place=place: computed()[place] for place, of in enumerate(equation.outvars)}
+            if name in IDENTITIES:
+                values |= zip(equation.outvars, computed(), strict=True)
+                continue
         with source_info_util.user_context(equation.source_info.traceback):
             if name in ("jit", "pjit"):
-                results = _function(params["jaxpr"], functions)(*given)
+                results = _function(params["jaxpr"], functions, [each and each() for each in constant])(*given)
             elif name in ("scatter", "scatter-add") and _is_comparable(params, *given):
                 scalar = given[2] if jnp.ndim(given[2]) == 0 else alike.get(equation.invars[2])
                 results = [_compared(name, params, scalar, *given)]
@@ -73,10 +88,18 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[int, Any]
     return [of.val if isinstance(of, core.Literal) else values[of] for of in program.jaxpr.outvars]
 
 
-def _function(program: Any, functions: dict[int, Any]) -> Any:
-    if id(program) not in functions:
-        functions[id(program)] = jax.jit(lambda *arguments: _evaluated(program, arguments, functions))
-    return functions[id(program)]
+def _computed(equation: Any, constant: Sequence[Callable[[], Any]]) -> list[Any]:
+    """Returns what an equation makes of constants."""
+    with jax.ensure_compile_time_eval():
+        results = equation.primitive.bind(*(each() for each in constant), **equation.params)
+        return list(map(np.asarray, results if equation.primitive.multiple_results else [results]))
+
+
+def _function(program: Any, functions: dict[Any, Any], constants: Sequence[Any]) -> Any:
+    key = id(program), *(None if each is None else (each.shape, each.dtype, each.tobytes()) for each in constants)
+    if key not in functions:
+        functions[key] = jax.jit(lambda *arguments: _evaluated(program, arguments, functions, constants))
+    return functions[key]
 
 
 def _lowest(dtype: Any) -> Any:

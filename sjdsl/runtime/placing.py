@@ -126,7 +126,7 @@ def _chosen_backwards(member: Array, words: Array, number: Array) -> Array:
     for earlier in reversed(range(turns - 1)):
         place = place + ((turn > earlier) & (place >= drawn[..., earlier : earlier + 1])).astype(jnp.int32)
     chosen = jnp.where(turn < jnp.minimum(number, total)[..., None], bits.nth(packed[..., None, :], place), -1)
-    return bits.unpack(bits.set_of(lax.optimization_barrier(chosen), size), size)
+    return bits.unpack(bits.set_of(chosen, size), size)
 
 
 def _chosen_turn_by_turn(member: Array, words: Array, number: Array) -> Array:
@@ -217,7 +217,7 @@ def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, positi
     index = jnp.arange(agents, dtype=jnp.int32)
     left = bits.apart(bits.pack(free))
     going = bits.as_bits(sent, jnp.uint32)
-    site, placed = jnp.zeros_like(position), jnp.zeros_like(sent)
+    given = [jnp.uint32(0) for _ in range(0, agents, 2)]  # half a word for each agent: the number of its cell, one up; 0: none
     for who in range(agents):
         among = left if fitting is None else [one & fit for one, fit in zip(left, bits.apart(fitting[who]), strict=True)]
         total = reduce(lax.add, map(size_of_set, among))
@@ -226,9 +226,12 @@ def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, positi
         taken = jnp.where(there, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
         kept = lax.bitwise_not(taken)
         left = [lax.select(lax.eq(number, np.int32(place)), lax.bitwise_and(one, kept), one) for place, one in enumerate(left)]
-        here = (index == who) & there
-        site, placed = jnp.where(here, number * bits.WIDTH + bit, site), placed | here
-    return jnp.where(placed, _entry(cells, site), position), placed
+        found = jnp.where(there, number * bits.WIDTH + bit + 1, 0).astype(jnp.uint32)
+        given[who // 2] = given[who // 2] | (found << (who % 2 * 16))
+    given = lax.optimization_barrier(given)  # stored, or the lane of each agent would compute them all
+    site = bits.field(given, index, 16, 2).astype(jnp.int32) - 1
+    placed = site >= 0
+    return jnp.where(placed, _entry(cells, jnp.maximum(site, 0)), position), placed
 
 
 def come_back(

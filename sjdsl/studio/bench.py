@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar, assert_never
 
+from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
@@ -13,26 +14,26 @@ from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import action_mask
 from sjdsl.parameters import param_values
-from sjdsl.render.colours import hexadecimal
 from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
 from sjdsl.screen.keys import action_keys
 from sjdsl.studio import requests as ask
 from sjdsl.studio.carried import carried
 from sjdsl.studio.counterexample import NoReplay, replayed
-from sjdsl.studio.episode import Episode, TooLong, begun, chooser, resumed
+from sjdsl.studio.episode import Episode, TooLong, begun, chooser, measured, metric_names, resumed
 from sjdsl.studio.examples import place_of
 from sjdsl.studio.folder import FileRefused, Folder
 from sjdsl.studio.knobs import knobs, with_entries
 from sjdsl.studio.opened import Choice, Opened, open_text
-from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint
-from sjdsl.studio.panels import checks_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
+from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint, write_number
+from sjdsl.studio.panels import checks_panel, curves_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
 from sjdsl.studio.runs import PolicyRefused
 from sjdsl.studio.trained import Trained, load_trained
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
 Made = TypeVar("Made")
+MOST_TOLD = 50  # errors of a text that are told
 
 
 class Refused(Exception):
@@ -86,6 +87,8 @@ class Bench:
                 if self._shows_counterexample:
                     raise Refused("this is the map of a counterexample: begin again to see the game's own, and paint there")
                 return {"change": vars(paint(self._opened, request.row, request.col, request.glyph))}
+            case ask.Write():
+                return {"change": vars(write_number(self._opened, request.name, request.entry, request.value))}
             case ask.Replay():
                 return self._replay(request)
             case ask.Panel():
@@ -108,7 +111,12 @@ class Bench:
         try:
             opened = open_text(source, Choice(request.variants, request.agents, request.params))
         except CompileError as error:
-            return {"version": request.version, "compiles": False, "errors": sum(d.severity == "error" for d in error.diagnostics)}
+            errors = [d for d in error.diagnostics if d.severity == "error"]
+            told = [
+                [d.span.line if d.span.file == path else None, d.message + (f"\nhelp: {d.hint}" if d.hint else "")]
+                for d in errors[:MOST_TOLD]
+            ]
+            return {"version": request.version, "compiles": False, "errors": len(errors), "problems": told}
         before = self.on_board
         kept = None if request.fresh or before is None or self.episode is None else self._kept(before, opened)
         episode = kept or begun(opened.game, opened.values, self.seed)  # of a start that leaves float32, the board stays as it was
@@ -141,7 +149,8 @@ class Bench:
 
     def _described(self) -> Answer:
         """Returns what the page has to know of a game."""
-        opened, shown = self._opened, self._shown
+        opened, shown, artist = self._opened, self._shown, self._artist
+        assert artist is not None
         game = shown.game
         return {
             "name": game.name,
@@ -149,6 +158,7 @@ class Bench:
             "height": len(game.rows),
             "width": len(game.rows[0]),
             "agents": game.agents.number,
+            "agents_are_free": isinstance(opened.composition.number, ast.Path),  # a `size` says how many
             "actions": list(game.agents.actions),
             "keys": action_keys(game.agents.actions, game.agents.relative),
             "policies": ["random", "stay", *(policy.name for policy in game.policies)],
@@ -158,10 +168,11 @@ class Bench:
             "chosen": list(opened.composition.chosen),
             "numbers": knobs(game, shown.values),
             "left": list(opened.left),
-            "marks": [{"label": label, "colour": hexadecimal(colour)} for label, colour in self._look.marks],
             "glyphs": glyphs(opened),
             "map_file": map_file(opened),
             "counterexample": self._shows_counterexample,
+            "legend": artist.legend(),
+            "metrics": metric_names(game),
         }
 
     # ---- the episode
@@ -221,7 +232,7 @@ class Bench:
         game = self._shown.game
         try:
             given = with_entries(game, self._shown.values, request.name, request.value)
-            value = param_values(game, {**self._shown.values, request.name: given}, check_requires=False)[request.name]
+            value = param_values(game, {**self._shown.values, request.name: given})[request.name]
         except ValueError as error:
             raise Refused(str(error)) from None
         is_real = next(p for p in game.params if p.name == request.name).type.kind == "real"
@@ -253,6 +264,7 @@ class Bench:
             "scene": scene | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
             "pictures": new,
             "colours": self._artist.colours,
+            "metrics": measured(game, episode.now.outcome),
             "at": episode.at,
             "moments": len(episode.moments),
             "forbidden": [[a for a, allow in enumerate(mask) if not allow] for mask in allowed],
@@ -271,6 +283,7 @@ class Bench:
             "trace": lambda: trace_panel(shown, self._episode.traced()),
             "checks": lambda: checks_panel(opened),
             "diff": lambda: diff_panel(opened),
+            "curves": lambda: curves_panel(self._episode),
         }
         try:
             return panels[request.panel]()
@@ -303,11 +316,6 @@ class Bench:
     @property
     def _episode(self) -> Episode:
         return _compiled(self.episode)
-
-    @property
-    def _look(self) -> Any:
-        assert self._artist is not None
-        return self._artist.look
 
     def _agent(self, number: int) -> int:
         if not 0 <= number < self._shown.game.agents.number:

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.state import Value, World, copied
+from sjdsl.compiler.ir.queries import counts_of
+from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.properties.counterexample import take_step
@@ -88,6 +89,24 @@ class Episode:
     def drawn(self) -> Drawn:
         """Returns the moment that is shown as pictures and pages have it."""
         return moment_of(self.game, self.now.world, self.returns[self.at], self.now.actions, self.now.outcome)
+
+
+def metric_names(game: ir.Game) -> list[tuple[str, bool]]:
+    """Returns the metrics of a game by name, each with whether it is an event, whose counts add up."""
+    return [(name, True) for event in game.events for _, name in counts_of(event)] + [(m.name, False) for m in game.measures]
+
+
+def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
+    """Returns the metrics of a step, in the order of `metric_names`, events summed over the agents; nothing for the start of an episode."""
+    if outcome is None:
+        return []
+    found = []
+    for event in game.events:
+        counts = outcome.events[event.name]
+        for place, (word, _) in enumerate(counts_of(event)):
+            by_agent = counts if event.per_agent else [counts]
+            found.append(sum(float(count if word is None else count[place]) for count in by_agent))
+    return found + [float(outcome.measures[m.name]) for m in game.measures]
 
 
 def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:

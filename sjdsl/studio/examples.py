@@ -1,6 +1,6 @@
 """Bundled games and those of installed packages as examples: read where they are, and copied into the folder of whoever wants to change one."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -11,6 +11,7 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.game_packages import GamePackage, offered
 from sjdsl.games_folder import games_folder
+from sjdsl.starter import copied_files, starting_files
 from sjdsl.studio import tour
 from sjdsl.studio.folder import FileRefused, Folder
 
@@ -76,7 +77,33 @@ def copy_beside(example: str, folder: Folder) -> list[str]:
     Raises FileRefused: a file of that name is there and says something else; and what `Folder` raises.
     """
     home, path = place_of(example, folder.root)
-    wanted = dict(_needed(Folder(home), PurePosixPath(path)))
+    return _write_missing(dict(_needed(Folder(home), PurePosixPath(path))), folder)
+
+
+def new_game(path: str, like: str, folder: Folder) -> list[str]:
+    """Writes a new game into a folder, with its map and the games that it extends; returns what was written.
+
+    path: of its file, whose name is that of the game; like: the path of the game it is a copy of, "" for the starting one of `sjdsl new`.
+    Raises FileRefused: the name is none for a game, or there is such a file already; and what `Folder` raises.
+    """
+    place = PurePosixPath(path)
+    if folder.inside(path).exists():
+        raise FileRefused(f"there is a file `{path}` already: choose another name")
+    try:
+        if like:
+            home, inside = place_of(like, folder.root)
+            texts = copied_files(Folder(home).inside(inside), place.stem)
+        else:
+            texts = {name: text for name, text in starting_files(place.stem).items() if name.endswith((".sj", ".txt"))}
+    except ValueError as error:
+        raise FileRefused(str(error)) from None
+    except CompileError as error:
+        raise FileRefused(f"`{like}` cannot be copied: {error.diagnostics[0].message}") from None
+    return _write_missing({(place.parent / name).as_posix(): text for name, text in texts.items()}, folder)
+
+
+def _write_missing(wanted: Mapping[str, str], folder: Folder) -> list[str]:
+    """Writes the files that are not there yet, and returns their paths. Raises FileRefused: one is there and says something else."""
     missing = []
     for needed, text in wanted.items():
         try:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sjdsl.studio import tour
-from sjdsl.studio.examples import copy_beside, examples, packages, place_of
+from sjdsl.studio.examples import copy_beside, examples, new_game, packages, place_of
 from sjdsl.studio.folder import Changed, FileRefused, Folder
 from sjdsl.studio.runs import stored_policies
 
@@ -52,5 +52,8 @@ def _done(folder: Folder, method: str, address: str, query: Mapping[str, str], g
                 raise FileRefused(f"there is a file `{given['path']}` already: choose another name")
             copied = copy_beside(str(given["example"]), folder)
             return {"digest": folder.write(str(given["path"]), str(given["text"]), None), "copied": copied}
+        case "POST", "/new":  # a game of the name that the file has: the starting one of `sjdsl new`, or a renamed copy of another
+            made = new_game(str(given["path"]), str(given["like"]), folder)
+            return {"digest": folder.read(str(given["path"]))[1], "copied": made}
         case _:
             raise FileRefused(f"there is no `{address}`")

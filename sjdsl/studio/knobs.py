@@ -11,15 +11,16 @@ MOST = 400  # entries of one table that are shown
 
 
 def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
-    """Returns every param with its unit and limits (null for none), and its entries: `[[names], value]`, without names if it is no table.
+    """Returns every param with its unit and limits (null for none), and its entries: `[[names], value, written]`, without names if it is no table.
 
+    value: as it is set; written: as the text has it in the chosen variant.
     words: what the param can be, if it is one of several words; else empty. A table of more than 400 entries has its first.
     """
     found = []
     for param in game.params:
         type_ = param.type
         low, high = (limit if abs(limit) < INFINITE else None for limit in (type_.low, type_.high))
-        entries = list(_entries(values[param.name], type_.by, type_.kind == "word"))
+        entries = list(_entries(values[param.name], param.value, type_.by, type_.kind == "word"))
         found.append(
             {
                 "name": param.name,
@@ -35,12 +36,12 @@ def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
     return found
 
 
-def _entries(value: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[Any]]:
+def _entries(value: Any, written: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[Any]]:
     if not by:
-        yield [[], value if is_word else float(value)]
+        yield [[], value, written] if is_word else [[], float(value), float(written)]
         return
-    for key, inner in zip(by[0].keys, value, strict=True):
-        yield from ([[key, *names], found] for names, found in _entries(inner, by[1:], is_word))
+    for key, inner, other in zip(by[0].keys, value, written, strict=True):
+        yield from ([[key, *names], *found] for names, *found in _entries(inner, other, by[1:], is_word))
 
 
 def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, given: Any) -> Any:

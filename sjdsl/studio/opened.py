@@ -40,7 +40,7 @@ class Opened:
 def open_text(source: Source, choice: Choice) -> Opened:
     """Returns the game of a text. Raises CompileError with every problem of the failing stage.
 
-    Numbers that the text no longer takes, for it has no such name or other limits, are left out and named.
+    Numbers that the text no longer takes, for it has no such name, other limits or another `require`, are left out and named.
     """
     composition = compose(source, choice.variants)
     names = composition.number_names()
@@ -55,7 +55,14 @@ def open_text(source: Source, choice: Choice) -> Opened:
             taken[name] = value
         except ValueError:
             left.append(name)
-    values = param_values(build.game, taken, check_requires=False)
+    while True:
+        try:
+            values = param_values(build.game, taken)
+            break
+        except ValueError:  # a `require` of several numbers, each of which is allowed: the last one set goes first
+            if not taken:
+                raise
+            left.append(taken.popitem()[0])
     types = {p.name: p.type for p in build.game.params}
     values = {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
     return Opened(source, composition, build, values, tuple(left))

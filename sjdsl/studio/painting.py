@@ -1,18 +1,19 @@
-"""Paints a cell of the map: the change of the text that puts another glyph there."""
+"""Changes of the text that are made beside it: another glyph on a cell of the map, another value of a number."""
 
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
+from sjdsl.compiler import ast
 from sjdsl.studio.opened import Opened
 
 
 class CannotPaint(Exception):
-    """The map cannot be changed here; the text says why, and what to do."""
+    """The map, or a number, cannot be changed here; the text says why, and what to do."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """Replaces the characters `start .. end` of a text by `glyph`, both counted in UTF-16 units as browsers do.
+    """Replaces the characters `start .. end` of a text by `glyph`, or by the text of a number; both counted in UTF-16 units as browsers do.
 
     path: of the game or of its map's file, in the folder; before: what stands there now.
     """
@@ -58,6 +59,28 @@ def paint(opened: Opened, row: int, col: int, glyph: str) -> Change:
         raise CannotPaint("this row of the map is written with escapes: change it in the text")
     start = _units(text[:at])
     return Change(opened.source.name, start, start + _units(before), before, glyph)
+
+
+def write_number(opened: Opened, name: str, entry: tuple[str, ...], value: str) -> Change:
+    """Returns the change that writes a value where the text, in its chosen variant, has that of a param. Raises CannotPaint.
+
+    entry: keys of one entry of a table, outermost first; none of a param that is no table. value: as it will stand in the text.
+    """
+    constant = opened.composition.constants.get(name)
+    if constant is None:
+        raise CannotPaint(f"the game has no number `{name}`")
+    node = constant.value
+    for key in entry:
+        entries = {e.key.text: e.value for e in node.entries} if isinstance(node, ast.Table) else {}
+        if key not in entries:
+            raise CannotPaint(f"`{name}` has no entry of its own for {key}: it is written together with others, so change it in the text")
+        node = entries[key]
+    span, text = node.span, opened.source.text
+    if span.file != opened.source.name:
+        raise CannotPaint(f"`{name}` is written in `{PurePosixPath(span.file).name}`, which this game extends: open that one")
+    start = _units(text[: span.start])
+    before = text[span.start : span.end]
+    return Change(opened.source.name, start, start + _units(before), before, value)
 
 
 def _units(text: str) -> int:

@@ -7,18 +7,22 @@ from sjdsl.compiler import compile_build
 from sjdsl.compiler.ir.queries import kind_named
 from sjdsl.doc import differences, read_written, rule_sheet
 from sjdsl.doc.report import report
-from sjdsl.interpreter.board import Board, board_of
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.bodies import where_is
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.planes import planes
-from sjdsl.interpreter.state import HEADINGS, Cell, World
+from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
 from sjdsl.properties import GameFamily, Verdict, verify_properties
 from sjdsl.studio.counterexample import as_json
+from sjdsl.studio.episode import Episode, measured
 from sjdsl.studio.opened import Opened
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
 from sjdsl.trace.lines import rules_with_effects
+from sjdsl.trace.reasons import Explainer, explainer_of
+from sjdsl.trace.report import reason_report
 from sjdsl.trace.rules import Rules
-from sjdsl.trace.wording import say_draw, say_effect, say_value
+from sjdsl.trace.wording import say_effect, say_value
 
 LINE = re.compile(r"# \S+\.sj:(\d+)$")
 
@@ -87,13 +91,13 @@ def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
 def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
     """Returns what happened in the step that led to a moment.
 
-    For each phase its rules with their lines, and for each rule what it changed: in words, with the draws behind it, and whom and which cells
-    that concerns, so that a page can ask why something on one cell is as it is.
+    For each phase its rules with their lines, and for each rule what it changed: in words, with the reasons, and which cells that concerns,
+    so that a page can ask why something on one cell is as it is.
     """
     rules, board = Rules(opened.build.sources), board_of(opened.game)
     turns = []
     for turn in moment.turns:
-        found = []
+        found, explainer = [], explainer_of(turn, board, rules)
         for rule, effects in rules_with_effects(turn):
             span = None if rule is None else rule.origin
             found.append(
@@ -101,7 +105,7 @@ def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
                     "line": None if span is None or span.file != opened.source.name else span.line,
                     "place": "" if rule is None else rules.place(rule),
                     "text": "" if rule is None else rules.text(rule),
-                    "effects": [_effect(effect, board, rules) for effect in effects],
+                    "effects": [_effect(effect, moment.world, explainer) for effect in effects],
                 }
             )
         if found:
@@ -109,14 +113,21 @@ def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
     return {"step": moment.number, "turns": turns}
 
 
-def _effect(effect: Effect, board: Board, rules: Rules) -> dict[str, Any]:
-    concerned = (effect.owner, effect.old, effect.new)  # of which cell it is, and between which somebody went
+def _effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any]:
+    """Returns one change. cells: its own, those between which somebody went, and the one where its agent or mover stands now."""
+    owner = effect.owner
+    stands = where_is(owner, world) if isinstance(owner, int | Mover) else None
+    concerned = (owner, effect.old, effect.new, stands)
     return {
-        "said": say_effect(effect, board),
-        "agent": effect.owner if isinstance(effect.owner, int) else None,
-        "cells": [list(cell) for cell in concerned if isinstance(cell, Cell)],
-        "draws": list(dict.fromkeys(say_draw(drawn, rules) for done in effect.by for drawn in done.causes)),
+        "said": say_effect(effect, explainer.here.board),
+        "cells": [list(cell) for cell in dict.fromkeys(place for place in concerned if isinstance(place, Cell))],
+        "because": [reason_report(reason) for reason in explainer.effect(effect)],
     }
+
+
+def curves_panel(episode: Episode) -> dict[str, Any]:
+    """Returns the returns of the agents at each moment so far, and the metrics of the step that led to it."""
+    return {"returns": episode.returns, "metrics": [measured(episode.game, moment.outcome) for moment in episode.moments]}
 
 
 def diff_panel(opened: Opened) -> dict[str, Any]:

@@ -90,6 +90,15 @@ class Paint(Request):
     glyph: Annotated[str, Field(max_length=2)]
 
 
+class Write(Request):
+    """Asks for the change of the text that writes a value of a param there; `entry`: the keys of one entry of a table."""
+
+    do: Literal["write"]
+    name: NAME
+    entry: tuple[NAME, ...] = ()
+    value: Annotated[str, Field(max_length=200, pattern=r"^(-?[0-9.]+|[a-z][a-z0-9_]*)$")]
+
+
 class Replay(Request):
     """Shows the counterexample to a check, as its verdict has it: a map, params and sizes that differ from the file's, and all actions."""
 
@@ -108,7 +117,7 @@ class Panel(Request):
     """Asks for what stands beside the board. `agent`, `row`, `col`: of whom, and where, if the panel is about one."""
 
     do: Literal["panel"]
-    panel: Literal["rules", "python", "state", "seen", "trace", "checks", "diff"]
+    panel: Literal["rules", "python", "state", "seen", "trace", "checks", "diff", "curves"]
     agent: int = 0
     row: int | None = None
     col: int | None = None
@@ -120,5 +129,5 @@ class Share(Request):
     do: Literal["share"]
 
 
-AnyRequest = Text | Step | Go | Begin | Others | Number | Put | Paint | Replay | Panel | Share
+AnyRequest = Text | Step | Go | Begin | Others | Number | Put | Paint | Write | Replay | Panel | Share
 READ: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="do")])

@@ -34,7 +34,7 @@ def stored_policies(root: Path) -> list[Stored]:
     found: list[Stored] = []
     for file in files_below(root, SUFFIX):
         try:
-            found.append(Stored(_name_of(file, root), str(_description(file, root)["game"]["name"])))
+            found.append(Stored(_policy_name(file, root), str(_description(file, root)["game"]["name"])))
         except (PolicyRefused, KeyError, TypeError):
             continue
         if len(found) >= MOST:
@@ -105,7 +105,7 @@ def _file_of(root: Path, name: str) -> Path:
     return file
 
 
-def _name_of(file: Path, root: Path) -> str:
+def _policy_name(file: Path, root: Path) -> str:
     inside = file.relative_to(root)
     if inside.parent.name != POLICIES or inside.parent.parent == Path():
         return inside.as_posix()

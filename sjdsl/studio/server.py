@@ -54,7 +54,7 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
         Route("/assets/{name}", _asset),
         *(Route(path, _files(inside)) for path in ("/games", "/tour", "/policies")),
         Route("/file", _files(inside), methods=["GET", "PUT"]),
-        Route("/copy", _files(inside), methods=["POST"]),
+        *(Route(path, _files(inside), methods=["POST"]) for path in ("/copy", "/new")),
         WebSocketRoute("/bench", _bench(spares)),
         WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
     ]

@@ -124,9 +124,9 @@ def _check(spec: SweepSpec) -> None:
     """Raises ExperimentError for what can be refused before a game is read."""
     if not spec.games:
         raise ExperimentError("name the games to train in, as in `sjdsl sweep coins clean_up --axis reward=individual,common --run DIR`")
-    if twice := _repeated([Path(game).stem for game in spec.games]):
+    if twice := _first_repeated([Path(game).stem for game in spec.games]):
         raise ExperimentError(f"the game `{twice}` is named twice; cells are named by their games")
-    if twice := _repeated([axis.name for axis in spec.axes]):
+    if twice := _first_repeated([axis.name for axis in spec.axes]):
         raise ExperimentError(f"the axis `{twice}` is given twice; name all its values at once: --axis {twice}=value,value")
     if spec.protocol is not None and spec.protocol not in PROTOCOLS:
         raise ExperimentError(f"there is no protocol `{spec.protocol}`{meant(spec.protocol, PROTOCOLS, 'the protocols are')}")
@@ -147,7 +147,7 @@ def _check(spec: SweepSpec) -> None:
         raise ExperimentError(f"this sweep has {number:,} cells, and {MOST:,} are the most; make the axes shorter")
 
 
-def _repeated(names: Sequence[str]) -> str | None:
+def _first_repeated(names: Sequence[str]) -> str | None:
     return next((name for name in names if names.count(name) > 1), None)
 
 

@@ -54,7 +54,7 @@ def _check(sign: str, glyph: str, where: str, signs: Signs) -> None:
     kind = signs.by_character[glyph].kind
     if sign not in signs.by_character:
         known = ", ".join(f"`{c}` {s}" for c, s in signs.by_character.items() if s.kind == kind)
-        raise ValueError(f"{where}: `{sign}` is no sign; a `{kind}` is there: {known}; add others with `looks`")
+        raise ValueError(f"{where}: `{sign}` isn't a sign; the map has a `{kind}` there: {known}; add others with `looks`")
     if signs.by_character[sign].kind != kind:
         raise ValueError(f"{where}: `{sign}` stands for `{signs.by_character[sign].kind}`, and the map has `{kind}` there")
 
@@ -154,7 +154,7 @@ def compare_pictures(wanted: Sequence[Row], found: Sequence[Row]) -> str | None:
         return None
     width = max(len(str(row)) for row in (*wanted, *found))
     lines = []
-    for title, rows in (("wanted", wanted), ("found", found)):
+    for title, rows in (("expected", wanted), ("found", found)):
         lines.append(f"{title}:")
         lines += [f"  {row!s:{width}}  <- row {r}" if differ[r] else f"  {row}" for r, row in enumerate(rows)]
     return "\n".join(lines)

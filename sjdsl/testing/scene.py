@@ -118,7 +118,7 @@ class Scene:
             raise ValueError(f"{len(wanted)} actions for {agents} agents: {actions}")
         for name in wanted:
             if name not in names:
-                raise ValueError(f"`{name}` is no action of this game{meant(name, names)}")
+                raise ValueError(f"`{name}` isn't an action of this game{meant(name, names)}")
         return [names.index(name) for name in [*wanted, *["stay"] * agents][:agents]]
 
     def shows(self, *picture: str, under: Mapping[int, str] | None = None) -> "Scene":
@@ -127,19 +127,19 @@ class Scene:
         wanted = read_picture(picture, self.stage.signs)
         difference = compare_pictures(wanted, self._rows())
         if difference is not None:
-            raise AssertionError(f"{self._when()}the map is not as wanted\n{difference}")
+            raise AssertionError(f"{self._when()}the map differs\n{difference}")
         for agent, sign in (under or {}).items():
             if self.under(agent) != sign:
                 raise AssertionError(f"{self._when()}agent {agent} stands on `{self.under(agent)}`, not on `{sign}`")
         return self
 
-    def has(self, wanted: Mapping[str, Any]) -> "Scene":
+    def has(self, expected: Mapping[str, Any]) -> "Scene":
         """Asserts values: what `value` reads -> a list over agents or cells, a mapping of some of them, or one value for all."""
         __tracebackhide__ = True
-        wrong = [line for name, value in wanted.items() for line in self._wrong(name, value)]
+        wrong = [line for name, value in expected.items() for line in self._wrong(name, value)]
         if wrong:
             lines = "\n".join(f"  {line}" for line in [*wrong, "the map:", *map(str, self._rows())])
-            raise AssertionError(f"{self._when()}not all is as wanted\n{lines}")
+            raise AssertionError(f"{self._when()}some values differ\n{lines}")
         return self
 
     def value(self, name: str) -> Any:

@@ -9,6 +9,7 @@ from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import all_fields, body_sort, contains, phases_of
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.relocation import all_pools
+from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Away, Facing, Pool, World
 from sjdsl.interpreter.stored import stored_values
@@ -58,20 +59,10 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
     return numbers
 
 
-def away_pools(game: ir.Game, sort: ir.Sort = AGENTS) -> dict[Pool, ir.Send]:
+def away_pools(game: ir.Game, sort: ir.Sort) -> dict[Pool, ir.Send]:
     """Returns the destinations that agents, or movers of a sort, can be away before, each with a statement that sends there."""
-    known = pool_numbers(game)
-    found: dict[Pool, ir.Send] = {}
-    for phase in phases_of(game):
-        for node in ir.walk(phase):
-            if (
-                isinstance(node, ir.Send)
-                and node.after is not None
-                and body_sort(node.who) == sort
-                and Pool(phase.name, node.pool) in known
-            ):
-                found.setdefault(Pool(phase.name, node.pool), node)
-    return found
+    sends = board_of(game).pools.items()
+    return {pool: send for pool, send in sends if send.after is not None and body_sort(send.who) == sort}
 
 
 def make_away(game: ir.Game, number: int, ticks: int, phase: str | None, sort: ir.Sort = AGENTS) -> Away:

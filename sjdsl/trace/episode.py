@@ -23,7 +23,7 @@ class Told:
     """One turn of the schedule, or the phase `start`.
 
     idle: statements that happened and changed nothing. failed: draws after which nothing happened. never: statements that write
-      and did not happen at all.
+      and did not happen at all. account: what all of it is told from.
     """
 
     label: str
@@ -31,6 +31,7 @@ class Told:
     idle: tuple[Done, ...]
     failed: tuple[Drawn, ...]
     never: tuple[ir.Stmt, ...]
+    account: Account
 
 
 @dataclass(frozen=True)
@@ -106,4 +107,5 @@ def tell_of(account: Account, board: Board, numbers: Mapping[tuple[int, int], in
         idle=tuple(without_effect(account, effects)),
         failed=tuple(drawn for drawn in account.drawn if drawn.result is None or drawn.result is False),
         never=tuple(s for s in ir.walk(account.turn) if isinstance(s, writing) and id(s) not in happened),
+        account=account,
     )

@@ -9,28 +9,30 @@ from sjdsl.interpreter.board import Board
 from sjdsl.render.letters import Letters, draw, make_letters
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, Told
+from sjdsl.trace.reasons import Explainer, Reason, explainer_of
 from sjdsl.trace.rules import Rules
-from sjdsl.trace.wording import say_draw, say_effect, say_names, say_used, say_value
+from sjdsl.trace.wording import say_effect, say_names, say_value
 
-RULE, EFFECT, DRAW = "  ", " " * 4, " " * 6
+RULE, EFFECT, REASON = "  ", " " * 4, " " * 6
 
 
 @dataclass(frozen=True)
 class Teller:
-    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty; everything: as with `--all`."""
+    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty; everything, verbose: as with `--all`, `--verbose`."""
 
     board: Board
     rules: Rules
     looks: Letters
     phases: Collection[str] = ()
     everything: bool = False
+    verbose: bool = False
     agents: frozenset[str] = field(default_factory=frozenset)
 
 
-def make_teller(board: Board, rules: Rules, phases: Collection[str] = (), everything: bool = False) -> Teller:
+def make_teller(board: Board, rules: Rules, phases: Collection[str] = (), everything: bool = False, verbose: bool = False) -> Teller:
     """Returns what is needed to tell of a game; variables that stand for agents are told from numbers by it."""
     agents = frozenset(node.name for node in ir.walk(board.game) if isinstance(node, ir.Member) and node.sort.what == "agent")
-    return Teller(board, rules, make_letters(board.game), phases, everything, agents)
+    return Teller(board, rules, make_letters(board.game), phases, everything, verbose, agents)
 
 
 def is_shown(turn: Told, phases: Collection[str]) -> bool:
@@ -52,16 +54,17 @@ def moment_lines(moment: Moment, teller: Teller) -> Iterator[str]:
 
 
 def turn_lines(turn: Told, teller: Teller) -> Iterator[str]:
-    """Yields the lines of one turn of the schedule: its rules, what each changed and by which draws."""
+    """Yields the lines of one turn of the schedule: its rules, what each changed and why; a formula is written out once."""
     found = list(rules_with_effects(turn))
-    idle = list(_idle_lines(turn, teller)) if teller.everything else []
+    explainer, told = explainer_of(turn, teller.board, teller.rules), set[Reason]()
+    idle = list(_idle_lines(turn, teller, explainer, told)) if teller.everything else []
     if found or idle:
         yield f"  {turn.label}"
     for rule, together in found:
         if rule is not None:
             yield f"{RULE}  {_rule(rule, teller.rules)}"
         for effect in together:
-            yield from _effect_lines(effect, rule, teller)
+            yield from _effect_lines(effect, rule, teller, explainer, told)
     yield from idle
 
 
@@ -80,13 +83,24 @@ def _rule(rule: ir.Stmt, rules: Rules) -> str:
     return f"{rules.place(rule)}  {rules.text(rule)}"
 
 
-def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller) -> Iterator[str]:
+def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller, explainer: Explainer, told: set[Reason]) -> Iterator[str]:
     names = say_names(effect.by[0], effect.owner, teller.agents, teller.board) if effect.by else ""
     others = dict.fromkeys(teller.rules.place(done.statement) for done in effect.by if done.statement is not rule)
     beside = [*([names] if names else []), *(f"also {place}" for place in others)]
     yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (f"  [{'; '.join(beside)}]" if beside else "")
-    yield from (f"{DRAW}  {text}" for text in _draws(effect, teller))
-    yield from (f"{DRAW}  {text}" for text in _lots(effect, names, teller))
+    for number, reason in enumerate(explainer.effect(effect, teller.everything)):
+        yield from reason_lines(reason, teller.verbose, told, f"{REASON}  {'and' if number else 'because'} ")
+    yield from (f"{REASON}  {text}" for text in _lots(effect, names, teller))
+
+
+def reason_lines(reason: Reason, verbose: bool, told: set[Reason], head: str) -> Iterator[str]:
+    """Yields a reason and what is behind it, without what was told before. head: what its line begins with."""
+    yield f"{head}{reason.text}" + (f"  ({reason.bits})" if verbose and reason.bits else "")
+    deeper = " " * (len(head) - len(head.lstrip()) + 2)
+    for behind in reason.because:
+        if behind not in told:
+            told.add(behind)
+            yield from reason_lines(behind, verbose, told, deeper)
 
 
 def _lots(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
@@ -98,19 +112,15 @@ def _lots(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
         yield f"{', '.join(filter(None, (other, loser)))} lost the lot to {winner}"
 
 
-def _draws(effect: Effect, teller: Teller) -> list[str]:
-    causes = [say_draw(drawn, teller.rules) for done in effect.by for drawn in done.causes]
-    used = [say_used(used) for used in effect.draws if used.purpose != "who comes first" or teller.everything]
-    return list(dict.fromkeys([*causes, *used]))
-
-
-def _idle_lines(turn: Told, teller: Teller) -> Iterator[str]:
+def _idle_lines(turn: Told, teller: Teller, explainer: Explainer, told: set[Reason]) -> Iterator[str]:
     """Yields what happened without changing anything, draws after which nothing happened, and rules that did not happen."""
     for done in turn.idle:
         yield f"{RULE}  {_rule(done.statement, teller.rules)}{_among(done, teller)}: nothing changed"
-        yield from (f"{EFFECT}  {say_draw(drawn, teller.rules)}" for drawn in done.causes)
+        for number, drawn in enumerate(done.causes):
+            yield from reason_lines(explainer.draw(drawn), teller.verbose, told, f"{EFFECT}  {'and' if number else 'because'} ")
     for drawn in turn.failed:
-        yield f"{RULE}  {teller.rules.place(drawn.statement)}  {say_draw(drawn, teller.rules)}{_among(drawn, teller)}"
+        head = f"{RULE}  {teller.rules.place(drawn.statement)}{_among(drawn, teller)}  "
+        yield from reason_lines(explainer.draw(drawn), teller.verbose, told, head)
     for rule in turn.never:
         yield f"{RULE}  {_rule(rule, teller.rules)}: did not happen"
 

@@ -9,6 +9,7 @@ from sjdsl.render.letters import draw
 from sjdsl.trace.effects import Effect, Used, plain
 from sjdsl.trace.episode import Moment, Told
 from sjdsl.trace.lines import Teller, is_shown
+from sjdsl.trace.reasons import Explainer, Reason, explainer_of
 from sjdsl.trace.rules import Rules
 
 
@@ -32,7 +33,8 @@ def moment_report(moment: Moment, teller: Teller) -> dict[str, Any]:
 
 def turn_report(turn: Told, teller: Teller) -> dict[str, Any]:
     """Returns one turn of the schedule; what changed nothing only if everything is asked for."""
-    report: dict[str, Any] = {"turn": turn.label, "effects": [_effect(effect, teller) for effect in turn.effects]}
+    explainer = explainer_of(turn, teller.board, teller.rules)
+    report: dict[str, Any] = {"turn": turn.label, "effects": [_effect(effect, teller, explainer) for effect in turn.effects]}
     if teller.everything:
         report["idle"] = [_done(done, teller.rules) for done in turn.idle]
         report["failed"] = [_drawn(drawn, teller.rules) for drawn in turn.failed]
@@ -40,7 +42,7 @@ def turn_report(turn: Told, teller: Teller) -> dict[str, Any]:
     return report
 
 
-def _effect(effect: Effect, teller: Teller) -> dict[str, Any]:
+def _effect(effect: Effect, teller: Teller, explainer: Explainer) -> dict[str, Any]:
     owner = effect.owner
     is_heading = effect.sort == "heading"
     return {
@@ -53,8 +55,14 @@ def _effect(effect: Effect, teller: Teller) -> dict[str, Any]:
         "old": HEADINGS[effect.old] if is_heading else plain(effect.old),
         "new": HEADINGS[effect.new] if is_heading else plain(effect.new),
         "by": [_done(done, teller.rules) for done in effect.by],
+        "because": [reason_report(reason) for reason in explainer.effect(effect, teller.everything)],
         "random_words": [_used(used) for used in effect.draws],
     }
+
+
+def reason_report(reason: Reason) -> dict[str, Any]:
+    """Returns why something happened: a sentence, its random bits in words, or nothing, and the reasons behind it."""
+    return {"text": reason.text, "bits": reason.bits, "because": [reason_report(behind) for behind in reason.because]}
 
 
 def _statement(statement: ir.Stmt, rules: Rules) -> dict[str, Any]:

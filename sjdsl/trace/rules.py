@@ -7,6 +7,7 @@ from pathlib import PurePath
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.ir.printer import expression
 
 _COMMENT_OR_TEXT = re.compile(r'("(?:\\.|[^"\\\n])*")|#[^\n]*')
 UNKNOWN = "?"  # of a game that was built without a text
@@ -29,6 +30,11 @@ class Rules:
         if span is None or span.file not in self.sources:
             return type(statement).__name__.lower()
         return self._words(span, _end_of_header(statement, span))
+
+    def expression(self, e: ir.Expr) -> str:
+        """Returns an expression as it is written, on one line."""
+        span = e.origin
+        return expression(e) if span is None or span.file not in self.sources else self._words(span, span.end)
 
     def branch(self, statement: "ir.When | ir.Chance", number: int) -> str:
         """Returns the header of one branch: `chance 0.5`, `otherwise chance 0.2`."""

@@ -1,13 +1,12 @@
-"""Values, members and random draws in words."""
+"""Values, members and changes in words."""
+
+import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import HEADINGS, Away, Cell, Mover, Value
-from sjdsl.trace.effects import Effect, Used
-from sjdsl.trace.rules import Rules
-
-WHOLE = 2**31  # a chance is compared with the upper 31 bits of its word
+from sjdsl.trace.effects import Effect
 
 
 def say_owner(owner: int | Mover | Cell | None, board: Board) -> str:
@@ -39,7 +38,7 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
             return say_cell(value)
         case Mover():
             return f"{value.sort} {value.number}"
-        case tuple():
+        case tuple() | np.ndarray():
             return "[" + ", ".join(say_value(entry, type_) for entry in value) + "]"
         case bool():
             return "yes" if value else "no"
@@ -99,39 +98,6 @@ def say_names(done: Done | Drawn, owner: int | Mover | Cell | None, turn_agents:
             text = say_owner(value, board) if name == board.kind_of[value] else f"{name} {say_cell(value)}"
         else:
             text = f"{name} {say_value(value)}"
-        if not (value == owner and (is_agent or isinstance(value, Cell | Mover))):
+        if not ((is_agent or isinstance(value, Cell | Mover)) and value == owner):
             said.append(text)
     return ", ".join(said)
-
-
-def say_draw(drawn: Drawn, rules: Rules) -> str:
-    """Returns a draw and what came of it: `chance growth: drew 0.010700, below 0.03125: happens  (random bits …)`."""
-    share = (drawn.word >> 1) / WHOLE
-    statement = drawn.statement
-    match statement:
-        case ir.Chance():
-            said = _chance(statement, drawn, share, rules)
-        case ir.Draw():
-            said = f"{rules.text(statement)}: {say_value(drawn.result, statement.type)}"
-        case ir.Pick():
-            said = f"{rules.text(statement)}: drew {share:.6f}: {'picked' if drawn.result else 'not picked'}"
-        case ir.Match():
-            said = f"{rules.text(statement)}: drew {share:.6f}: {'matched' if drawn.result else 'not matched'}"
-    return f"{said}  {say_bits(statement.stream, drawn.number, drawn.word)}"
-
-
-def _chance(chance: ir.Chance, drawn: Drawn, share: float, rules: Rules) -> str:
-    bounds = [bound / WHOLE for bound in drawn.bounds]
-    if drawn.result is None:
-        return f"{rules.branch(chance, 0)}: drew {share:.6f}, not below {bounds[-1]:.6g}: does not happen"
-    below = f"below {bounds[-1]:.6g}" + (f" and not below {bounds[-2]:.6g}" if len(bounds) > 1 else "")
-    return f"{rules.branch(chance, drawn.result)}: drew {share:.6f}, {below}: happens"
-
-
-def say_used(used: Used) -> str:
-    """Returns a random number that placed an agent or a mover."""
-    return f"{used.purpose}: drew {(used.bits >> 1) / WHOLE:.6f}  {say_bits(used.stream, used.number, used.bits)}"
-
-
-def say_bits(stream: int, number: int, bits: int) -> str:
-    return f"(random bits {bits:08x}: number {number} of stream {stream:08x})"

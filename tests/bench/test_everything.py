@@ -3,14 +3,12 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
 from bench.speed.__main__ import main
-from bench.speed.everything import Part, Plan, joined, measure_everything, parts_of, read_parts, spread
+from bench.speed.everything import Part, Plan, joined, measure_everything, parts_of, read_parts
 from bench.speed.kernels import Kernels, StepKernels
 from bench.speed.resuming import Resume, differences
 from bench.speed.stored import Found, read_found
@@ -96,13 +94,6 @@ def test_a_part_that_fails_costs_no_other(tmp_path: Path) -> None:
     assert [speed.num_envs for speed in found.speeds] == [1, 8]
 
 
-def test_an_earlier_runs_figures_are_replaced(tmp_path: Path) -> None:
-    clock = Clock()
-    for _ in range(2):
-        measure_everything([clock.part("a", 1)], tmp_path, 1, "make gpu", clock, lambda _: None)
-    assert read_found(tmp_path / "speed.json") == speeds(1)
-
-
 def test_figures_of_one_sort_are_joined() -> None:
     both = joined(speeds(1, 5), speeds(8, 3))
     assert isinstance(both, Report)
@@ -163,10 +154,3 @@ def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
     assert differences(tmp_path / "whole", tmp_path / "resumed") == ("loss", "policies/2.safetensors")
     (tmp_path / "resumed" / "metrics.jsonl").write_text(lines[0] + "\n" + lines[1][:10])
     assert differences(tmp_path / "whole", tmp_path / "resumed")[0] == "2 and 1 rows of metrics"
-
-
-@pytest.mark.parametrize(("number", "chosen"), [(0, []), (1, [1]), (2, [1, 9]), (3, [1, 4, 9]), (9, [1, 2, 4, 8, 9])])
-def test_games_are_chosen_from_the_smallest_observation_to_the_largest(number: int, chosen: list[int]) -> None:
-    envs: Any = [SimpleNamespace(observation_shape=(2, size, 1, 1)) for size in (9, 2, 4, 1, 8)]
-    assert [env.observation_shape[1] for env in spread(envs, number)] == chosen
-    assert spread([], number) == []

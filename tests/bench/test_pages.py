@@ -1,5 +1,6 @@
 """Figures on pages: tables, marks, pictures; no figure is measured here."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -7,10 +8,9 @@ import pytest
 
 from bench.speed.plots import draw_scaling
 from bench.speed.sweep import Sweep
-from bench.speed.tables import notes_of, sweep_table, tables_of
+from bench.speed.tables import sweep_table, tables_of
 from sjdsl.bench import Compilation, Report, Speed
-from sjdsl.bench.markdown import markdown_section, markdown_table, new_page, replace_section, write_section
-from sjdsl.bench.tables import cost_table, relation_table, speed_table
+from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
 
 MACHINE = {"platform": "cpu"}
 
@@ -33,57 +33,12 @@ RACE = report(
 SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5, 6e5), 10, (1.0, 3.0), (2e5, 2e5, 2e5), 1.5, (5e5, 5e5, 5e5))
 
 
-def test_a_form_has_a_row_of_speeds() -> None:
-    table = speed_table(RACE)
-    assert table.headings == ("game", "agents", "observation", "1 env", "128 envs")
-    assert table.rows[1] == ("meadow", "2", "tokens", "200k ±10% x2.00", "200k ±10% x2.00")
-    assert [row[:3] for row in table.rows[2:]] == [("meadow", "2", "onehot"), ("meadow+crowd", "20", "tokens")]
-
-
-def test_a_form_has_a_row_of_costs() -> None:
-    rows = cost_table(RACE).rows
-    assert rows[1] == ("meadow", "2", "tokens", "1.5 s", "1,234", "2.0 s", "3 MB", "384 MB")
-    assert rows[0][3:6] == ("", "", "2.0 s")  # the yardstick is no environment
-
-
-def test_one_hot_and_crowds_are_compared_with_what_they_vary() -> None:
-    assert relation_table(RACE).rows == (
-        ("meadow, 2 agents: onehot to tokens", "2.00", "2.00"),
-        ("meadow, tokens: 20 agents to 2", "4.00", "4.00"),
-    )
-    assert len(tables_of(RACE)) == 3
-    assert len(tables_of(report(speed("meadow", 1, 1e5)))) == 2
-
-
-def test_many_compilations_are_said_to_be_extrapolated() -> None:
-    (table,) = tables_of(SWEEP)
-    assert [row[1:4] for row in table.rows] == [
-        ("1", "2.00 s", "1,024"),
-        ("64", "128.0 s extrapolated: 64 x 2.00 s, the mean of 2", "16"),
-        ("1", "1.50 s", "1,024"),
-    ]
-    assert table.rows[0][4] == "500k ±20%"
-    few = sweep_table(Sweep(**{**asdict(SWEEP), "num_values": 2}))
-    assert few.rows[1][2] == "4.0 s"
-
-
-def test_a_device_that_counts_is_quoted() -> None:
-    assert notes_of(RACE) == notes_of(SWEEP) == ()
-    assert "2.5 GB" in notes_of(report(peak=2_500_000_000))[0]
-
-
-def test_a_table_as_markdown() -> None:
-    assert markdown_table(speed_table(report(speed("meadow", 1, 1e5)))).splitlines() == [
-        "| game | agents | observation | 1 env |",
-        "| --- | --- | --- | --: |",
-        "| meadow | 2 | tokens | 100k ±10% x1.00 |",
-    ]
-
-
-def test_a_section_says_by_what_and_where_it_was_measured() -> None:
-    text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables_of(RACE), ["plots/a_b.png"])
-    assert text.startswith("`sjdsl bench`, on a machine.\n\ncoins is left out.\n\nEnvironment steps")
-    assert text.endswith("\n\n![a b](plots/a_b.png)\n")
+def test_a_section_of_a_page(golden: Callable[[Path, str], None]) -> None:
+    """Speeds, costs and relations of forms, and a sweep, of which few or many compilations are extrapolated."""
+    tables = [*tables_of(RACE), *tables_of(SWEEP), sweep_table(Sweep(**{**asdict(SWEEP), "num_values": 2}))]
+    text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables, ["plots/a_b.png"])
+    golden(Path(__file__).with_name("section.txt"), text)
+    assert len(tables_of(report(speed("meadow", 1, 1e5)))) == 2, "nothing to compare"
 
 
 def test_only_the_text_between_the_marks_is_replaced() -> None:
@@ -109,12 +64,6 @@ def test_a_picture_for_each_observation_and_number_of_agents(tmp_path: Path) -> 
     files = draw_scaling(RACE, tmp_path / "plots")
     assert [file.name for file in files] == ["cpu_tokens_own_agents.png", "cpu_onehot_own_agents.png", "cpu_tokens_20_agents.png"]
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
-
-
-@pytest.mark.parametrize("section", ["speed", "kernels", "resuming", "training mlp", "training cnn"])
-def test_the_page_of_speeds_has_marks_for_what_make_gpu_measures(section: str) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "performance.md").read_text(encoding="utf-8")
-    assert "newly measured" in replace_section(page, f"{section} gpu", "newly measured\n")
 
 
 @pytest.mark.parametrize("sort", ["cpu", "gpu"])

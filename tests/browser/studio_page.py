@@ -81,8 +81,14 @@ def part(page: Page, name: str) -> Locator:
     return page.locator(f'[data-part="{name}"]')
 
 
+def open_game(page: Page, path: str) -> None:
+    """Opens a game in the window that lists them."""
+    part(page, "files").click()
+    page.locator(f'dialog [data-path="{path}"]').click()
+
+
 def type_over(page: Page, text: str) -> None:
     """Replaces the whole text, as a person who pastes does."""
-    page.locator(".cm-content").click()
+    page.locator(".text .cm-content").click()
     page.keyboard.press("Control+a")
     page.keyboard.insert_text(text)

@@ -10,7 +10,9 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import Browser, Page, expect
+
+from tests.browser.studio_page import open_game, part
 
 ROOT = Path(__file__).parents[2]
 BUILT = ROOT / "build" / "playground"
@@ -69,10 +71,6 @@ def playground(browser: Browser, address: str) -> Iterator[Page]:
     assert wrong == []
 
 
-def part(page: Page, name: str) -> Locator:
-    return page.locator(f'[data-part="{name}"]')
-
-
 def write(page: Page, at: str, text: str) -> None:
     """Writes a text at the end of the first line that contains `at`."""
     page.locator(".cm-line", has_text=at).first.click()
@@ -102,7 +100,7 @@ def test_the_board_steps_back_and_forth(playground: Page) -> None:
 
 
 def test_another_example_is_opened_and_its_panels_filled(playground: Page) -> None:
-    part(playground, "files").select_option("example:coins.sj")
+    open_game(playground, "example:coins.sj")
     expect(part(playground, "title")).to_have_text("Coins", timeout=30_000)
     part(playground, "forward").click()
     for panel, text in (("why", "The last step"), ("state", "World"), ("seen", "plane by plane"), ("python", "jax"), ("rules", "Coins")):
@@ -111,18 +109,18 @@ def test_another_example_is_opened_and_its_panels_filled(playground: Page) -> No
 
 
 def test_a_copy_is_kept_and_can_be_downloaded(playground: Page) -> None:
-    part(playground, "files").select_option("example:coins.sj")
+    open_game(playground, "example:coins.sj")
     write(playground, "sj 1", "\n# mine")
     part(playground, "save").click()
-    playground.get_by_role("button", name="Save a copy").click()
-    expect(part(playground, "files").locator("option", has_text="coins.sj").first).to_have_attribute("value", "coins.sj", timeout=30_000)
+    playground.locator("dialog").get_by_role("button", name="Save").click()
+    expect(part(playground, "name")).to_have_text("coins.sj", timeout=30_000)
     expect(part(playground, "save")).to_be_disabled()
     with playground.expect_download() as download:
         playground.locator("#download").click()
     assert "# mine" in download.value.path().read_text(encoding="utf-8")
     playground.reload()
     expect(part(playground, "title")).to_have_text("Clean Up", timeout=LOADED)
-    part(playground, "files").select_option("coins.sj")
+    open_game(playground, "coins.sj")
     expect(playground.locator(".cm-line", has_text="# mine")).to_be_visible(timeout=30_000)
 
 

@@ -4,7 +4,7 @@ import re
 
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.studio_page import GAME, Studio, opened, part, studio, type_over
+from tests.browser.studio_page import GAME, Studio, open_game, opened, part, studio, type_over
 
 __all__ = ["opened", "studio"]  # fixtures
 
@@ -83,10 +83,12 @@ def test_a_painted_cell_changes_the_map_in_the_text(opened: Page) -> None:
 
 def test_panels_are_of_the_text_as_it_is(opened: Page) -> None:
     expect(part(opened, "panel")).to_contain_text("The rules of the game yard")
+    opened.locator(".cm-line", has_text="phase eat").click()
     opened.locator('[data-panel="python"]').click()
-    expect(part(opened, "panel")).to_contain_text("params.fine")
+    expect(part(opened, "panel").locator(".here", has_text="params.fine")).to_be_visible()
     type_over(opened, GAME.replace("fine", "bonus"))
-    expect(part(opened, "panel")).to_contain_text("params.bonus")
+    opened.locator(".text .cm-line", has_text="phase eat").click()
+    expect(part(opened, "panel").locator(".here", has_text="params.bonus")).to_be_visible()
     opened.locator('[data-panel="checks"]').click()
     expect(part(opened, "panel")).to_contain_text("passed")
 
@@ -141,15 +143,15 @@ def test_saving_writes_the_file_and_nothing_of_others(opened: Page, studio: Stud
 
 
 def test_an_example_is_opened_and_saved_as_a_copy(opened: Page, studio: Studio) -> None:
-    part(opened, "files").select_option("example:harvest_closed.sj")
+    open_game(opened, "example:harvest_closed.sj")
     expect(part(opened, "title")).to_have_text("Commons Harvest: Closed")
     expect(part(opened, "verdict")).to_have_text("")
     opened.locator(".cm-content").press("Control+End")
     opened.keyboard.insert_text("# mine\n")
     part(opened, "save").click()
-    opened.get_by_label("Name of the copy").fill("closed.sj")
-    opened.get_by_role("button", name="Save a copy").click()
-    expect(part(opened, "files")).to_have_value("closed.sj")
+    opened.get_by_role("textbox", name="Name").fill("closed.sj")
+    opened.locator("dialog").get_by_role("button", name="Save").click()
+    expect(part(opened, "name")).to_have_text("closed.sj")
     assert "# mine" in (studio.folder / "closed.sj").read_text(encoding="utf-8")
     expect(part(opened, "title")).to_have_text("Commons Harvest: Closed")
 

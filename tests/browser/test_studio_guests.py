@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 import sjdsl
-from tests.browser.studio_page import GAME, Studio, opened, part, studio, type_over
+from tests.browser.studio_page import GAME, Studio, open_game, opened, part, studio, type_over
 from tests.experiments.stored_policies import store
 
 __all__ = ["opened", "studio"]  # fixtures
@@ -69,7 +69,7 @@ def test_the_tour_is_read_and_its_games_are_opened(opened: Page) -> None:
     expect(panel).to_contain_text("The one rule to remember")
     panel.get_by_role("button", name="Open the game of this step").first.click()
     expect(part(opened, "title")).to_have_text("Berries")
-    expect(part(opened, "files")).to_have_value("tour:berries_2.sj")
+    expect(part(opened, "name")).to_have_text("berries_2.sj")
     expect(opened.locator(".cm-content")).to_contain_text("tally eaten for agent")
     expect(part(opened, "verdict")).to_have_text("")
     expect(panel).to_contain_text("The one rule to remember")
@@ -117,12 +117,12 @@ def drag_agent_to_soil(page: Page) -> None:
 
 def test_another_game_is_not_opened_over_unsaved_work(opened: Page) -> None:
     type_over(opened, GAME.replace("Yard", "Mine"))
-    part(opened, "files").select_option("example:clean_up.sj")
+    open_game(opened, "example:clean_up.sj")
     expect(part(opened, "message")).to_contain_text("changes that are not saved")
-    expect(part(opened, "files")).to_have_value("yard.sj")
+    expect(part(opened, "name")).to_have_text("yard.sj")
     opened.get_by_role("button", name="Stay here").click()
     expect(part(opened, "title")).to_have_text("Mine")
-    part(opened, "files").select_option("example:clean_up.sj")
+    open_game(opened, "example:clean_up.sj")
     opened.get_by_role("button", name="and lose them").click()
     expect(part(opened, "title")).to_have_text("Clean Up")
 

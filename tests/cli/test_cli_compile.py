@@ -53,26 +53,8 @@ def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> N
     assert "generated/orchard.py differs from what its game compiles to now" in shown.out
 
 
-def test_nothing_is_written_when_one_game_is_wrong(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "wrong.sj").write_text(GAME.replace("to floor", "to flor"))
-    (folder / "worse.sj").write_text(GAME.replace("on soil", "on sol"))
-    shown = sjdsl("compile", "wrong.sj", "orchard.sj", "worse.sj")
-    assert shown.status == 1
-    assert "flor" in shown.err
-    assert "sol" in shown.err
-    assert not (folder / "generated").exists()
-
-
 def test_two_games_do_not_share_a_file(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "copy.sj").write_text(GAME)
     shown = sjdsl("compile", "orchard.sj", "copy.sj")
     assert shown.status == 1
     assert "generated/orchard.py" in shown.err
-
-
-def test_another_map(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "wide.txt").write_text("......A\n")
-    assert sjdsl("compile", "orchard.sj", "--map", "wide.txt").status == 0
-    assert "'......A'" in (folder / "generated/orchard.py").read_text()
-    (folder / "odd.txt").write_text("...X\n")
-    assert "`X`" in sjdsl("compile", "orchard.sj", "--map", "odd.txt").err

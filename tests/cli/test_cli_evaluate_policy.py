@@ -69,28 +69,3 @@ def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:
     assert shown.out.splitlines()[2].split() == ["random"]
     assert "of a random policy" not in shown.out
     assert sorted(path.name for path in folder.iterdir()) == ["grove.sj", "orchard.sj"], "nothing is written that was not asked for"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "status", "said"),
-    [
-        (
-            ("eater",),
-            1,
-            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or add --game GAME for a policy that isn't a run",
-        ),
-        (("random",), 1, "add --game GAME for a policy that isn't a run"),
-        (("eatr", *PLAYED), 1, "there is no policy `eatr`; did you mean `eater`?"),
-        (("eater", "--variant", "rich"), 2, "--variant is for --game"),
-        (("eater", *PLAYED, "--greedy"), 2, "--greedy is for trained policies, and `eater` isn't one"),
-        (("eater", *PLAYED, "--which", "best"), 2, "--which is for runs"),
-        (("eater", *PLAYED, "-o", "eater"), 2, "-o names the file for the results, which must end in .json; `eater` doesn't"),
-        (("eater", *PLAYED, "-o", "nowhere/eater.json"), 1, "there is no folder `nowhere` to write eater.json to"),
-        (("eater", *PLAYED, "--variant", "poor"), 1, "poor"),
-    ],
-)
-def test_what_is_refused(sjdsl: Sjdsl, arguments: tuple[str, ...], status: int, said: str) -> None:
-    shown = sjdsl("evaluate", *arguments)
-    assert shown.status == status, shown.text
-    assert said in shown.err
-    assert "playing" not in shown.err

@@ -1,13 +1,9 @@
 """`sjdsl crossplay` and `sjdsl schelling` on a small game: what they print and write, and what they refuse before anything is played."""
 
 import json
-import resource
-import subprocess
-import sys
 from pathlib import Path
 
-import pytest
-from command_line import Output, Sjdsl
+from command_line import Sjdsl
 
 DIAGRAM = ("schelling", "orchard.sj", "--cooperators", "stay", "--defectors", "random", "--episodes", "3")
 
@@ -41,63 +37,3 @@ def test_cross_play_of_pairs(sjdsl: Sjdsl, folder: Path) -> None:
     assert {path.name for path in (folder / "pairs").iterdir() if path.is_file()} == {
         *("experiment.json", "crossplay.csv", "crossplay.json", "matrix.png")
     }
-
-
-def _refused(shown: Output, status: int, *said: str) -> None:
-    assert shown.status == status, shown.text
-    assert all(words in shown.err for words in said), shown.err
-    assert "playing" not in shown.err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "status", "said"),
-    [
-        (("schelling", "orchrd", "--cooperators", "stay", "--defectors", "random"), 1, "there is no bundled game `orchrd`"),
-        (("schelling", "orchard.sj", "--cooperators", "sty", "--defectors", "random"), 1, "no policy `sty`; did you mean `stay`?"),
-        (("schelling", "orchard.sj", "--cooperators", "stay"), 2, "--defectors"),
-        ((*DIAGRAM, "--variant", "rch"), 1, "rich"),
-        ((*DIAGRAM, "--param", "lngth=4"), 1, "length"),
-        ((*DIAGRAM, "-o", "nowhere/deep"), 1, "there is no folder `nowhere`"),
-        ((*DIAGRAM, "--agents", "9"), 1, "players"),
-        (("crossplay", "orchard.sj"), 2, "give either --slots, a policy for each slot, or --policies"),
-        (("crossplay", "orchard.sj", "--slots", "stay,stay", "--policies", "stay"), 2, "give either --slots"),
-        (("crossplay", "orchard.sj", "--slots", "stay,stay", "--mix", "all"), 2, "--mix is for --policies"),
-        (("crossplay", "orchard.sj", "--policies", "stay", "nobody", "--mix", "all"), 1, "there is no policy `nobody`"),
-        (("crossplay", "orchard.sj", "--policies"), 2, "--policies"),
-    ],
-)
-def test_what_is_refused_at_once(sjdsl: Sjdsl, arguments: tuple[str, ...], status: int, said: str) -> None:
-    shown = sjdsl(*arguments)
-    _refused(shown, status, said)
-    assert "loading JAX" not in shown.err
-
-
-def test_what_is_refused_once_the_game_is_made(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "own.py").write_text("def idle(key, observation):\n    return observation[:, 0, 0, 0]\n")
-    _refused(sjdsl(*DIAGRAM[:-4], "--defectors", "own.py:nobody"), 1, "own.py has no `nobody`")
-    _refused(sjdsl(*DIAGRAM, "--agents", "1"), 1, "a Schelling diagram needs at least two agents, and orchard has one here")
-    _refused(sjdsl("crossplay", "orchard.sj", "--slots", "stay"), 1, "orchard has 2 slots, but 1 policies are given")
-    (folder / "kept").mkdir()
-    (folder / "kept/notes.txt").write_text("mine")
-    _refused(sjdsl(*DIAGRAM, "-o", "kept"), 1, "kept is not empty and holds no experiment to resume (notes.txt)")
-
-
-@pytest.mark.slow
-def test_a_full_disk(folder: Path, sjdsl: Sjdsl) -> None:
-    """The system refuses what goes beyond so many bytes of a file; what was whole is gone on with."""
-    whole = sjdsl(*DIAGRAM, "-o", "whole")
-    limit = (folder / "whole/experiment.json").stat().st_size + 100
-    program = (
-        "import resource, sys; from sjdsl.cli import main;"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, resource.RLIM_INFINITY)); sys.argv[0] = 'sjdsl'; main()"
-    )
-    command = [sys.executable, "-c", program, *DIAGRAM, "-o", "full"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 1, done.stderr
-    assert done.stderr.splitlines()[-1].startswith("error: full/schelling")
-    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] == resource.RLIM_INFINITY
-    assert len(list((folder / "full/parts").glob("*.json"))) == 3
-    again = sjdsl(*DIAGRAM, "-o", "full")
-    assert "playing" not in again.err
-    assert again.out.replace("full/", "whole/") == whole.out
-    assert (folder / "full/schelling.json").read_bytes() == (folder / "whole/schelling.json").read_bytes()

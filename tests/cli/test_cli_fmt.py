@@ -2,7 +2,6 @@
 
 import io
 import os
-import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -115,8 +114,3 @@ def test_standard_input(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch, text: str
         case _:
             assert shown.out.startswith('sj 1\ngame orchard "A Small Orchard" {\n')
             assert "  episode length  # steps\n" in shown.out
-
-
-def test_formatting_needs_no_jax(folder: Path) -> None:
-    program = "import sys; from sjdsl.cli import run; run(['fmt', 'orchard.sj']); sys.exit(int('jax' in sys.modules))"
-    assert subprocess.run([sys.executable, "-c", program], cwd=folder, check=False).returncode == 0

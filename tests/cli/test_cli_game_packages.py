@@ -1,7 +1,6 @@
 """Games of installed packages: found by name everywhere, without importing them; clashes and broken packages are said, and stop no other."""
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from installed_packages import game, install, register
 
 import sjdsl as package
 from sjdsl.cli.environment_options import EnvironmentOptions
-from sjdsl.games_folder import GamesClash, bundled, by_release, find_game, game_names, game_problems
+from sjdsl.games_folder import GamesClash, by_release, find_game, game_problems
 
 
 @pytest.fixture
@@ -43,13 +42,6 @@ def test_a_run_knows_its_game_by_name(place: Path, folder: Path, name: str) -> N
     install(place, "river_games", {"river.sj": game("river")})
     assert EnvironmentOptions().describe(name)["game"] == name
     assert EnvironmentOptions().describe("orchard.sj")["game"] == str((folder / "orchard.sj").resolve())
-
-
-def test_bundled_games_stay_what_they_are(place: Path) -> None:
-    install(place, "river_games", {"river.sj": game("river")})
-    assert bundled() == ["clean_up", "coins", "daycare"]
-    assert set(game_names()) == {*bundled(), "river"}
-    assert find_game("coins").name == "coins.sj"
 
 
 def test_the_list_says_where_each_comes_from(place: Path, sjdsl: Sjdsl) -> None:
@@ -162,21 +154,7 @@ def test_a_file_that_does_not_compile_is_said(place: Path, sjdsl: Sjdsl) -> None
     assert sjdsl("check", "bad").status == 1
 
 
-def test_a_package_installed_now_is_found_now(place: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="there is no bundled game `pond`"):
-        find_game("pond")
-    install(place, "river", {"pond.sj": game("pond")})
-    assert find_game("pond") == place / "river/pond.sj"
-
-
 def test_the_misspelt_name_of_an_installed_game(place: Path, sjdsl: Sjdsl) -> None:
     install(place, "river", {"waterfall.sj": game("waterfall")})
     assert "did you mean `waterfall`?" in sjdsl("check", "waterfal").err
     assert "did you mean `river:waterfall`?" in sjdsl("check", "river:waterfal").err
-
-
-def test_the_list_loads_no_jax(place: Path) -> None:
-    install(place, "river", {"pond.sj": game("pond")})
-    run = "import sys; from sjdsl.cli import run; run(['list', 'pond']); print('jax' in sys.modules, 'river' in sys.modules)"
-    shown = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {str(place)!r}); {run}"], capture_output=True, text=True)
-    assert shown.stdout.splitlines()[-1] == "False False", shown.stderr

@@ -50,9 +50,3 @@ def test_a_map_outside_the_folder_is_not_copied(tmp_path: Path) -> None:
     code = new(tmp_path / "copy", "--from", str(tmp_path / "game" / "odd.sj"))
     assert code != 0
     assert list((tmp_path / "copy").iterdir()) == []
-
-
-@pytest.mark.parametrize("arguments", [["--from", "coins", "--package"], ["Mine", "--from", "coins"], ["--from", "no_such_game"], []])
-def test_what_is_refused(arguments: list[str], tmp_path: Path) -> None:
-    assert new(tmp_path, *arguments) != 0
-    assert list(tmp_path.iterdir()) == []

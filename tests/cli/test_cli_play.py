@@ -54,29 +54,6 @@ def test_an_episode_of_other_rules_is_refused(env: Environment, sjdsl: Sjdsl, fo
         list(replayed(recording.model_copy(update={"returns": [9.0, 9.0]}), env))
 
 
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (["replay", "none.json"], "none.json cannot be read: No such file or directory"),
-        (
-            ["replay", "orchard.sj"],
-            "orchard.sj does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, `sjdsl record",
-        ),
-        (["replay", "none.json", "-o", "film.avi"], "must end in .gif, .mp4 or .html"),
-        (["play", "orchard.sj"], "there is no terminal to play in"),
-        (["play", "orchard.sj", "--watch", "--agent", "2"], "orchard has no agent 2; its agents are 0 to 1"),
-        (["play", "orchard.sj", "--watch", "--others", "nobody"], "there is no policy `nobody`"),
-        (["new", "My-Game"], "`My-Game` cannot name a game"),
-        (["new", "class"], "`class` cannot name a game"),
-    ],
-)
-def test_what_is_wrong_is_said(sjdsl: Sjdsl, call: list[str], said: str) -> None:
-    shown = sjdsl(*call)
-    assert shown.status in (1, 2)
-    assert said in shown.err
-    assert "Traceback" not in shown.err
-
-
 @pytest.mark.thorough
 def test_a_new_game_passes_its_tests(sjdsl: Sjdsl, folder: Path) -> None:
     made = sjdsl("new", "pond")

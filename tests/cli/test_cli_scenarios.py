@@ -61,29 +61,3 @@ def test_a_policy_of_the_file(sjdsl: Sjdsl, folder: Path) -> None:
     stored = json.loads((folder / "grove_eater_scenarios/scenarios.json").read_text())
     assert (stored["focal_policy"], stored["game"]["params"]["length"]) == ("eater", 4)
     assert stored["scenarios"]["pair"]["score"] == 1.0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "status", "said"),
-    [
-        (
-            ("evaluate", "eater", "--scenario", "all"),
-            1,
-            "there is no folder `eater`; name the folder of a run that `sjdsl train` wrote, or add --game GAME for a policy",
-        ),
-        (("evaluate", "runs/a", "-o", "there"), 2, "-o is for --scenario"),
-        (("evaluate", "runs/a", "--scenario", "all", "--agents", "3"), 2, "--agents is for --game"),
-        ((*SCRIPTED, "all", "--greedy"), 2, "--greedy is not for --scenario"),
-        ((*SCRIPTED, "all", "--film", "a.gif"), 2, "--film is not for --scenario"),
-        (("evaluate", "eatr", "--game", "grove.sj", "--scenario", "all"), 1, "there is no policy `eatr`; did you mean `eater`?"),
-        ((*SCRIPTED, "gest"), 1, "there is no scenario `gest`; did you mean `guest`?"),
-        ((*SCRIPTED, "all", "--agents", "3"), 1, "the scenario `pair` doesn't fit 3 agents: it has 2 slots; name another, such as guest"),
-        ((*SCRIPTED, "all", "--agents", "1"), 1, "a scenario needs at least two agents, and grove has one here"),
-        (("evaluate", "stay", "--game", "orchard.sj", "--scenario", "all"), 1, "orchard has no scenarios; write one into the game's file"),
-    ],
-)
-def test_what_is_refused(sjdsl: Sjdsl, arguments: tuple[str, ...], status: int, said: str) -> None:
-    shown = sjdsl(*arguments)
-    assert shown.status == status, shown.text
-    assert said in shown.err
-    assert "playing" not in shown.err

@@ -123,27 +123,3 @@ def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatc
     assert shown.status == 0
     assert "pd_arena: " in shown.out
     assert "require prisoners_dilemma(payoff)  [decided: " in shown.out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ((), "FILE"),
-        (("orchard.sj", "--examples", "0"), "--examples"),
-        (("orchard.sj", "--examples", "many"), "--examples"),
-        (("orchard.sj", "--seed", "-1"), "--seed"),
-        (("orchard.sj", "--sead", "1"), "--sead"),
-    ],
-)
-def test_mistakes_in_the_call(sjdsl: Sjdsl, arguments: tuple[str, ...], said: str) -> None:
-    shown = sjdsl("test", *arguments)
-    assert shown.status == 2
-    assert said in shown.err
-    assert "Traceback" not in shown.text
-
-
-def test_a_game_that_is_not_there(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("test", "orchrad.sj")
-    assert shown.status == 1
-    assert "orchrad.sj" in shown.text
-    assert "Traceback" not in shown.text

@@ -62,16 +62,6 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     assert [line for line in drawn.err.splitlines() if line in said] == said
 
 
-def test_a_folder_in_use_is_not_written_to(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "kept").mkdir()
-    (folder / "kept/notes.txt").write_text("mine")
-    shown = sjdsl("train", "orchard.sj", *QUICK, "--run", "kept")
-    assert shown.status == 1
-    assert "kept is not empty" in shown.err
-    assert "sjdsl train --resume kept" in shown.err
-    assert "loading JAX" not in shown.err
-
-
 def test_a_preset_names_the_game(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from sjdsl.cli import train as module
 
@@ -135,62 +125,6 @@ def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pyt
     assert "must end in .gif, .mp4 or .html" in shown.err
 
 
-@pytest.mark.parametrize(
-    ("more", "named"),
-    [
-        (["orchard.sj"], "GAME"),
-        (["--seed", "1"], "--seed"),
-        (["--seeds", "2"], "--seeds"),
-        (["--algorithm", "vdn"], "--algorithm"),
-        (["--reward", "common"], "--reward"),
-        (["--preset", "paper"], "--preset"),
-        (["--set", "seed=1"], "--set"),
-        (["--run", "else"], "--run"),
-        (["--seed", "0"], "--seed"),
-        (["--param", "apple=2"], "--param"),
-        (["--agents", "3"], "--agents"),
-        (["--variant", "rich"], "--variant"),
-        (["--init-from", "runs/other"], "--init-from"),
-        (["--partners", "1=random"], "--partners"),
-    ],
-)
-def test_a_run_goes_on_as_it_was_started(sjdsl: Sjdsl, more: list[str], named: str) -> None:
-    shown = sjdsl("train", "--resume", "runs/some", *more)
-    assert shown.status == 2, shown.text
-    assert f"leave out {named}" in shown.err
-
-
-def test_no_run_to_go_on_with(sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl("train", "--resume", folder)
-    assert shown.status == 1
-    assert "is not the folder of a training run" in shown.err
-
-
-def test_keys_are_listed(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("train", "--keys", "--algorithm", "vdn", "--set", "seed=9")
-    assert shown.status == 0
-    listed = dict(line.split(" = ") for line in shown.out.splitlines())
-    assert listed["algorithm"] == '"vdn"'
-    assert listed["seed"] == "9"
-    assert "buffer_size" in listed
-    assert "clip_epsilon" not in listed
-    assert "clip_epsilon" in sjdsl("train", "--keys").out
-
-
-def test_keys_say_when_they_are_read(sjdsl: Sjdsl) -> None:
-    assert "exchange_ratio = 0.5  # read where reward is exchange" in sjdsl("train", "--keys").out.splitlines()
-    assert "exchange_ratio = 0.5" in sjdsl("train", "--keys", "--reward", "exchange").out.splitlines()
-
-
-@pytest.mark.parametrize("call", [("--set", "exchange_ratio=0.5"), ("--preset", "two_cores", "--set", "exchange_ratio=0.9")])
-def test_a_reward_that_was_forgotten_is_asked_for(call: tuple[str, ...], sjdsl: Sjdsl) -> None:
-    shown = sjdsl("train", "coins", *call)
-    assert (shown.status, shown.out) == (1, "")
-    assert (
-        "`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange, or leave `exchange_ratio` out" in shown.err
-    )
-
-
 def test_what_nothing_reads_of_a_preset_is_said(sjdsl: Sjdsl) -> None:
     Path("p.toml").write_text("[config]\nexchange_ratio = 0.9\n")
     shown = sjdsl("train", "--preset", "p.toml", "--keys")
@@ -201,40 +135,10 @@ def test_what_nothing_reads_of_a_preset_is_said(sjdsl: Sjdsl) -> None:
     assert (shown.err, "exchange_ratio = 0.9\n" in shown.out) == ("", True)
 
 
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (["orchard.sj", "--set", "learning_rat=1"], "did you mean `learning_rate`?"),
-        (["orchard.sj", "--set", "learning_rate"], "must have the form name=value"),
-        (["orchard.sj", "--set", "num_envs=none"], "`num_envs` must be a whole number"),
-        (["orchard.sj", "--preset", "papper"], "did you mean `paper`?"),
-        (["orchard.sj", "--preset", "none.toml"], "none.toml does not exist"),
-        (["orchard.sj", "--algorithm", "vdn", "--reward", "svo"], "`reward` must be 'common'"),
-        (["orchard.sj", "--algorithm", "sarsa"], "unknown algorithm 'sarsa'; known: ippo, mappo, irat, vdn"),
-        (["orchard.sj", "--log", "wandb"], "pip install 'sjdsl[wandb]'"),
-        (["orchard.sj", "--set", "num_envs=3", "--set", "num_minibatches=7"], "cannot be split"),
-        ([], "name the game to train in"),
-    ],
-)
-def test_what_is_wrong_is_said_before_a_folder_is_made(sjdsl: Sjdsl, folder: Path, call: list[str], said: str) -> None:
-    shown = sjdsl("train", *call)
-    assert shown.status in (1, 2)
-    assert said in shown.err
-    assert "Traceback" not in shown.err
-    assert not (folder / "runs").exists()
-
-
 def _stop() -> None:
     import click
 
     raise click.ClickException("far enough")
-
-
-@pytest.mark.parametrize("call", [["train", "orchard.sj"], ["evaluate", "runs/some"], ["render", "orchard.sj"], ["trace", "orchard.sj"]])
-def test_a_seed_beyond_32_bits_is_refused(sjdsl: Sjdsl, call: list[str]) -> None:
-    shown = sjdsl(*call, "--seed", str(2**32))
-    assert shown.status == 2
-    assert "4294967296 is not in the range 0<=x<=4294967295" in shown.err
 
 
 @pytest.mark.thorough

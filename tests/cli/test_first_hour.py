@@ -4,7 +4,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
 from command_line import Sjdsl
 
 
@@ -14,13 +13,6 @@ def test_sjdsl_alone_is_help(sjdsl: Sjdsl) -> None:
     assert (shown.status, shown.err) == (0, "")
     assert shown.out.startswith("Usage: sjdsl [OPTIONS] COMMAND")
     assert shown.out == sjdsl("--help").out
-
-
-@pytest.mark.parametrize("call", [["render", "orchard"], ["train", "orchard"], ["check", "orchard"], ["play", "orchard", "--watch"]])
-def test_a_game_without_its_ending_is_found(sjdsl: Sjdsl, call: list[str]) -> None:
-    shown = sjdsl(*call)
-    assert shown.status == 1
-    assert "there is no bundled game `orchard`; for the file beside you write its whole name: `orchard.sj`" in shown.err
 
 
 def test_new_says_what_comes_next_and_what_it_needs(sjdsl: Sjdsl) -> None:

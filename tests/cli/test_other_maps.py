@@ -40,14 +40,6 @@ def test_a_mistake_in_a_map(sjdsl: Sjdsl, folder: Path, text: str, code: str, pl
         assert (found.span.file, found.span.line, found.span.column) == ("other.txt", *place)
 
 
-def test_other_commands_say_it_too(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "other.txt").write_text("HFS..B\n.PP?P.\n")
-    for command in ("render clean_up --steps 1 -o x.gif", "train clean_up --preset quick --run x"):
-        shown = sjdsl(*command.split(), "--map", "other.txt")
-        assert shown.status == 1
-        assert "`?` at row 1, column 3" in shown.text
-
-
 def test_rows_that_are_given_have_a_place_too() -> None:
     with pytest.raises(CompileError) as error:
         package.make("clean_up", map=("HFS..B", ".PP?P.", "PPPP.."))

@@ -16,8 +16,6 @@ from random import Random
 import jax
 
 from sjdsl.factory import load_module
-from tests.fuzz import constructs
-from tests.fuzz.constructs import constructs_of
 from tests.fuzz.coverage import Grammar, rule_parts_used, table
 from tests.fuzz.judge import Verdict, judge
 from tests.fuzz.kept import RUNS, keep
@@ -38,7 +36,6 @@ def main() -> None:
     counts: Counter[str] = Counter()
     sorts: dict[str, list[int]] = {}
     parts: Counter[str] = Counter()
-    found: Counter[str] = Counter()
     grammar = Grammar()
     begun = time.process_time()
     for stop in (signal.SIGINT, signal.SIGTERM):  # also where the shell has it run in the background, without interrupts
@@ -54,14 +51,13 @@ def main() -> None:
                         report(made, verdict, number, given)
                 elif verdict.accepted and verdict.game is not None and given.coverage:
                     parts += rule_parts_used(verdict.game)
-                    found.update(constructs_of(verdict.game))
             if given.coverage:
                 grammar.read(made)
             if number % 10 == 9:
                 forget()
                 print(f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
     if given.coverage:
-        print(*table(grammar, parts), *constructs.table(found, counts["accepted"]), sep="\n")
+        print(*table(grammar, parts), sep="\n")
     for sort, numbers in sorts.items():
         print(f"{len(numbers)} times {sort}: seeds {numbers[:10]}")
 

@@ -32,33 +32,51 @@ def _alone(env: Any) -> Any:
     return (*made, env.reset()) if made[2] or made[3] else made
 
 
-STANDING: dict[str, tuple[Callable[[], Any], Callable[[Any], Any], Callable[[Any], Any]]] = {
-    "gymnasium": (lambda: VectorGame("coins", 2, **SHORT), lambda env: env.reset(seed=3), lambda env: env.step(np.array([0, 4, 2, 3]))[:4]),
-    "gymnasium, one agent": (lambda: AgentGame("coins", **SHORT), lambda env: env.reset(seed=3), _alone),
-    "stable_baselines3": (lambda: VecGame("coins", 2, **SHORT), lambda env: env.reset(), lambda env: env.step(np.array([0, 4, 2, 3]))),
-    "pettingzoo": (lambda: parallel_env("coins", **SHORT), lambda env: env.reset(seed=3), _paired),
-    "dm_env": (lambda: Substrate("coins", seed=3, **SHORT), lambda env: env.reset(), lambda env: env.step([0, 4])),
+# how to make each, to begin an episode with a seed or without one, and to play a step
+STANDING: dict[str, tuple[Callable[[int], Any], Callable[[Any, int | None], Any], Callable[[Any], Any]]] = {
+    "gymnasium": (
+        lambda _: VectorGame("coins", 2, **SHORT),
+        lambda env, seed: env.reset(seed=seed),
+        lambda env: env.step(np.array([0, 4, 2, 3]))[:4],
+    ),
+    "gymnasium, one agent": (lambda _: AgentGame("coins", **SHORT), lambda env, seed: env.reset(seed=seed), _alone),
+    "stable_baselines3": (
+        lambda _: VecGame("coins", 2, **SHORT),
+        lambda env, seed: (None if seed is None else env.seed(seed), env.reset()),
+        lambda env: env.step(np.array([0, 4, 2, 3])),
+    ),
+    "pettingzoo": (lambda _: parallel_env("coins", **SHORT), lambda env, seed: env.reset(seed=seed), _paired),
+    "dm_env": (lambda seed: Substrate("coins", seed=seed, **SHORT), lambda env, _: env.reset(), lambda env: env.step([0, 4])),
 }
 
 
-def assert_alike(first: Any, second: Any) -> None:
-    a, b = jax.tree.leaves(first), jax.tree.leaves(second)
-    assert len(a) == len(b) > 0
-    assert all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
+def alike(first: Any, second: Any) -> bool:
+    return all(np.array_equal(x, y) for x, y in zip(jax.tree.leaves(first), jax.tree.leaves(second), strict=True))
+
+
+@pytest.mark.parametrize("adapter", STANDING)
+def test_a_seed_is_a_course(adapter: str) -> None:
+    """Over several episodes; another seed is another course, and so is a reset without one."""
+    make, begin, step = STANDING[adapter]
+    first, again, other = make(5), make(5), make(6)
+    course = [begin(first, 5), *(step(first) for _ in range(30))]
+    assert alike(course, [begin(again, 5), *(step(again) for _ in range(30))])
+    assert not alike(course, [begin(other, 6), *(step(other) for _ in range(30))])
+    assert not alike(course, [begin(first, None), *(step(first) for _ in range(30))])
 
 
 @pytest.mark.parametrize("way", COPIES)
 @pytest.mark.parametrize("adapter", STANDING)
 def test_a_copy_plays_on_alike(adapter: str, way: str) -> None:
     make, begin, step = STANDING[adapter]
-    env = make()
-    begin(env)
+    env = make(3)
+    begin(env, 3)
     for _ in range(3):
         step(env)
     copied, later = COPIES[way](env), COPIES[way](env)
     played = [step(env) for _ in range(9)]  # through an episode's end
-    assert_alike([step(copied) for _ in range(9)], played)
-    assert_alike([step(later) for _ in range(9)], played)  # what the first two have played is nothing to it
+    assert alike([step(copied) for _ in range(9)], played)
+    assert alike([step(later) for _ in range(9)], played)  # what the first two have played is nothing to it
 
 
 @pytest.mark.parametrize("way", COPIES)
@@ -69,12 +87,12 @@ def test_copies_without_a_place(way: str) -> None:
     theirs = JaxMARLGame("coins", **SHORT)
     _, state = theirs.reset(key)
     copied, there = COPIES[way]((theirs, state))
-    assert_alike(copied.step(key, there, actions), theirs.step(key, state, actions))
+    assert alike(copied.step(key, there, actions), theirs.step(key, state, actions))
     mava = MavaGame("coins", **SHORT)
     state, _ = mava.reset(jax.random.PRNGKey(4))
     copied, there = COPIES[way]((mava, state))
-    assert_alike(copied.step(there, jnp.array([0, 4])), mava.step(state, jnp.array([0, 4])))
+    assert alike(copied.step(there, jnp.array([0, 4])), mava.step(state, jnp.array([0, 4])))
     suite = socialjax.make("coin_game", shared_rewards=False)
     _, state = suite.reset(key)
     copied, there = COPIES[way]((suite, state))
-    assert_alike(copied.step(key, there, [0, 4]), suite.step(key, state, [0, 4]))
+    assert alike(copied.step(key, there, [0, 4]), suite.step(key, state, [0, 4]))

@@ -12,10 +12,14 @@ import numpy as np
 
 from sjdsl.action_names import split_actions
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of
+from sjdsl.interpreter.planes import planes
+from sjdsl.interpreter.state import HEADINGS
+from sjdsl.interpreter.step import action_mask
+from sjdsl.testing.paths import find_field, read_field
 
-from . import pictures
 from .blocks import Block
-from .plays import Play, View, plane_names
+from .plays import Play
 
 _TEXT = re.compile(r'"([^"]*)"')
 _COMMENT = re.compile(r'^((?:[^"#]|"[^"]*")*)#.*$')
@@ -98,66 +102,69 @@ class Gathered:
             assert np.all(np.abs(means - wanted) <= allowance), f"line {line}: the mean is {means.tolist()}, not {wanted}"
 
 
-def perform(script: Script, game: ir.Game, play: Play, other: Callable[[str, int, int], View], most_runs: int = 1000) -> None:
+def perform(script: Script, play: Play, other: Callable[[str, int, int], Play], most_runs: int = 1000) -> None:
     """Plays a script and compares; means over the runs only if all of them are played.
 
-    other: (name of an example, its seed, steps of rest) -> the view of that example, for `equal`.
+    other: (name of an example, its seed, steps of rest) -> the play of that example, for `equal`.
     """
     gathered = Gathered()
     for run in range(script.seed, script.seed + min(script.runs, most_runs)):
-        view = play.reset((run, 0))
+        play.reset((run, 0))
         steps = 0
         for line, text in script.lines:
             if step := _STEP.fullmatch(text):
                 for _ in range(int(step.group(1) or 1)):
                     steps += 1
-                    view = play.step(_actions(game, view, step.group(2), line), (run, steps))
+                    play.step(_actions(play, step.group(2), line), (run, steps))
             elif text.startswith("before "):
-                view = play.arrange(pictures.read(game, _TEXT.findall(text), view))
+                play.arrange(_TEXT.findall(text))
             elif equal := _EQUAL.fullmatch(text):
                 there, path = other(equal.group(2), run, steps), equal.group(3)
-                same = values_of(game, view, path) == values_of(game, there, path)
-                assert same == (equal.group(1) == "equal"), f"line {line}: {path} {values_of(game, view, path)}"
+                same = values_of(play, path) == values_of(there, path)
+                assert same == (equal.group(1) == "equal"), f"line {line}: {path} {values_of(play, path)}"
             else:
-                _check(text, line, game, view, gathered)
+                _check(text, line, play, gathered)
     if script.runs <= most_runs:
         gathered.check()
 
 
-def _actions(game: ir.Game, view: View, text: str, line: int) -> list[int]:
+def _actions(play: Play, text: str, line: int) -> list[int]:
     """Returns the numbers of actions; the name of a policy stands for what it chooses."""
-    names = split_actions(text) if text else []
-    assert len(names) in (0, game.agents.number), f"line {line}: an action for each agent, or none"
-    names = names or ["stay"] * game.agents.number
-    chosen = view.chosen or {}
-    return [game.agents.actions.index(chosen[name][agent] if name in chosen else name) for agent, name in enumerate(names)]
+    names, policies = split_actions(text) if text else [], {policy.name for policy in play.game.policies}
+    assert len(names) in (0, play.board.agents), f"line {line}: an action for each agent, or none"
+    names = [play.chosen(name)[agent] if name in policies else name for agent, name in enumerate(names or ["stay"] * play.board.agents)]
+    return [play.game.agents.actions.index(name) for name in names]
 
 
-def _check(text: str, line: int, game: ir.Game, view: View, gathered: Gathered) -> None:
-    """Compares one line with the view, or remembers it for the mean over the runs."""
+def _check(text: str, line: int, play: Play, gathered: Gathered) -> None:
+    """Compares one line with the play, or remembers it for the mean over the runs."""
     if text.startswith("after "):
-        drawn = pictures.draw(game, view)
+        drawn = play.drawn()
         assert drawn == _TEXT.findall(text), f"line {line}: the map is " + " ".join(f'"{row}"' for row in drawn)
     elif mean := _MEAN.fullmatch(text):
-        values = [float(v) for v in values_of(game, view, mean.group(1))]
+        values = [float(v) for v in values_of(play, mean.group(1))]
         gathered.add(line, [float(v) for v in mean.group(2).split(",")], float(mean.group(3)), values)
     elif share := _SHARE.fullmatch(text):
-        values = values_of(game, view, share.group(1))
+        values = values_of(play, share.group(1))
         part = sum(_text(v) == share.group(2) for v in values) / len(values)
         gathered.add(line, [float(share.group(3))], float(share.group(4)), [part])
     elif count := _COUNT.fullmatch(text):
-        found = sum(_text(v) == count.group(2) for v in values_of(game, view, count.group(1)))
+        found = sum(_text(v) == count.group(2) for v in values_of(play, count.group(1)))
         assert found == int(count.group(3)), f"line {line}: {found}"
     elif sees := _SEES.fullmatch(text):
-        _check_seen(sees, line, game, view)
+        _check_seen(sees, line, play)
     elif labels := _LABELS.fullmatch(text):
-        found = list(plane_names(game)[labels.group(1)][1])
+        found = list(plane_named(play.game, labels.group(1))[1])
         assert found == [x.strip() for x in labels.group(2).split("|")], f"line {line}: {' | '.join(found)}"
     else:
         path, equals, wanted = text.partition(" = ")
         assert equals, f"line {line}: not understood: {text}"
-        values = values_of(game, view, path)
-        _compare(line, [_text(v) for v in values], wanted)
+        _compare(line, [_text(v) for v in values_of(play, path)], wanted)
+
+
+def plane_named(game: ir.Game, name: str) -> tuple[int, tuple[str, ...]]:
+    """Returns the number and labels of a plane of an observation."""
+    return next((number, plane.labels) for number, plane in enumerate(planes(game)) if plane.name == name)
 
 
 def _compare(line: int, values: list[str], wanted: str) -> None:
@@ -184,7 +191,7 @@ def _text(value: Any) -> str:
             return "nobody"
         case bool():
             return "yes" if value else "no"
-        case frozenset():
+        case set():
             return "{" + ", ".join(map(str, sorted(value))) + "}"
         case float():
             return f"{value:.9g}"
@@ -192,62 +199,61 @@ def _text(value: Any) -> str:
             return str(value)
 
 
-def values_of(game: ir.Game, view: View, path: str) -> list[Any]:
+def values_of(play: Play, path: str) -> list[Any]:
     """Returns what a line's left side stands for: one value, one for each agent, or one for each cell."""
-    word, _, rest = path.strip().partition(" ")
+    game, world, (word, _, rest) = play.game, play.world, path.strip().partition(" ")
     match word:
         case "reward":
-            return view.reward
+            return [float(reward) for reward in play.outcome.reward]
         case "event":
-            return _listed(view.events[rest])
+            return np.ravel(_counts(play)[rest]).tolist()
         case "metric":
-            return [view.metrics[rest]]
+            return [float(play.outcome.measures[rest])]
         case "allowed":
-            return [mask[game.agents.actions.index(rest)] for mask in view.allowed]
+            return [mask[game.agents.actions.index(rest)] for mask in action_mask(game, world)]
         case "chosen":
-            assert view.chosen is not None
-            return list(view.chosen[rest])
-        case "steps" | "truncated" | "terminated":
-            return [getattr(view, word)]
+            return list(play.chosen(rest))
+        case "steps":
+            return [world.step]
+        case "terminated":
+            return [play.outcome.terminated]
+        case "truncated":
+            return [play.outcome.truncated and not play.outcome.terminated]
         case "planes":
-            return list(plane_names(game))
-    name, *keys = re.findall(r"[\w.]+", path)
-    owner, _, member = name.rpartition(".")
-    places = {"agent": view.places, **view.herds}.get(owner, [])
-    if places and member in ("row", "col"):
-        return ["-" if p is None else p[member == "col"] for p in places]
-    if places and member == "away":
-        return [p is None for p in places]
+            return [plane.name for plane in planes(game)]
+    owner, _, member = path.strip().rpartition(".")
+    herd: Any = world if owner == "agent" else world.movers.get(owner)
+    if herd is not None and member in ("row", "col"):
+        return ["-" if p is None else getattr(p, member) for p in herd.position]
+    if herd is not None and member == "away":
+        return [p is None for p in herd.position]
     if owner == "agent" and member == "ticks":
-        return view.away
+        return [away.ticks if away else 0 for away in world.away]
     if owner == "agent" and member == "heading":
-        return list(view.heading)
-    if owner:
-        values = view.agents[member] if owner == "agent" else view.cells[owner, member]
-        return [_entry(game, owner, member, v, keys) for v in values]
-    return _listed(_entry(game, "", member, view.world[member], keys))
+        return [HEADINGS[heading] for heading in world.heading]
+    values = read_field(find_field(game, path), world)
+    return values if owner else _listed(values)
+
+
+def _counts(play: Play) -> dict[str, Any]:
+    """Returns the counts of events by name, of a row entry by entry."""
+    return {
+        name: np.asarray(play.outcome.events[event.name])[(...,) if word is None else (..., number)]
+        for event in play.game.events
+        for number, (word, name) in enumerate(counts_of(event))
+    }
 
 
 def _listed(value: Any) -> list[Any]:
-    return value if isinstance(value, list) else [value]
+    return list(value.values()) if isinstance(value, dict) else [value]
 
 
-def _entry(game: ir.Game, owner: str, name: str, value: Any, keys: list[str]) -> Any:
-    if not keys:
-        return value
-    fields = {"": game.fields, "agent": game.agents.fields}.get(owner) or next(
-        k for k in (*game.kinds, *game.movers) if k.name == owner
-    ).fields
-    level = next(f for f in fields if f.name == name).type.by[0]
-    return value[level.keys.index(keys[0])]
-
-
-def _check_seen(seen: re.Match[str], line: int, game: ir.Game, view: View) -> None:
+def _check_seen(seen: re.Match[str], line: int, play: Play) -> None:
     agent, plane, rows, up, columns, side, wanted = seen.groups()
-    number, labels = plane_names(game)[plane]
-    row = game.window.ahead + (int(rows) if up == "behind" else -int(rows or 0))
-    column = game.window.left + (int(columns) if side == "right" else -int(columns or 0))
-    value = int(view.observation[int(agent), number, row, column])
+    number, labels = plane_named(play.game, plane)
+    row = play.game.window.ahead + (int(rows) if up == "behind" else -int(rows or 0))
+    column = play.game.window.left + (int(columns) if side == "right" else -int(columns or 0))
+    value = int(play.seen()[int(agent), number, row, column])
     if plane == "marks":
         shown = " and ".join(label for bit, label in enumerate(labels) if value >> bit & 1) or "none"
     else:

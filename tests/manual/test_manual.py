@@ -1,15 +1,13 @@
 """Every example of the manual is compiled and run, and what the manual says of it is compared.
 
-Quickly in the reference interpreter; once more in the compiled step beside the interpreter on the same draws: on NumPy, and a few by XLA.
+Quickly in the reference interpreter; once more in the compiled step on NumPy beside the interpreter, on the same draws.
 """
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import fields
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from sjdsl.compiler import Build, build, check, compile_build
@@ -19,17 +17,13 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 
 from .blocks import Example, blocks, examples
-from .plays import Compiled, Interpreted, OnNumPy, Play, View
+from .plays import Play
 from .scripts import given_params, perform, read_script
 
 
-def chosen(wanted: Callable[[Example], bool], one_of: int = 1) -> pytest.MarkDecorator:
-    """Returns the parametrisation of a test over the examples wanted, all but one of `one_of` marked slow."""
-    params = []
-    for number, example in enumerate(filter(wanted, examples())):
-        marks = [pytest.mark.slow] if number % one_of else []
-        params.append(pytest.param(example, id=example.name, marks=marks))
-    return pytest.mark.parametrize("example", params)
+def chosen(wanted: Callable[[Example], bool]) -> pytest.MarkDecorator:
+    """Returns the parametrisation of a test over the examples wanted."""
+    return pytest.mark.parametrize("example", [pytest.param(e, id=e.name) for e in examples() if wanted(e)])
 
 
 def source_of(example: Example, folder: Path) -> Source:
@@ -94,73 +88,26 @@ def compare(example: Example, found: Sequence[Diagnostic], blocks: Sequence) -> 
 def test_example_runs_as_the_manual_says(example, folder):
     for block in example.said("result"):
         script = read_script(block)
-        game = built(example, folder, script.variants).game
-        play = Interpreted(built(example, folder, script.variants), given_params(game, script.params))
-        perform(script, game, play, lambda name, seed, steps: rest(name, seed, steps, folder))
+        made = built(example, folder, script.variants)
+        perform(script, Play(made, given_params(made.game, script.params)), partial(rest, folder))
 
 
-def rest(name: str, seed: int, steps: int, folder: Path) -> View:
+def rest(folder: Path, name: str, seed: int, steps: int) -> Play:
     """Returns another example after some steps in which nobody does anything."""
-    example = next(e for e in examples() if e.name == name)
-    play = Interpreted(built(example, folder), {})
-    view = play.reset((seed, 0))
-    stay = built(example, folder).game.agents.actions.index("stay")
+    play = Play(built(next(e for e in examples() if e.name == name), folder), {})
+    play.reset((seed, 0))
     for step in range(1, steps + 1):
-        view = play.step([stay] * len(view.places), (seed, step))
-    return view
+        play.step([play.game.agents.actions.index("stay")] * play.board.agents, (seed, step))
+    return play
 
 
 @chosen(lambda e: not e.said("error"))
 def test_compiled_example_on_numpy_equals_the_interpreted(example, folder):
-    compare_with_compiled(example, folder, OnNumPy)
-
-
-@pytest.mark.thorough
-@chosen(lambda e: not e.said("error"), one_of=20)
-def test_compiled_example_equals_the_interpreted(example, folder):
-    compare_with_compiled(example, folder, Compiled)
-
-
-def compare_with_compiled(example: Example, folder: Path, engine: type[Compiled]) -> None:
     """Plays what the manual shows in both at once; an example without a shown play is compiled."""
     for block in example.said("result"):
         script = read_script(block)
         made = built(example, folder, script.variants)
         text = compile_build(made, source_of(example, folder))
-        params = given_params(made.game, script.params)
-        play = Both(Interpreted(made, params), engine(made, text, params))
-        perform(script, made.game, play, lambda name, seed, steps: rest(name, seed, steps, folder), most_runs=3)
+        perform(script, Play(made, given_params(made.game, script.params), text), partial(rest, folder), most_runs=3)
     if not example.said("result"):
         compile_build(built(example, folder), source_of(example, folder))
-
-
-class Both:
-    """The interpreter and the compiled step on the same draws; every view is compared."""
-
-    def __init__(self, first: Play, second: Play):
-        self.plays = first, second
-
-    def reset(self, key):
-        return self._same([play.reset(key) for play in self.plays])
-
-    def arrange(self, picture):
-        return self._same([play.arrange(picture) for play in self.plays])
-
-    def step(self, actions, key):
-        return self._same([play.step(actions, key) for play in self.plays])
-
-    def _same(self, views: list[View]) -> View:
-        for part in fields(View):
-            first, second = (getattr(view, part.name) for view in views)
-            if part.name in ("reward", "metrics"):
-                if part.name == "metrics":
-                    assert first.keys() == second.keys()
-                    first, second = list(first.values()), [second[name] for name in first]
-                assert np.allclose(first, second, rtol=1e-6, atol=1e-6), (part.name, first, second)
-            elif second is None:
-                assert part.name in ("allowed", "observation", "chosen")
-            elif part.name == "observation":
-                assert np.array_equal(first, second), "the observations differ"
-            else:
-                assert first == second, (part.name, first, second)
-        return views[0]

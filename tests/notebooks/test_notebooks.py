@@ -60,7 +60,7 @@ def test_a_dilemma_is_written_and_changed() -> None:
     """Two keep the fire and two sit by it: the idlers earn more, until a log pays."""
     notebook = executed("write_a_dilemma")
     mistakes = printed(notebook, "mistaken =")
-    assert "did you mean `wood`" in mistakes and "a reward is wanted here, and this is a probability" in mistakes
+    assert "did you mean `wood`" in mistakes and "expected a reward, found a probability" in mistakes
     assert "no problems" in printed(notebook, 'command(["check", str(rules)])')
     before, after = (_numbers(printed(notebook, cell).splitlines()[0]) for cell in ("def returns", "again ="))
     assert max(before[:2]) < min(before[2:])

@@ -13,7 +13,7 @@ from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.policies.compiled import Chooser
 from sjdsl.policies.interpreted import choose
-from tests.differential.worlds import world_of
+from sjdsl.properties.state_conversion import world_of
 from tests.fuzz.policies import different_choice
 from tests.fuzz.together import interpret, moments, on_numpy, random_play
 

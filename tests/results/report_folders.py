@@ -207,34 +207,72 @@ def random_returns(path: Path, returns: Mapping[str, float], rules: str | None =
     )
 
 
-def write_everything(folder: Path) -> list[Path]:
-    """Writes one of everything that a report is made of, as its golden shows it; returns what to name."""
+SPAWNS = {"params": {"spawn_iron": 0.0004, "spawn_gold": "1.6e-4"}}
+# Runs under the rules of the paper: game, reward, returns, what is counted 60 times, rules, more of the provenance.
+PAPERS_GAMES: tuple[tuple[str, str, tuple[float, ...], str, str, Mapping[str, Any]], ...] = (
+    ("mushrooms", "individual", (300.0, 301.0, 302.0), "event eaten[blue]", "c02", {}),
+    ("mushrooms", "common", (100.0, 101.0, 102.0), "", "c02", {}),
+    ("clean_up", "common", (900.0, 901.0), "", "c02", {}),
+    ("coop_mining", "individual", (10.0, 12.0), "event ores_shared", "c02", {}),
+    ("coop_mining", "exchange", (10.0, 12.0), "", "c02", SPAWNS),
+    ("coop_mining", "common", (10.0, 12.0), "", "402", SPAWNS),
+    ("gift_refinement", "individual", (100.0, 101.0, 102.0), "", "b52", {}),
+    ("gift_refinement", "common", (500.0, 510.0, 505.0), "", "b52", {}),
+    ("gift_refinement", "individual", (100.0, 101.0, 102.0), "", "a17", {}),
+    ("gift_refinement", "common", (500.0, 510.0, 505.0), "", "a17", {}),
+)
+
+
+def write_everything(folder: Path) -> None:
+    """Writes one of everything that a report is made of, as its golden shows it."""
     own, shared = (17.0, 14.0, 18.5), (158.0, 154.5, 160.0)
-    coins = {"event own_coins": (92.0, 90.5, 93.0)}
-    write_run(folder / "coins_individual", "coins", own, measures=coins, reward="individual", **PAPERS)
-    write_run(folder / "coins_common", "coins", shared, measures={"event own_coins": (159.0, 156.0, 161.0)}, reward="common", **PAPERS)
-    write_run(folder / "coins_apart", "coins", (150.0, 157.0, 149.0), reward="common", sharing="per_agent", **PAPERS)
-    write_run(folder / "coins_exchange_50", "coins", (150.0, 160.0), reward="exchange", exchange_ratio=0.5, **PAPERS)
-    write_run(folder / "coins_exchange_25", "coins", (None, 90.0), diverged=(0,), reward="exchange", exchange_ratio=0.25, **PAPERS)
+
+    def coins(name: str, returns: Sequence[float | None], **more: Any) -> None:
+        write_run(folder / f"coins_{name}", "coins", returns, **{**PAPERS, **more})
+
+    coins("individual", own, measures={"event own_coins": (92.0, 90.5, 93.0)}, reward="individual")
+    coins("common", shared, measures={"event own_coins": (159.0, 156.0, 161.0)}, reward="common")
+    coins("apart", (150.0, 157.0, 149.0), reward="common", sharing="per_agent")
+    coins("own_apart", (17.0, 15.0, 18.0), sharing="per_agent")
+    coins("long", (150.0, 152.0), first=100, reward="common", algorithm="mappo", total_timesteps=800, num_envs=20)
+    coins("longer", (150.0, 152.0), first=200, reward="common", total_timesteps=800, num_envs=20, common_reward="mean")
+    coins("exchange_50", (150.0, 160.0), reward="exchange", exchange_ratio=0.5)
+    coins("exchange_25", (None, 90.0), diverged=(0,), reward="exchange", exchange_ratio=0.25)
+    coins("exchange_75", (80.0, 90.0), diverged=(0, 1), reward="exchange", exchange_ratio=0.75)
+    coins("harm", (1.0,), rules=None, provenance={"params": {"harm": 0}})
+    coins("old", (1.0,), rules="old", provenance={})
+    coins("map", (10.0, 12.0), rules="map1", provenance={"map": "maps/large.txt"})
+    coins("as_it_is", (1.0,), rules=None, provenance={"params": {"harm": "-2.0"}, "num_agents": 2})
     write_run(folder / "harvest_individual", "harvest_open", (77.0, 77.0), measures={"mean apples_left": (2.0, 2.1)}, reward="individual")
     write_run(folder / "harvest_common", "harvest_open", (310.0, 330.0), measures={"mean apples_left": (20.0, 24.0)}, reward="common")
     write_run(folder / "harvest_going_on", "harvest_open", (None, None), status="running", reward="common", learning_rate=0.01)
-    write_run(folder / "pd_once", "pd_arena", (150.0,), measures={"event collected[coop]": (60.0,)}, reward="individual")
-    sweep = folder / "svo"
-    write_run(sweep / "cells/coins_weight-0.4", "coins", (100.0, 120.0), reward="svo", svo_weight=0.4, **PAPERS)
-    write_run(sweep / "cells/coins_weight-0.6", "coins", (140.0, 150.0), reward="svo", svo_weight=0.6, **PAPERS)
-    write_run(sweep / "cells/coins_angle-45", "coins", (60.0, 80.0), first=2, reward="svo", svo_weight=0.6, svo_angle=45, **PAPERS)
-    write_run(sweep / "cells/coins_angle-90", "coins", (130.0, 144.0), first=2, reward="svo", svo_weight=0.6, **PAPERS)
-    stages = {"coins_weight-0.4": 1, "coins_weight-0.6": 1, "coins_angle-45": 2, "coins_angle-90": 2}
-    write_sweep(sweep, "svo", stages, absent=["coins_angle-0"])
+    arena: list[dict[str, Any]] = [{}, {"learning_rate": 0.5, "first": 2}, {"total_timesteps": 800, "first": 4}, {"first": 6}]
+    arena += [{"reward": "common"}, {"sharing": "per_agent"}, {"reward": "common", "sharing": "per_agent"}]
+    for game, way, earned, measure, rules, more in PAPERS_GAMES:
+        run = folder / f"{game}_{way}_{rules}"
+        variant = {"variant": "socialjax+automatic" if rules == "a17" else "socialjax", **more}
+        write_run(
+            run, game, earned, measures={measure: (60.0, 60.0, 60.0)} if measure else None, rules=rules, provenance=variant, reward=way
+        )
+    for number, way in enumerate(arena):
+        write_run(folder / f"pd_{number}", "pd_arena", (10.0 + number, 12.0), measures={"event collected[coop]": (60.0, 61.0)}, **way)
+    for name, first, earned, way in (
+        ("weight-0.4", 0, (100.0, 120.0), {"svo_weight": 0.4}),
+        ("weight-0.6", 0, (140.0, 150.0), {"svo_weight": 0.6}),
+        ("angle-45", 2, (60.0, 80.0), {"svo_weight": 0.6, "svo_angle": 45}),
+        ("angle-90", 2, (130.0, 144.0), {"svo_weight": 0.6}),
+    ):
+        write_run(folder / f"svo/cells/{name}", "coins", earned, first=first, reward="svo", **way, **PAPERS)
+    write_sweep(folder / "svo", "svo", {"weight-0.4": 1, "weight-0.6": 1, "angle-45": 2, "angle-90": 2}, absent=["angle-0"])
     contrasts = {"A": (60.0, 50.0, 70.0), "B": (5.0, -1.0, 11.0), "fear": (40.0, 30.0, 50.0), "greed": (2.0, -3.0, 7.0)}
-    write_diagram(folder / "coins_diagram", "coins", contrasts, "undecided", rules="c02")
-    write_cross_play(folder / "coins_random", "coins", {"random": (-0.5, -1.5, 0.5), "runs/coins_common": (79.0, 77.0, 81.0)})
-    rates = {("coins", None, 1): 5_000.0, ("coins", None, 128): 400_000.0, ("harvest_open", 20, 1024): 900_000.0}
-    write_speeds(folder / "speed.json", rates)
-    write_training(folder / "training.json", {"coins": (0.2, 0.25, 0.3)})
-    random_returns(folder / "games.json", {"harvest_open": 60.0})
-    return [folder / "svo", *sorted(path for path in folder.iterdir() if path.name != "svo")]
+    for number, (rules, agents) in enumerate({"c02": None, "ab12cd34": 3, "map1": None}.items()):
+        write_diagram(folder / f"diagram_{number}", "coins", contrasts, "undecided", rules=rules, agents=agents, caution="Zeros.")
+        write_cross_play(folder / f"met_{number}", "coins", {"random": (-0.5, -1.5, 0.5), "runs/coins_common": (79.0, 77.0, 81.0)}, rules)
+    for number, (game, rules, scripted) in enumerate((("coins", "c01", False), ("coins", "c01", True), ("gift_refinement", "a17", False))):
+        agents = {"coins": 2, "gift_refinement": 5}[game]
+        write_diagram(folder / f"own_{number}", game, contrasts, "dilemma", rules=rules, scripted=scripted, agents=agents)
+    write_cross_play(folder / "harvest_random", "harvest_open", {"random": (12.0, None, None)})
+    write_cross_play(folder / "arena_random", "pd_arena", {"random": (2.0, None, None)})
 
 
 def nearly(found: float, wanted: float) -> bool:

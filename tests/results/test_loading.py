@@ -80,10 +80,6 @@ def test_settings_that_have_no_column_are_kept(tmp_path: Path) -> None:
     assert not {"seed", "reward", "total_timesteps", "gamma"} & kept.keys()
 
 
-def test_a_single_seed_lies_in_the_folder_itself(tmp_path: Path) -> None:
-    assert earned(read(write_run(tmp_path / "run", "coins", (3.0,), first=7))) == {7: 3.0}
-
-
 def test_seeds_of_one_way_of_training_are_taken_together_from_several_folders(tmp_path: Path) -> None:
     folders = [write_run(tmp_path / "a", "coins", (3.0, 5.0)), write_run(tmp_path / "b", "coins", (4.0,), first=2)]
     together = read(*folders)

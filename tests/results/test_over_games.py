@@ -35,18 +35,6 @@ def test_improvement_is_of_every_ordered_pair_and_the_same_each_time() -> None:
     assert (np.random.get_state()[1] == before).all()  # the resamples are not drawn at anyone's cost
 
 
-@pytest.mark.thorough
-def test_an_interval_does_not_depend_on_what_stands_beside_it() -> None:
-    """A report that another way of training joins has the figures of the others unchanged."""
-    draws = np.random.default_rng(0)
-    first, second, third = (draws.uniform(size=(3, 4)) for _ in range(3))
-    few, more = {"first": first, "second": second}, {"third": third, "first": first, "second": second}
-    assert interquartile_means(few).items() <= interquartile_means(more).items()
-    assert improvements(few).items() <= improvements(more).items()
-    few_bands, more_bands = ([band.get_paths()[0].vertices for band in draw_profiles(scores).axes[0].collections] for scores in (few, more))
-    assert all((one == other).all() for one, other in zip(few_bands, more_bands[1:], strict=True))
-
-
 def test_the_probability_of_improvement_is_that_of_rliable() -> None:
     """Also of equal scores, and of tables with other numbers of seeds."""
     from rliable import metrics

@@ -4,16 +4,17 @@ import csv
 import json
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from unittest import mock
 
 import pytest
-from report_folders import read, write_cross_play, write_diagram, write_run, write_sweep
+from report_folders import read, write_diagram, write_everything, write_run
 
 from sjdsl.cli import run
 from sjdsl.results import ResultsError, load_curves, write_report
 from sjdsl.results.page import Section, page_text
-from sjdsl.results.sections import chosen_games, comparisons, cross_play, diagrams, learning_curves, over_games, returns
+from sjdsl.results.sections import chosen_games, learning_curves, returns
 
 COMMAND = "sjdsl report runs"
 CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5))
@@ -35,20 +36,6 @@ def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None
     assert texts(found) == [["coins", "IPPO, common", "155 [142.6, 167.4]", "3 seeds, 400 steps, unnamed CPU"]]
 
 
-def test_seeds_of_other_settings_and_lengths_are_never_averaged(tmp_path: Path) -> None:
-    """Each has a row of its own, named by what differs."""
-    write_run(tmp_path / "a", "coins", (10.0, 12.0))
-    write_run(tmp_path / "b", "coins", (20.0, 22.0), first=2, learning_rate=0.5)
-    write_run(tmp_path / "c", "coins", (30.0, 32.0), first=4, total_timesteps=800)
-    write_run(tmp_path / "d", "coins", (14.0,), first=6)
-    rows = texts(returns(read(tmp_path).frame))
-    assert {row[1]: row[2] for row in rows} == {
-        "IPPO, individual (learning_rate default, total_timesteps 400)": "12 [7.032, 16.97]",
-        "IPPO, individual (learning_rate 0.5, total_timesteps 400)": "21 [8.294, 33.71]",
-        "IPPO, individual (learning_rate default, total_timesteps 800)": "31 [18.29, 43.71]",
-    }
-
-
 def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
     from sjdsl.trainers import load_preset
 
@@ -58,85 +45,6 @@ def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
     write_run(tmp_path / "b", "pd_arena", (10.0, 12.0), **{**kept, "learning_rate": 0.3})
     assert sorted(read(tmp_path).frame.preset.unique()) == ["", "two_cores"]
     assert "2 seeds, 256k steps, two_cores, unnamed CPU" in {row[3] for row in texts(returns(read(tmp_path).frame))}
-
-
-@pytest.mark.parametrize(("diverged", "said"), [((1,), "failed: 1 of 3 seeds"), ((0, 1, 2), "failed: 3 of 3 seeds")])
-def test_a_cell_with_a_seed_that_has_failed_is_never_averaged(tmp_path: Path, diverged: tuple[int, ...], said: str) -> None:
-    write_run(tmp_path / "own", "coins", (10.0, 20.0, 30.0), reward="individual")
-    write_run(tmp_path / "shared", "coins", (150.0, 160.0, 170.0), diverged=diverged, reward="common")
-    found = read(tmp_path)
-    assert [row[2] for row in texts(returns(found.frame))] == [said, "20 [-4.841, 44.84]"]
-    assert texts(comparisons(found.frame))[0][3:7] == ["20 [-4.841, 44.84]", said, "", ""]
-    (picture,) = learning_curves(found.frame, found.curves).pictures
-    assert [line.get_label() for line in picture.draw().axes[0].get_lines()] == ["IPPO, individual, 3 seeds"]
-
-
-def test_what_differs_in_one_choice_is_compared(tmp_path: Path) -> None:
-    """Not what differs in two; a reward with its ratio is one choice."""
-    ways = [{}, {"reward": "common"}, {"reward": "exchange", "exchange_ratio": 0.5}, {"sharing": "per_agent"}, {"learning_rate": 0.5}]
-    ways += [{"reward": "common", "sharing": "per_agent"}]
-    for number, way in enumerate(ways):
-        write_run(tmp_path / str(number), "coins", (10.0 + number, 12.0), **way)
-    pairs = {tuple(row[1:3]) for row in texts(comparisons(read(tmp_path).frame))}
-    own, other = "IPPO, individual (learning_rate default)", "IPPO, individual (learning_rate 0.5)"
-    apart = ", separate parameters"
-    assert pairs == {
-        (own, other),
-        (own, "IPPO, common"),
-        (own, "IPPO, exchange 0.5"),
-        (own, f"IPPO, individual{apart}"),
-        ("IPPO, common", f"IPPO, common{apart}"),
-        (f"IPPO, individual{apart}", f"IPPO, common{apart}"),
-    }
-
-
-def test_one_seed_has_no_interval_and_no_test(tmp_path: Path) -> None:
-    for reward in ("individual", "common"):
-        write_run(tmp_path / reward, "coins", (100.0,), reward=reward)
-    assert texts(comparisons(read(tmp_path).frame))[0][3:7] == ["100", "100", "0", ""]
-    assert any("too few seeds for an interval" in note for note in write_report([tmp_path], tmp_path / "out", COMMAND).notes)
-
-
-def test_games_are_named_by_what_differs(tmp_path: Path) -> None:
-    write_run(tmp_path / "a", "coins", (1.0,), provenance={"params": {"harm": 0}})
-    write_run(tmp_path / "b", "coins", (1.0,), rules="c02", provenance={"variant": "socialjax"})
-    write_run(tmp_path / "c", "coins", (1.0,), rules="old")
-    write_run(tmp_path / "d", "coins", (1.0,), rules="map1", provenance={"map": "maps/large.txt"})
-    write_run(tmp_path / "e", "coins", (1.0,), provenance={"params": {"harm": "-2.0"}, "num_agents": 2})  # as it is anyway
-    labels = {row[0] for row in texts(returns(read(tmp_path).frame))}
-    assert labels == {"coins, harm=0", "coins, variant socialjax", "coins, rules old", "coins, map large.txt", "coins"}
-
-
-def test_experiments_are_named_by_what_differs(tmp_path: Path) -> None:
-    """Of a variant, another number of agents, another map that a run tells of, and rules that are gone."""
-    write_run(tmp_path / "run", "coins", (10.0, 12.0), rules="map1", provenance={"map": "maps/large.txt"})
-    forms = {"c02": ("variant socialjax", None), "ab12cd34": ("rules ab12cd, 3 agents", 3), "map1": ("map large.txt", None)}
-    for rules, (_, agents) in forms.items():
-        write_diagram(tmp_path / f"d_{rules}", "coins", CONTRASTS, "dilemma", caution="Zeros.", rules=rules, agents=agents)
-        write_cross_play(tmp_path / f"m_{rules}", "coins", {"stay": (0.0, None, None)}, rules)
-    frame = read(tmp_path).frame
-    labels = {f"coins, {label}" for label, _ in forms.values()}
-    assert {row[0] for row in texts(diagrams(frame))} == labels
-    assert {row[7] for row in texts(diagrams(frame))} == {"dilemma, fear and greed"}
-    assert {f"{label}: Zeros." for label in labels} <= {*diagrams(frame).text}
-    assert {row[0] for row in texts(cross_play(frame))} == {"coins, variant socialjax", "coins, rules ab12cd", "coins, map large.txt"}
-
-
-def test_scores_lie_between_a_random_policy_and_the_best(tmp_path: Path) -> None:
-    for game, random in (("coins", 0.0), ("pd_arena", 10.0)):
-        write_run(tmp_path / f"{game}_own", game, (30.0, 50.0))
-        write_run(tmp_path / f"{game}_shared", game, (90.0, 110.0), reward="common")
-        write_cross_play(tmp_path / f"{game}_random", game, {"random": (random, None, None)})
-    with (
-        mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means,
-        mock.patch("sjdsl.results.sections.improvements"),
-    ):
-        over_games(read(tmp_path).frame)
-    (scores,) = means.call_args.args
-    coins, arena = scores["IPPO, individual"].T
-    assert coins.tolist() == pytest.approx([0.3, 0.5])
-    assert arena.tolist() == pytest.approx([-10 / 60, 10 / 60])  # of all four agents together a random policy earns 40
-    assert "No way of training has two seeds" in " ".join(over_games(read(tmp_path / "coins_own").frame).text)
 
 
 @pytest.mark.parametrize(
@@ -196,6 +104,14 @@ def test_the_files_of_a_report(tmp_path: Path) -> None:
     (row,) = csv.DictReader(found["tables/returns.csv"].decode().splitlines())
     assert (row["game"], row["collective return mean"], row["collective return seeds"]) == ("coins", "4", "2")
     assert b"(figures/curves_coins.png)" in found["report.md"]
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_everything(tmp_path: Path, golden: Callable[[Path, str], None]) -> None:
+    """What the page says of runs, sweeps, diagrams and cross-play of many kinds."""
+    write_everything(tmp_path / "runs")
+    write_report([tmp_path / "runs"], tmp_path / "out", COMMAND)
+    golden(Path(__file__).with_name("report.txt"), (tmp_path / "out/report.md").read_text().replace(f"{tmp_path}/", ""))
 
 
 @pytest.mark.usefixtures("no_pictures")
@@ -278,12 +194,3 @@ def test_what_is_missing_is_named_with_its_extra(
     monkeypatch.setitem(sys.modules, "pandas", None)
     assert run(["report", str(tmp_path), "-o", str(tmp_path / "out")]) == 1
     assert "error: the package pandas is needed: pip install 'sjdsl[results]'" in capsys.readouterr().err
-
-
-def test_svo_cells_name_their_stage(tmp_path: Path) -> None:
-    cells = tmp_path / "svo/cells"
-    write_run(cells / "chose", "coins", (1000.0, 1010.0), reward="svo", svo_weight=0.4)
-    write_run(cells / "is", "coins", (30.0, 50.0), first=2, reward="svo", svo_weight=0.4)
-    write_sweep(tmp_path / "svo", "svo", {"chose": 1, "is": 2})
-    rows = texts(returns(read(tmp_path / "svo").frame))
-    assert [row[1] for row in rows] == ["IPPO, SVO 90°, weight 0.4", "IPPO, SVO 90°, weight 0.4, choosing the weight"]

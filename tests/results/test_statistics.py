@@ -8,30 +8,12 @@ from report_folders import nearly
 from scipy import integrate, special
 
 from sjdsl.results.statistics import compare
-from sjdsl.trainers.estimates import estimate
 
 
 def t_quantile(probability: float, freedom: float) -> float:
     """Returns the quantile of Student's t from the inverse of the regularised incomplete beta function."""
     x = special.betaincinv(freedom / 2, 0.5, 2 * (1 - probability))
     return math.sqrt(freedom * (1 - x) / x)
-
-
-def test_the_interval_in_closed_form() -> None:
-    samples = np.array([3.0, 4.0, 8.0])
-    found = estimate(samples)
-    deviation = math.sqrt(sum((value - 5.0) ** 2 for value in samples) / 2)
-    margin = t_quantile(0.975, 2) * deviation / math.sqrt(3)
-    assert nearly(found.mean, 5.0)
-    assert abs(found.high - (5.0 + margin)) < 1e-9
-    assert abs(found.low - (5.0 - margin)) < 1e-9
-
-
-def test_coverage_of_the_interval() -> None:
-    """Of 4,000 sets of five seeds 95 % of the intervals hold the mean, less four standard errors."""
-    sets = np.random.default_rng(1).normal(10.0, 3.0, (4000, 5))
-    held = sum(found.low <= 10.0 <= found.high for found in map(estimate, sets))
-    assert abs(held / 4000 - 0.95) < 4 * math.sqrt(0.95 * 0.05 / 4000)
 
 
 def density(x: float, freedom: float) -> float:

@@ -157,7 +157,7 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     link.parent.mkdir(parents=True)
     link.symlink_to(victim)
     changes: dict[str, Callable[[], object]] = {
-        "run": lambda: locked(link.parent).__enter__(),
+        "run": lambda: locked(link.parent, lambda holder: RuntimeError(holder)).__enter__(),
         "experiment": lambda: open_folder(link.parents[1], {}).__enter__(),
         "evaluations": lambda: append_line(link, {"update": 3}),
         "cut": lambda: list(cut_metrics(link.parent, 1)),

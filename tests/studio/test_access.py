@@ -123,6 +123,16 @@ def test_an_example_is_copied_with_its_maps_and_bases(client: TestClient, folder
     assert client.post("/copy" + TOKEN, json=asked | {"path": "../outside_too.sj"}).status_code == 400
 
 
+@pytest.mark.parametrize(("like", "map_"), [("", "new_game.txt"), ("example:harvest_closed.sj", "maps/harvest_closed.txt")])
+def test_a_new_game_has_its_map_and_its_name(client: TestClient, folder: Path, like: str, map_: str) -> None:
+    made = client.post("/new" + TOKEN, json={"path": "new_game.sj", "like": like}).json()
+    assert {"new_game.sj", map_} <= set(made["copied"])
+    assert "game new_game " in (folder / "new_game.sj").read_text(encoding="utf-8")
+    assert not [d for d in check(read_source(folder / "new_game.sj")) if d.severity == "error"]
+    for path, reason in (("new_game.sj", "already"), ("New Game.sj", "cannot name a game"), ("../new.sj", "outside")):
+        assert reason in client.post("/new" + TOKEN, json={"path": path, "like": like}).json()["refused"]
+
+
 def test_a_copy_spares_other_files_of_the_same_name(client: TestClient, folder: Path) -> None:
     (folder / "harvest_open.sj").write_text("mine\n", encoding="utf-8")
     answer = client.post("/copy" + TOKEN, json={"example": "example:harvest_closed.sj", "path": "mine.sj", "text": "sj 1"})

@@ -25,5 +25,5 @@ def test_codemirror_is_pinned_and_every_licence_is_told() -> None:
 
 def test_the_page_loads_nothing_from_elsewhere() -> None:
     page = (PAGE / "studio.html").read_text(encoding="utf-8")
-    assert not re.findall(r"(?:src|href)=\"(?!/assets/|data:)", page)
+    assert not re.findall(r"(?:src|href)=\"(?!/assets/|data:|#)", page)
     assert "@import" not in (PAGE / "studio.css").read_text(encoding="utf-8")

@@ -62,7 +62,7 @@ def test_a_text_becomes_a_board(bench: Bench) -> None:
     assert answer["game"]["policies"] == ["random", "stay", "idler"]
     assert answer["game"]["variants"] == [["poor", "a fruit pays nothing"]]
     (fine,) = answer["game"]["numbers"]
-    assert (fine["name"], fine["unit"], fine["low"], fine["high"], fine["entries"]) == ("fine", "reward", 0, 5, [[[], 1.0]])
+    assert (fine["name"], fine["unit"], fine["low"], fine["high"], fine["entries"]) == ("fine", "reward", 0, 5, [[[], 1.0, 1.0]])
     assert len(answer["scene"]["cells"]) == 2 * 6
     assert len(answer["scene"]["figures"]) == 2
     assert all(url.startswith("data:image/svg+xml;base64,") for url in answer["pictures"])
@@ -74,6 +74,9 @@ def test_a_text_with_errors_leaves_the_board_as_it_is(bench: Bench) -> None:
     answer = ask(bench, do="text", version=2, path="yard.sj", text=GAME.replace("kind floor", "kind flor"))
     assert answer["compiles"] is False
     assert answer["errors"] >= 1
+    line, message = answer["problems"][0]
+    assert line == GAME[: GAME.index("phase start")].count("\n") + 1, "where the kind is named"
+    assert "floor" in message
     assert ask(bench, do="step")["at"] == 2
 
 
@@ -164,14 +167,65 @@ def test_a_table_is_set_entry_by_entry(bench: Bench) -> None:
     text = text.replace("give fine", "give pay[ripe][none]").replace("set fine = 0", "set fine = 9")
     answer = opened(bench, text)
     pay = next(number for number in answer["game"]["numbers"] if number["name"] == "pay")
-    assert pay["entries"] == [[["none", "none"], 1], [["none", "ripe"], 2], [["ripe", "none"], 3], [["ripe", "ripe"], 4]]
+    assert pay["entries"] == [[["none", "none"], 1, 1], [["none", "ripe"], 2, 2], [["ripe", "none"], 3, 3], [["ripe", "ripe"], 4, 4]]
     ask(bench, do="others", policy="stay")
     ask(bench, do="put", agent=1, row=0, col=2)
     ask(bench, do="number", name="pay", value={"ripe": {"none": 2.5}})
     assert ask(bench, do="step")["scene"]["rewards"] == [0, 2.5]
     kept = opened(bench, text + "# mine\n", params={"pay": {"ripe": {"none": 2.5}}})["game"]["numbers"]
-    assert next(number["entries"][2][1] for number in kept if number["name"] == "pay") == 2.5
+    assert next(number["entries"][2] for number in kept if number["name"] == "pay") == [["ripe", "none"], 2.5, 3]
     assert "no entry" in ask(bench, do="number", name="pay", value={"raw": {"none": 2}})["refused"]
+
+
+def test_a_require_is_kept_whatever_is_set(bench: Bench) -> None:
+    text = GAME.replace("param fine", "param tax : reward = 0 in 0 .. 5\n  param fine").replace("checks {", "checks { require tax <= fine ")
+    opened(bench, text)
+    assert "require" in ask(bench, do="number", name="tax", value=2)["refused"]
+    ask(bench, do="number", name="fine", value=3)
+    assert "refused" not in ask(bench, do="number", name="tax", value=2)
+    assert opened(bench, text, params={"fine": 3, "tax": 2})["game"]["left"] == []
+    later = opened(bench, text.replace("tax <= fine", "tax == 0"), params={"fine": 3, "tax": 2})["game"]
+    assert later["left"] == ["tax"], "the last one set goes"
+    assert {n["name"]: n["entries"][0][1] for n in later["numbers"]} == {"tax": 0, "fine": 3}
+
+
+@pytest.mark.parametrize(
+    ("variants", "name", "entry", "value", "wanted"),
+    [
+        ((), "fine", (), "2.5", "param fine : reward = 2.5 in"),
+        (("poor",), "fine", (), "3", "set fine = 3 "),
+        ((), "pay", ("ripe", "none"), "-7", "ripe: { none: -7, ripe: 4 }"),
+        ((), "pay", ("raw", "none"), "1", "written together with others"),
+        ((), "gone", (), "1", "no number `gone`"),
+    ],
+)
+def test_a_number_is_written_where_the_text_has_it(
+    bench: Bench, variants: tuple[str, ...], name: str, entry: tuple[str, ...], value: str, wanted: str
+) -> None:
+    text = (
+        GAME.replace("sj 1", "sj 1  # 🍎")
+        .replace("param fine", "param pay : reward = { none: { none: 1, ripe: 2 }, ripe: { none: 3, ripe: 4 } }\n  param fine")
+        .replace("give fine", "give fine + pay[ripe][none]")
+    )
+    opened(bench, text, variants=variants)
+    answer = ask(bench, do="write", name=name, entry=entry, value=value)
+    if "refused" in answer:
+        assert wanted in answer["refused"]
+        return
+    change, units = answer["change"], text.encode("utf-16-le")
+    assert wanted in (units[: 2 * change["start"]] + change["glyph"].encode("utf-16-le") + units[2 * change["end"] :]).decode("utf-16-le")
+
+
+def test_curves_are_of_every_moment(bench: Bench) -> None:
+    answer = opened(bench, GAME.replace("event eaten", "event eaten  mean ripe = count(soil where soil.fruit is ripe)"))
+    assert answer["game"]["metrics"] == [["eaten", True], ["ripe", False]]
+    ask(bench, do="others", policy="stay")
+    ask(bench, do="put", agent=1, row=0, col=2)
+    told = [ask(bench, do="step") for _ in range(2)]
+    assert [scene["metrics"] for scene in told] == [[1, 0], [0, 0]]
+    curves = ask(bench, do="panel", panel="curves")
+    assert curves["returns"] == [[0, 0], [0, 1], [0, 1]]
+    assert curves["metrics"] == [[], [1, 0], [0, 0]]
 
 
 def test_what_a_variant_changes(bench: Bench) -> None:
@@ -193,6 +247,7 @@ def test_why_tells_the_rule_and_the_cells(bench: Bench) -> None:
     said = {effect["said"]: (rule["line"], effect["cells"]) for rule in rules for effect in rule["effects"]}
     line = GAME[: GAME.index("phase eat")].count("\n") + 1
     assert said["soil (0, 2)  fruit: ripe -> none"] == (line, [[0, 2]])
+    assert said["agent 0  reward +1"][1] == [[0, 2]]  # where the agent stands: who asks about another cell doesn't see it
 
 
 def test_python_has_the_lines_it_comes_from(bench: Bench) -> None:
@@ -222,7 +277,7 @@ def test_checks_have_verdicts(bench: Bench) -> None:
 def test_a_variant_and_a_number_are_chosen_together(bench: Bench) -> None:
     answer = opened(bench, variants=["poor"], params={"fine": 2, "gone": 1})
     assert answer["game"]["chosen"] == ["poor"]
-    assert answer["game"]["numbers"][0]["entries"] == [[[], 2]]
+    assert answer["game"]["numbers"][0]["entries"] == [[[], 2, 0]], "the variant writes 0"
     assert answer["game"]["left"] == ["gone"]
 
 

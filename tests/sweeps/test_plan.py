@@ -1,7 +1,6 @@
 """From axes and protocols to cells: names, configurations, seeds, and what is refused."""
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -11,21 +10,6 @@ from sjdsl.sweeps.axes import read_axis, with_number
 from sjdsl.sweeps.plan import second_stage
 from sjdsl.trainers import register
 from tests.sweeps.described import plan
-
-
-def test_every_combination_is_a_cell() -> None:
-    found = plan("reward=individual,common", "param.apple=1,2.5", games=("coins", "clean_up")).cells
-    assert [cell.name for cell in found] == [
-        f"{game}_reward-{reward}_apple-{apple}"
-        for game in ("coins", "clean_up")
-        for reward in ("individual", "common")
-        for apple in ("1", "2.5")
-    ]
-    last = found[-1]
-    assert last.values == {"reward": "common", "param.apple": 2.5}
-    assert last.provenance["params"] == {"apple": 2.5}
-    assert last.config["reward"] == "common"
-    assert last.seeds == range(2)
 
 
 def test_a_value_is_one_however_it_is_written() -> None:
@@ -50,12 +34,6 @@ def test_entries_of_tables() -> None:
     (cell,) = plan("param.regrow[red][x]=0.1").cells
     assert cell.provenance["params"] == {"regrow": {"red": {"x": 0.1}}}
     assert re.fullmatch(r"[\w.-]+", cell.name)
-
-
-def test_variants_have_their_own_hash() -> None:
-    first, second = plan("variant=rich,poor").cells
-    assert (first.hash, second.hash) == ("coins-rich", "coins-poor")
-    assert first.provenance["variant"] == "rich"
 
 
 def test_presets_lay_their_tables_under_each_cell() -> None:
@@ -86,15 +64,6 @@ def test_settings_of_ones_own_on_axes() -> None:
         plan("own.bonus=1,2", settings={"algorithm": "mine", "own": {"bonus": 1}})
 
 
-EXCHANGE = [("individual", None), ("exchange", 0.25), ("exchange", 0.5), ("exchange", 0.75), ("common", None)]
-
-
-def test_the_protocol_exchange() -> None:
-    found = plan(protocol="exchange").cells
-    assert [(cell.values["reward"], cell.values.get("exchange_ratio")) for cell in found] == EXCHANGE
-    assert [cell.point for cell in found] == [0, 0.25, 0.5, 0.75, 1]
-
-
 def test_the_protocol_algorithms_has_six_columns() -> None:
     found = {cell.point: cell.config for cell in plan(protocol="algorithms", settings={"network": "mlp"}).cells}
     assert [*found] == ["ippo_individual", "ippo_common", "mappo", "vdn", "exchange", "svo_90"]
@@ -113,13 +82,6 @@ def test_the_protocol_algorithms_has_six_columns() -> None:
 def test_a_setting_of_all_cells_is_for_those_that_read_it() -> None:
     own, exchanged = plan("reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores").cells
     assert (own.config["exchange_ratio"], exchanged.config["exchange_ratio"]) == (0.5, 0.9)
-
-
-def test_the_protocol_sharing_and_an_axis() -> None:
-    found = plan("reward=individual,common", protocol="sharing").cells
-    assert [(cell.point, cell.values["reward"]) for cell in found] == [
-        (way, reward) for way in ("shared", "per_agent") for reward in ("individual", "common")
-    ]
 
 
 def test_the_second_stage_of_svo_has_the_best_weight_and_fresh_seeds() -> None:
@@ -143,43 +105,9 @@ def test_the_second_stage_of_svo_has_the_best_weight_and_fresh_seeds() -> None:
     assert not {cell.name for cell in found} & {cell.name for cell in asked.cells}
 
 
-REFUSED: list[tuple[Callable[[], Any], str]] = [
-    (lambda: plan("svo_wieght=1"), "there is no axis `svo_wieght`; did you mean `svo_weight`?"),
-    (lambda: plan("svo_weight=0.5,0", "svo_angle=0,90", settings={"reward": "svo"}), "`svo_angle` has no effect while `svo_weight` is 0"),
-    (lambda: plan("varaint=rich"), "did you mean `variant`?"),
-    (lambda: plan("reward"), "`reward` must have the form NAME=value,value,…"),
-    (lambda: plan("reward=individual,"), "`reward=individual,` must have the form"),
-    (lambda: plan("seed=1,2"), "`seed` can't be an axis, as each cell has all seeds"),
-    (lambda: plan("reward=individual", "reward=common"), "the axis `reward` is given twice"),
-    (lambda: plan("learning_rate=0.5,.50"), "coins_learning_rate-0.5 is asked for twice"),
-    (lambda: plan("reward=individual", settings={"reward": "common"}), "`reward` is an axis, and is also set for all cells"),
-    (lambda: plan("variant=a", variant="b"), "`variant` is an axis, and is also set for all cells"),
-    (lambda: plan("reward=individal"), "coins with reward individal: `reward` must be"),
-    (lambda: plan("param.aple=1"), "coins with param.aple 1: the game has no number `aple`"),
-    (lambda: plan("exchange_ratio=0.1,0.2"), "`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange"),
-    (
-        lambda: plan("reward=individual,exchange", "exchange_ratio=0.1,0.2"),
-        "coins with reward individual, exchange_ratio 0.1: `exchange_ratio` has no effect while `reward` is individual",
-    ),
-    (lambda: plan("convolution_channels=8,16", settings={"network": "mlp"}), "`convolution_channels` has no effect while `network` is mlp"),
-    (lambda: plan("convolution_channels=8,16", preset="quick"), "`convolution_channels` has no effect while `network` is mlp"),
-    (
-        lambda: plan("reward=individual,common", settings={"exchange_ratio": 0.9}),
-        "`exchange_ratio` does nothing in any cell: it is read where `reward` is exchange",
-    ),
-    (lambda: plan("learning_rate=-1"), "`learning_rate` must be more than 0"),
-    (lambda: plan("algorithm=ippo,vdn", settings={"num_epochs": 2}), "table [algorithm.NAME]"),
-    (lambda: plan(), "say what varies: --axis NAME=value,value,… or --protocol exchange, svo, algorithms, sharing"),
-    (lambda: plan(protocol="exchang"), "there is no protocol `exchang`; did you mean `exchange`?"),
-    (lambda: plan("exchange_ratio=1", protocol="exchange"), "the protocol exchange sets `exchange_ratio` itself: leave out the axis"),
-    (lambda: plan(protocol="svo", settings={"svo_angle": 45}), "the protocol svo sets `svo_angle` itself"),
-    (lambda: plan("reward=common", games=()), "name the games to train in"),
-    (lambda: plan("reward=common", games=("coins", "my/coins.sj")), "the game `coins` is named twice"),
-    (lambda: plan(f"learning_rate={','.join(map(str, range(1, 10_002)))}"), "10,001 cells, and 10,000 are the most"),
-]
-
-
-@pytest.mark.parametrize(("asked", "said"), REFUSED, ids=[said[:40] for _, said in REFUSED])
-def test_what_does_not_fit_is_refused(asked: Callable[[], Any], said: str) -> None:
-    with pytest.raises(ExperimentError, match=re.escape(said)):
-        asked()
+def test_what_no_command_line_can_ask_for_is_refused() -> None:
+    """What one can is in `tests/cli/refused.txt`."""
+    with pytest.raises(ExperimentError, match="name the games to train in"):
+        plan("reward=common", games=())
+    with pytest.raises(ExperimentError, match="10,001 cells, and 10,000 are the most"):
+        plan(f"learning_rate={','.join(map(str, range(1, 10_002)))}")

@@ -153,8 +153,8 @@ def test_both_pictures_are_shown() -> None:
     with pytest.raises(AssertionError) as failure:
         scene.shows("PPP..#", ".>Tb..", ".<.^..  12")
     assert str(failure.value).splitlines() == [
-        "after forward, stay, forward: the map is not as wanted",
-        "wanted:",
+        "after forward, stay, forward: the map differs",
+        "expected:",
         "  PPP..#",
         "  .>Tb..      <- row 1",
         "  .<.^..  12  <- row 2",
@@ -170,7 +170,7 @@ def test_all_wrong_values_are_shown() -> None:
     with pytest.raises(AssertionError) as failure:
         scene.has({"agent.bag[red]": 0, "agent.hue": ["red", "blue", "red"], "mood": "wild", "tree.owner": {(1, 3): 1}})
     assert str(failure.value).splitlines() == [
-        "not all is as wanted",
+        "some values differ",
         "  agent.hue is ['red', 'red', 'red'], not ['red', 'blue', 'red']",
         "  mood is calm, not wild",
         "  tree.owner is [None, None], not {(1, 3): 1}",

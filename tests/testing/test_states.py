@@ -84,7 +84,7 @@ def test_one_agent_with_a_number_of_two_digits() -> None:
     scene = stage.put("^...........  10", "<<<^^^^^^^^.")
     assert scene.places()[10] == (0, 0)
     assert scene.picture()[0] == "^...........  10"
-    with pytest.raises(AssertionError, match="not as wanted"):
+    with pytest.raises(AssertionError, match="the map differs"):
         scene.shows("^...........  11", "<<<^^^^^^^^.")
 
 

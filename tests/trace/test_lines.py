@@ -60,3 +60,43 @@ def test_rules_are_told_as_they_are_written() -> None:
 def test_a_row_is_told_entry_by_entry() -> None:
     assert say_value((np.float32(1), np.float32(0.5))) == "[1, 0.5]"
     assert say_value(((1, 2), (3, 4))) == "[[1, 2], [3, 4]]"
+
+
+POND = """sj 1
+game pond "A pond" {
+  param best : probability = 1
+  param worst : fraction = 0.5 in 0.1 .. 1
+  episode 9
+  kind reed  "R" { field fruit : { none, ripe } = none }
+  kind water "w" { field state : { clean, dirty } = clean }
+  kind mud   "m"
+  map { "Rwmm" }
+  agents 1 { acts stay }
+  define dirt = count(water where water.state is dirty) / count(mud)
+  define growth = best * ramp(dirt, worst, 0)
+  phase start { each agent { send agent to mud } }
+  schedule spoil -> grow
+  phase spoil { each water { when step >= 1 { set water.state = dirty } } }
+  phase grow { each reed where reed.fruit is none and growth > 0 { chance growth { set reed.fruit = ripe } } }
+}
+"""
+
+
+def test_a_change_has_the_values_its_rule_read_and_their_formulas() -> None:
+    """In step 0 no water is dirty, so that growth is 1 * ramp(0 / 2, 0.5, 0) = 1; in step 1 the water is spoilt, for 1 >= 1."""
+    text = text_of(POND, "stay; stay", 0, everything=False)
+    assert (
+        """      reed (0, 0)  fruit: none -> ripe
+        because reed.fruit is none and growth > 0, with growth = 1
+          growth = best * ramp(dirt, worst, 0) = 1, with best = 1, dirt = 0, worst = 0.5
+            dirt = count(water where water.state is dirty) / count(mud) = 0, with count(water where water.state is dirty) = 0, count(mud) = 2
+        and chance growth drew """
+        in text
+    )
+    assert "random bits" not in text
+    assert (
+        """      water (0, 1)  state: clean -> dirty
+        because step >= 1, with step = 1
+"""
+        in text
+    )

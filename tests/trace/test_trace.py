@@ -77,7 +77,8 @@ def state_of(world: World) -> tuple:
 
 
 def check_step(game: ir.Game, before: World, moment: Moment) -> None:
-    """Checks that a moment tells all and only what happened in it."""
+    """Checks that a moment tells all and only what happened in it, and that all of it can be explained."""
+    list(moment_lines(moment, make_teller(board_of(game), Rules({}), everything=True, verbose=True)))
     world = copied(before)
     effects = [effect for turn in moment.turns for effect in turn.effects]
     for effect in effects:

@@ -43,21 +43,20 @@ def _bits(tree: State) -> list[tuple[str, bytes]]:
 def test_what_is_restored_is_what_was_saved(tmp_path: Path) -> None:
     checkpoints = Checkpoints(tmp_path)
     for update in (2, 4, 6):
-        checkpoints.save(update, _state(update), {"best": 1.5})
+        checkpoints.save(update, _state(update))
     assert checkpoints.updates() == [6, 4], f"the last {KEPT}"
     checkpoints.close()
     again = Checkpoints(tmp_path)
     for update in (6, 4):
-        state, known = again.restore(update, _state(0))
+        state = again.restore(update, _state(0))
         assert _bits(state) == _bits(_state(update))
-        assert known == {"best": 1.5}
         assert jax.random.key_impl(state.key) == jax.random.key_impl(_state(0).key)
     again.close()
 
 
 def test_another_shape_is_refused(tmp_path: Path) -> None:
     checkpoints = Checkpoints(tmp_path)
-    checkpoints.save(1, _state(1), {})
+    checkpoints.save(1, _state(1))
     with pytest.raises(CheckpointError, match="checkpoints/1"):
         checkpoints.restore(1, _state(1, width=4))
     checkpoints.close()
@@ -68,7 +67,7 @@ def test_another_digest_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     from sjdsl.trainers import checkpoints as module
 
     checkpoints = Checkpoints(tmp_path)
-    checkpoints.save(1, _state(1), {})
+    checkpoints.save(1, _state(1))
     made = module.digest_of
     monkeypatch.setattr(module, "digest_of", lambda arrays: made({**arrays, ".flag": jnp.bool_(0)}))
     with pytest.raises(CheckpointError, match="is damaged"):
@@ -79,13 +78,13 @@ def test_another_digest_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_an_unfinished_one_is_none(tmp_path: Path) -> None:
     """As a process leaves it that is killed while it saves."""
     checkpoints = Checkpoints(tmp_path)
-    checkpoints.save(1, _state(1), {})
+    checkpoints.save(1, _state(1))
     checkpoints.close()
     (tmp_path / "checkpoints" / "2.orbax-checkpoint-tmp" / "state.orbax-checkpoint-tmp").mkdir(parents=True)
     again = Checkpoints(tmp_path)
     assert again.updates() == [1]
-    again.save(2, _state(2), {})
-    assert _bits(again.restore(2, _state(0))[0]) == _bits(_state(2))
+    again.save(2, _state(2))
+    assert _bits(again.restore(2, _state(0))) == _bits(_state(2))
     again.close()
     assert sorted(path.name for path in (tmp_path / "checkpoints").iterdir()) == ["1", "2"]
 
@@ -97,7 +96,7 @@ def _flipped(content: bytes) -> bytes:
 def test_damage_in_any_file_is_found_before_an_array_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Reading it would leave an event loop of orbax that is closed while threads still use it."""
     checkpoints = Checkpoints(tmp_path)
-    checkpoints.save(1, _state(1), {})
+    checkpoints.save(1, _state(1))
     folder = tmp_path / "checkpoints" / "1"
     monkeypatch.setattr(checkpoints, "_read", lambda *_, **__: pytest.fail("orbax was asked"))
     files = [path for path in folder.rglob("*") if path.is_file() and path.stat().st_size]
@@ -109,14 +108,14 @@ def test_damage_in_any_file_is_found_before_an_array_is_read(tmp_path: Path, mon
             checkpoints.restore(1, _state(1))
         path.write_bytes(content)
     monkeypatch.undo()
-    assert _bits(checkpoints.restore(1, _state(0))[0]) == _bits(_state(1))
+    assert _bits(checkpoints.restore(1, _state(0))) == _bits(_state(1))
     checkpoints.close()
 
 
 def test_a_checkpoint_without_its_seal_is_read(tmp_path: Path) -> None:
     """As an older version wrote it, or a process that was killed just before."""
     checkpoints = Checkpoints(tmp_path)
-    checkpoints.save(1, _state(1), {})
+    checkpoints.save(1, _state(1))
     (tmp_path / "checkpoints" / "1" / "files.json").unlink()
-    assert _bits(checkpoints.restore(1, _state(0))[0]) == _bits(_state(1))
+    assert _bits(checkpoints.restore(1, _state(0))) == _bits(_state(1))
     checkpoints.close()

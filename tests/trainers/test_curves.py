@@ -1,12 +1,12 @@
 """Learning curves of several runs: which numbers are drawn."""
 
 import json
-import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sjdsl.render.plot_style import apart
 from sjdsl.trainers import RunError
 from sjdsl.trainers.curves import curve_line, draw_curves, figures, in_words, read_seeds
 from sjdsl.trainers.learning_curve import curve_panels
@@ -37,28 +37,6 @@ def test_a_metric_may_be_a_sum_or_a_share(metric: str, values: list[float]) -> N
 def test_an_unknown_metric_is_told_with_those_there_are() -> None:
     with pytest.raises(RunError, match="no column `event_none`; they have update, env_steps, collective_return"):
         figures(map(known_row, ROWS), "event_none")
-
-
-def test_rows_are_read_one_at_a_time(tmp_path: Path) -> None:
-    """A wide file of 4 MB is read in a fraction of its size: the figures drawn take 16 bytes a row."""
-    wide = {f"event_{number}": 1.0 for number in range(100)}
-    with open(tmp_path / "metrics.jsonl", "w") as file:
-        for update in range(2000):
-            file.write(json.dumps({"env_steps": update, "collective_return": float(update), **wide}) + "\n")
-    (tmp_path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}}))
-    tracemalloc.start()
-    (seed,) = read_seeds(tmp_path, "collective_return")
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    np.testing.assert_array_equal(seed, [range(2000)] * 2)
-    assert most < 1_000_000
-
-
-def test_the_end_of_a_file_that_was_cut_off_is_not_drawn(tmp_path: Path) -> None:
-    (tmp_path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}}))
-    (tmp_path / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in ROWS)[:-20])
-    (seed,) = read_seeds(tmp_path, "env_steps")
-    assert seed.tolist() == [[10, 20], [10, 20]]
 
 
 def test_runs_of_several_seeds_are_drawn(tmp_path: Path) -> None:
@@ -101,12 +79,32 @@ def test_a_plot_has_five_lines_at_most(lines: int, plots: list[int]) -> None:
     assert [shown.label for panel in panels for shown in panel.lines] == [f"run {number}" for number in range(lines)]
     figure = draw_panels(panels)
     assert [len(axes.lines) for axes in figure.axes] == plots
+    named = [{(text.get_text(), text.get_color()) for text in axes.texts} for axes in figure.axes]
+    assert sorted(text for names in named for text, _ in names) == sorted(f"run {number}" for number in range(lines))
+    assert [{colour for _, colour in names} for names in named] == [{shown.get_color() for shown in axes.lines} for axes in figure.axes]
+    assert len({shown.get_color() for axes in figure.axes for shown in axes.lines}) == lines
     assert {axes.get_ylim() for axes in figure.axes} == {figure.axes[0].get_ylim()}, "side by side they can be compared"
 
 
-def test_one_point_is_seen() -> None:
-    (axes,) = draw_panels(split_lines([line("a", 1), line("b", 2)], "return")).axes
-    assert [shown.get_marker() for shown in axes.lines] == ["o", ""]
+def test_axes_begin_at_0_unless_a_measurement_is_below() -> None:
+    """A mean and its interval say nothing about the sign of what was measured; the smallest measurement does."""
+    values, low = np.array([3.0, 4.0]), np.array([-1.0, 2.0])
+    for least, begins in ((0.5, True), (-0.5, False)):
+        (axes,) = draw_panels(split_lines([Line("a", np.arange(2), values, low, values + 1, least=least)], "return")).axes
+        assert (axes.get_ylim()[0] == 0) == begins
+
+
+@pytest.mark.parametrize(
+    ("wanted", "places"),
+    [
+        ([0.1, 0.5, 0.9], [0.1, 0.5, 0.9]),
+        ([0.5, 0.5], [0.45, 0.55]),
+        ([0.2, 0.22, 0.24, 0.9], [0.12, 0.22, 0.32, 0.9]),
+        ([0.0, 0.0, 0.2], [0.05, 0.15, 0.25]),
+    ],
+)
+def test_names_of_lines_do_not_overlap(wanted: list[float], places: list[float]) -> None:
+    assert apart(wanted, [0.1] * len(wanted)) == pytest.approx(places)
 
 
 def test_agents_stand_beside_the_return_of_all() -> None:

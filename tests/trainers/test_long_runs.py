@@ -4,7 +4,6 @@ import gc
 import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import jax
@@ -17,7 +16,7 @@ import sjdsl
 from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train, updates
 from sjdsl.trainers.checkpoint_pace import CheckpointPace
 from sjdsl.trainers.compiled import Compiled
-from sjdsl.trainers.metrics_files import cut_metrics, read_rows, thinned_rows
+from sjdsl.trainers.metrics_files import read_rows, thinned_rows
 from sjdsl.trainers.recorder import open_recorders
 from sjdsl.trainers.training_functions import TrainState
 
@@ -64,14 +63,6 @@ def test_vdn_of_the_paper_writes_few_checkpoints(paper: Config, num_bytes: int, 
     assert writing <= 0.05 * seconds
 
 
-def test_a_large_state_on_a_slow_disk_is_written_less_often() -> None:
-    """A hundred gigabytes at 50 MB/s take 33 minutes: the next is due when they are a twentieth of the time."""
-    config = make_config(total_timesteps=1_000_000 * 8192)
-    number, writing, seconds = _count(config, 100e9, 1.0, 50e6)
-    assert 20 < number <= seconds / (2000 / 0.05) + 1
-    assert writing <= 0.051 * seconds
-
-
 def test_the_first_checkpoint_waits_for_what_its_size_lets_expect() -> None:
     config = make_config(checkpoint_minutes=1, checkpoint_share=0.1)
     small, large = CheckpointPace(config, 1000, 0.0), CheckpointPace(config, 10**11, 0.0)
@@ -79,11 +70,6 @@ def test_the_first_checkpoint_waits_for_what_its_size_lets_expect() -> None:
     assert large.interval == pytest.approx(1000 / 0.1 - 1000)
     large.written(0.0, 10.0)  # the disk is faster than was thought
     assert large.interval == pytest.approx(90.0)
-
-
-def test_updates_may_be_asked_for_instead() -> None:
-    pace = CheckpointPace(make_config(checkpoint_updates=3), 10**12, 0.0)
-    assert [update for update in range(1, 10) if pace.is_due(update, 0.0)] == [3, 6, 9]
 
 
 def test_a_key_of_before_says_what_there_is_instead() -> None:
@@ -117,14 +103,14 @@ def _play(
         clock.now += seconds_an_update
         return state, ()
 
-    def save(number: int, _: Any, __: Any) -> None:
+    def save(number: int, _: Any) -> None:
         clock.now += seconds_a_checkpoint
         written.append(number)
 
     compiled = Compiled(None, collect, lambda state, _: (state, metrics), lambda _: parameters, None, 0.0, 0.0)  # type: ignore[arg-type]
     state: Any = {"replay": np.zeros(10)}
     with open_recorders([folder], matching(), config, 0, (), "long") as recorders:  # type: ignore[arg-type]
-        keeping = updates.Keeping(recorders, SimpleNamespace(save=save), lambda *_: None)  # type: ignore[arg-type]
+        keeping = updates.Keeping(recorders, save, lambda *_: None)  # type: ignore[arg-type]
         updates.run_updates(compiled, state, updates.Progress(0), config, keeping)
     return written
 
@@ -168,15 +154,6 @@ def test_what_is_remembered_of_rows_does_not_grow(tmp_path: Path, monkeypatch: p
 def rows_on_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     _play(tmp_path, make_config(algorithm="vdn", total_timesteps=50 * 32, buffer_size=32), monkeypatch, 1.0, 0.0)
     return tmp_path
-
-
-def test_rows_are_cut_without_being_held(rows_on_disk: Path) -> None:
-    before = (rows_on_disk / "metrics.csv").read_text().splitlines()
-    assert [row["update"] for row in cut_metrics(rows_on_disk, 20)] == list(range(1, 21))
-    assert [row["update"] for row in read_rows(rows_on_disk / "metrics.jsonl")] == list(range(1, 21))
-    assert (rows_on_disk / "metrics.csv").read_text().splitlines() == before[:21]
-    assert list(cut_metrics(rows_on_disk, 0)) == []
-    assert (rows_on_disk / "metrics.jsonl").read_bytes() == (rows_on_disk / "metrics.csv").read_bytes() == b""
 
 
 def test_a_curve_has_no_more_points_than_can_be_seen(rows_on_disk: Path) -> None:

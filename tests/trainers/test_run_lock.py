@@ -17,7 +17,7 @@ from sjdsl.trainers.run_lock import LOCK, is_unused
 from sjdsl.trainers.updates import Update
 
 CONFIG = SHORT.model_copy(update={"evaluate_every": 0})
-HOLDS = "from sjdsl.trainers.run_lock import locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1])): print('held', flush=True); time.sleep(600)"
+HOLDS = "from sjdsl.trainers.run_lock import in_use, locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1]), in_use(Path(sys.argv[1]))): print('held', flush=True); time.sleep(600)"
 
 
 @pytest.fixture(autouse=True)
@@ -32,7 +32,7 @@ def test_a_second_process_is_refused_until_the_first_has_died(tmp_path: Path) ->
     with subprocess.Popen([sys.executable, "-c", HOLDS, str(folder)], stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "held\n"
-        with pytest.raises(RunError, match=rf"run is in use: process {other.pid} of .* trains there. Wait until it has ended"):
+        with pytest.raises(RunError, match=rf"run is in use: process {other.pid} on .* trains there. Wait until it has ended"):
             resume(matching(), folder, "none")
         with pytest.raises(RunError, match="in use"):
             train_side_by_side([Run(matching(), CONFIG, folder)], "none")

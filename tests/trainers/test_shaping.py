@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import dilemma, learn, tabled, tables_of, uneven
+from probes import tabled, tables_of, uneven
 
 from sjdsl.trainers import ConfigError, load_preset, make_config
 from sjdsl.trainers.checkpoints import Checkpoints
@@ -79,24 +79,24 @@ def test_the_quadrant_cuts_what_negative_rewards_lead_to(own: float, others: flo
 @pytest.mark.parametrize("own", [-2.0, -1.0, 0.0, 1.0])
 @pytest.mark.parametrize("other", [-2.0, -1.0, 0.0, 1.0])
 def test_the_released_preset_penalises_as_the_released_code(own: float, other: float) -> None:
-    """Each pair of rewards that Coins pays two agents: the plain difference of arctan2, which is 0 where nobody is rewarded."""
+    """Each pair of rewards that Coins pays two agents: the plain difference of arctan2, counted from where nobody is rewarded."""
     config = load_preset("released", {"reward": "svo"}, "coins").config
     angle = math.atan2(other, own) if own or other else 0.0
-    expected = 2 * (own - config.svo_weight * abs(angle - math.pi / 2))
+    expected = 2 * (own - config.svo_weight * (abs(angle - math.pi / 2) - math.pi / 2))
     found = make_shaping(config, 2).shape(jnp.array([own, other]), jnp.array([own, other]))
     assert found[0] == pytest.approx(expected, rel=1e-5)
 
 
-def test_svo_deducts_the_weighted_deviation_in_radians() -> None:
+def test_svo_deducts_the_weighted_deviation_in_radians_beyond_that_at_rest() -> None:
     """Three agents; the mean of the others is 1, 2.5 and -0.5: 45 degrees, 90 cut from 128.7, and 0 cut from -7.1."""
     angles = np.radians([45.0, 90.0, 0.0])
-    expected = np.asarray(REWARD[0, 0]) - 0.2 * np.abs(angles - np.radians(90.0))
+    expected = np.asarray(REWARD[0, 0]) - 0.2 * (np.abs(angles - np.radians(90.0)) - np.radians(90.0))
     np.testing.assert_allclose(shaped(REWARD[0, 0], reward="svo", svo_weight=0.2), expected, rtol=1e-5)
 
 
 def test_each_agent_may_seek_an_angle_of_its_own() -> None:
     found = shaped(jnp.array([1.0, 1.0, 1.0]), reward="svo", svo_weight=1.0, svo_angle=(0, 45, 90))
-    np.testing.assert_allclose(found, [1 - math.pi / 4, 1.0, 1 - math.pi / 4], rtol=1e-5)
+    np.testing.assert_allclose(found, [1 - math.pi / 4, 1 + math.pi / 4, 1 + math.pi / 4], rtol=1e-5)
 
 
 def test_there_must_be_one_angle_or_one_for_each() -> None:
@@ -106,7 +106,15 @@ def test_there_must_be_one_angle_or_one_for_each() -> None:
 
 def test_svo_compares_traces_and_pays_rewards() -> None:
     found = shaped(jnp.array([2.0, 0.0]), jnp.array([0.0, 5.0]), reward="svo", svo_weight=1.0, svo_angle=90)
-    np.testing.assert_allclose(found, [2.0, 0.0 - math.pi / 2], rtol=1e-6)
+    np.testing.assert_allclose(found, [2.0 + math.pi / 2, 0.0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("at_rest", ["selfish", "content"])
+def test_svo_deducts_nothing_while_nobody_is_rewarded(at_rest: str) -> None:
+    """A loss in each step of an episode would hide from the critic what agents do."""
+    np.testing.assert_array_equal(
+        shaped(jnp.zeros(3), reward="svo", svo_weight=1.0, svo_angle=(0, 45, 90), svo_at_rest=at_rest), jnp.zeros(3)
+    )
 
 
 # reward exchange
@@ -233,8 +241,8 @@ def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
     worlds, play = player(make_shaping(make_config(reward="inequity"), 2))
     between, _ = play(worlds, jax.random.key(1))
     checkpoints = Checkpoints(tmp_path)
-    checkpoints.save(1, between, {})
-    restored, _ = checkpoints.restore(1, worlds)
+    checkpoints.save(1, between)
+    restored = checkpoints.restore(1, worlds)
     checkpoints.close()
     assert np.asarray(restored.trace[:, 0] > 0).any()
     on, again = (play(state, jax.random.key(2))[1] for state in (between, restored))
@@ -242,21 +250,3 @@ def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
 
 
 # whole runs
-
-
-@pytest.mark.slow
-def test_svo_of_no_weight_trains_as_individual_reward_does() -> None:
-    """But for the rounding of two programs: 2e-7 of a number."""
-    individual, svo = (learn(dilemma(), **changes)[1] for changes in ({}, {"reward": "svo", "svo_weight": 0.0}))
-    jax.tree.map(partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-6), individual, svo)
-
-
-@pytest.mark.slow
-def test_full_exchange_trains_as_the_common_mean_does() -> None:
-    """To rounding, over the first updates: later ones enlarge it."""
-    exchange, mean = (
-        learn(dilemma(), reward=reward, **changes)[1]
-        for reward, changes in (("exchange", {"exchange_ratio": 1.0}), ("common", {"common_reward": "mean"}))
-    )
-    np.testing.assert_allclose(exchange["loss"][:10], mean["loss"][:10], rtol=1e-3, atol=1e-4)
-    np.testing.assert_allclose(exchange["agent_return"][-1], mean["agent_return"][-1], atol=0.1)

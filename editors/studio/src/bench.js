@@ -1,15 +1,15 @@
-// The bench: the process that plays the game. Requests go one at a time; of many changes of the text only the last is sent.
+// The bench: the process that plays the game. Requests go one at a time; of many changes of the same thing only the last is sent.
 
 import { openSocket } from "./transport.js";
 
 export class Bench {
-  // path: of the socket; onLost: called with whether there is no connection; onOpen: called whenever there is a new one.
-  constructor(path, { onLost, onOpen }) {
-    Object.assign(this, { path, onLost, onOpen });
+  // path: of the socket; onLost: called with whether there is no connection; onOpen: called whenever there is a new one; onBusy: called with
+  // whether a request waits for its answer.
+  constructor(path, { onLost, onOpen, onBusy = () => {} }) {
+    Object.assign(this, { path, onLost, onOpen, onBusy });
     this.waiting = new Map();
+    this.next = new Map(); // by sort of request: the newest that has not been sent, while one is on its way
     this.number = 0;
-    this.nextText = null;
-    this.textOnItsWay = false;
     this.connect();
   }
 
@@ -20,6 +20,7 @@ export class Bench {
     this.socket.addEventListener("close", () => {
       for (const resolve of this.waiting.values()) resolve({ refused: "the connection to the studio was lost", lost: true });
       this.waiting.clear();
+      this.onBusy(false);
       this.onLost(true);
       setTimeout(() => this.connect(), 1000);
     });
@@ -35,27 +36,29 @@ export class Bench {
     const id = ++this.number;
     return new Promise((resolve) => {
       this.waiting.set(id, resolve);
+      this.onBusy(true);
       this.socket.send(JSON.stringify({ id, ...request }));
     });
   }
 
-  // Sends a text, or keeps it until the one before is answered; calls `answered` with each answer that is about the newest text so far.
-  async text(request, answered) {
-    this.nextText = { request, answered };
-    if (this.textOnItsWay) return;
-    this.textOnItsWay = true;
-    while (this.nextText) {
-      const { request: now, answered: tell } = this.nextText;
-      this.nextText = null;
-      const answer = await this.ask({ do: "text", ...now });
-      if (!this.nextText) tell(answer);
+  // Sends a request, or keeps it until the one before of its sort is answered; calls `answered` with each answer to the newest so far.
+  async latest(sort, request, answered) {
+    const isOnItsWay = this.next.has(sort);
+    this.next.set(sort, { request, answered });
+    if (isOnItsWay) return;
+    while (this.next.get(sort)) {
+      const { request: now, answered: tell } = this.next.get(sort);
+      this.next.set(sort, null);
+      const answer = await this.ask(now);
+      if (!this.next.get(sort)) tell(answer);
     }
-    this.textOnItsWay = false;
+    this.next.delete(sort);
   }
 
   receive(answer) {
     const resolve = this.waiting.get(answer.id);
     this.waiting.delete(answer.id);
+    if (!this.waiting.size) this.onBusy(false);
     if (resolve) resolve(answer);
   }
 }

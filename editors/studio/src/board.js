@@ -1,9 +1,13 @@
 // The board: draws the moment that is shown, and tells which cell somebody points at. `board.js` of sjdsl draws on the canvas.
 
-/* global paintBoard, loadPicture, changeCells */
+/* global paintBoard, changeCells */
+
+const SIDE = 720, SMALLEST = 48, LARGEST = 192; // pixels: what a board is made for, and how large a cell can be drawn
+const MOST = 1000; // pictures that are kept
 
 export class Board {
-  // place: around the canvas; onCell: called with row and column of a cell that was clicked; onPut: with agent, row, column.
+  // place: around the canvas, which the board fills as far as its height goes; onCell: called with row and column of a cell that was clicked or
+  // reached by keys; onPut: with agent, row, column.
   // onPaint: with row and column of each cell that the pointer goes over, while `painting`.
   constructor(canvas, place, { onCell, onPut, onPaint }) {
     Object.assign(this, { canvas, place, onCell, onPut, onPaint });
@@ -32,11 +36,15 @@ export class Board {
       grabbed = null;
     });
     new ResizeObserver(() => this.paint()).observe(place);
+    this.loaded = new Map(); // pictures by address and size, of this game and those before it
   }
 
   // Another game, or the same one with other pictures.
   begin(game) {
-    this.map = { height: game.height, width: game.width, size: 48, marks: game.marks };
+    const size = Math.min(LARGEST, Math.max(SMALLEST, Math.round(SIDE / Math.max(game.height, game.width)))) * Math.ceil(devicePixelRatio || 1);
+    this.map = { height: game.height, width: game.width, size };
+    if (this.loaded.size > MOST) this.loaded.clear();
+    if (this.chosen && (this.chosen[0] >= game.height || this.chosen[1] >= game.width)) this.chosen = null;
     this.images = [];
     this.cells = new Uint16Array(game.height * game.width);
     this.count = game.agents;
@@ -46,7 +54,7 @@ export class Board {
   show(scene, pictures) {
     const { map } = this;
     this.drawn = this.drawn.then(async () => {
-      const images = await Promise.all(pictures.map(loadPicture));
+      const images = await Promise.all(pictures.map((url) => this.picture(url, map.size)));
       if (map !== this.map) return;
       this.images.push(...images);
       changeCells(this.cells, scene.cells);
@@ -57,15 +65,30 @@ export class Board {
     return this.drawn;
   }
 
+  picture(url, size) {
+    const key = `${size} ${url}`;
+    if (!this.loaded.has(key)) this.loaded.set(key, pictureOf(url, size));
+    return this.loaded.get(key);
+  }
+
   paint() {
     if (!this.map || !this.scene) return;
-    paintBoard(this.canvas, this.map, this.images, this.cells, this.scene, this.place.clientWidth);
+    const room = getComputedStyle(this.place), height = parseFloat(room.getPropertyValue("--most")) / 100 * innerHeight;
+    paintBoard(this.canvas, this.map, this.images, this.cells, this.scene, Math.min(this.place.clientWidth, (height * this.map.width) / this.map.height));
     if (this.chosen) this.outline(...this.chosen);
   }
 
   choose(row, col) {
     this.chosen = row === undefined ? null : [row, col];
     this.paint();
+  }
+
+  // Chooses the cell beside the chosen one; the first time, that of the first agent, or the middle.
+  move(rows, cols) {
+    if (!this.map) return;
+    const from = this.chosen ?? this.agents?.find(Boolean) ?? [this.map.height >> 1, this.map.width >> 1];
+    const [row, col] = this.chosen ? [from[0] + rows, from[1] + cols] : from;
+    this.onCell(Math.min(Math.max(row, 0), this.map.height - 1), Math.min(Math.max(col, 0), this.map.width - 1));
   }
 
   outline(row, col) {
@@ -87,4 +110,14 @@ export class Board {
     const found = cell && this.agents ? this.agents.findIndex((at) => at && at[0] === cell[0] && at[1] === cell[1]) : -1;
     return found < 0 ? null : found;
   }
+}
+
+// Resolves to a picture of so many pixels a side: `loadPicture` of board.js makes one as large as its file says.
+async function pictureOf(url, size) {
+  const image = new Image(), picture = document.createElement("canvas");
+  image.src = url;
+  await image.decode();
+  picture.width = picture.height = size;
+  picture.getContext("2d").drawImage(image, 0, 0, size, size);
+  return picture;
 }

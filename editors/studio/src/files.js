@@ -2,6 +2,8 @@
 
 import { call } from "./transport.js";
 
+const send = async (method, path, given) => (await call(path, { method, body: JSON.stringify(given), headers: { "content-type": "application/json" } })).json();
+
 export class Files {
   // Resolves to { games, examples, tour }, the paths of each, and packages, each { release, games }.
   async games() {
@@ -23,15 +25,18 @@ export class Files {
     return (await call(`/file?path=${encodeURIComponent(path)}`)).json();
   }
 
-  // Writes the text of an example as a new file; resolves to { digest } or { refused }.
-  async copy(example, path, text) {
-    const body = JSON.stringify({ example, path, text });
-    return (await call("/copy", { method: "POST", body, headers: { "content-type": "application/json" } })).json();
+  // Writes a text as a new file, with the files that the game at `example` needs; resolves to { digest } or { refused }.
+  copy(example, path, text) {
+    return send("POST", "/copy", { example, path, text });
+  }
+
+  // Makes a game with its map: the starting one, or a copy of the game at the path `like`; resolves to { digest } or { refused }.
+  make(path, like) {
+    return send("POST", "/new", { path, like });
   }
 
   // Resolves to { digest }, or { refused } and, if somebody else has changed the file, `changed`.
-  async write(path, text, digest) {
-    const body = JSON.stringify({ path, text, digest });
-    return (await call("/file", { method: "PUT", body, headers: { "content-type": "application/json" } })).json();
+  write(path, text, digest) {
+    return send("PUT", "/file", { path, text, digest });
   }
 }

@@ -1,32 +1,39 @@
 // The studio: the text on the left, the board in the middle, what is asked for on the right.
 
+import { setDiagnosticsEffect } from "@codemirror/lint";
 import { Compartment, EditorState } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { basicSetup } from "codemirror";
 import { Bench } from "./bench.js";
 import { Board } from "./board.js";
+import { Curves } from "./curves.js";
 import { element, find } from "./dom.js";
 import { Drivers } from "./drivers.js";
+import { foldLongComments, followShade, language as texts } from "./editor.js";
 import { Files } from "./files.js";
-import { connectLanguage, languageOf } from "./language.js";
-import { showNumbers, withNumber } from "./numbers.js";
+import { Games, nameOf, prefixOf } from "./games.js";
+import { connectLanguage, languageOf, lint } from "./language.js";
+import { entryOf, showNumbers, withNumber, withoutNumber } from "./numbers.js";
 import { painter } from "./painting.js";
+import { makePanes, showPane } from "./panes.js";
 import { ASKED, LASTING, PANELS, fill } from "./panels.js";
+import { Problems } from "./problems.js";
 import { showTour } from "./tour.js";
 
 const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
 const files = new Files();
 const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", ",": "comma", ".": "full_stop", " ": "space", Enter: "enter" };
 
-const open = { path: "", uri: "", digest: null, saved: "", version: 0, variants: [], params: {}, game: null, map: null };
+const open = { path: "", uri: "", digest: null, saved: "", version: 0, variants: [], agents: null, params: {}, game: null, map: null };
 const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
-let view = null, language = null;
+const SLOW = 1000; // milliseconds after which something that is waited for is said to be under way
+let view = null, language = null, unfollow = null, program = null;
 
-const bench = new Bench("/bench", { onLost: lost, onOpen: () => sendText(false) });
-const beside = new Bench("/bench", { onLost: () => {}, onOpen: () => { beside.stale = true; refreshPanel(); } }); // for what takes long
+const bench = new Bench("/bench", { onLost: lost, onOpen: () => sendText(false), onBusy: (busy) => markBusy("bench", busy) });
+const beside = new Bench("/bench", { onLost: () => {}, onOpen: () => { beside.stale = true; refreshPanel(); }, onBusy: (busy) => markBusy("beside", busy) }); // for what takes long
 beside.stale = true;
 const board = new Board(find("board"), find("stage"), {
-  onCell: (row, col) => { shown.cell = [row, col]; shown.agent = board.agentAt([row, col]) ?? shown.agent; board.choose(row, col); find("board").focus(); refreshPanel(); },
+  onCell: chooseCell,
   onPut: (agent, row, col) => ask({ do: "put", agent, row, col }),
   onPaint: painter({
     open, files, bench, say, isExample: () => isExample(), glyph: () => find("glyph").value, view: () => view,
@@ -34,15 +41,18 @@ const board = new Board(find("board"), find("stage"), {
   }),
 });
 const drivers = new Drivers({ files, say, ask: (request) => { stop(); return ask(request); } });
+const curves = new Curves({ ask: () => bench.ask({ do: "panel", panel: "curves" }), choose: goTo });
+const problems = new Problems({ view: () => view, toLine, say: tell });
+const games = new Games({ files, current: () => open.path, open: (path, isSaved) => (isSaved ? openFile(path) : openSafely(path)) });
 
 // ---- the text
 
 async function openFile(path) {
   const file = await files.read(path);
-  if (file.refused) { find("files").value = open.path; return say(file.refused); }
+  if (file.refused) return say(file.refused);
   say("");
-  Object.assign(open, { path, uri: file.uri, digest: file.digest, saved: file.text, variants: [], params: {}, map: null });
-  find("files").value = path;
+  Object.assign(open, { path, uri: file.uri, digest: file.digest, saved: file.text, variants: [], agents: null, params: {}, map: null });
+  find("name").textContent = nameOf(path);
   document.title = `${path} · sjdsl studio`;
   makeEditor(file.text);
   sendText(true);
@@ -51,7 +61,6 @@ async function openFile(path) {
 // Opens a file, if need be after asking what becomes of a text that is not saved.
 function openSafely(path) {
   if (!view || !isUnsaved()) return openFile(path);
-  find("files").value = open.path;
   const lose = element("button", { onclick: () => openFile(path) }, `Open ${path}, and lose them`);
   const stay = element("button", { onclick: () => say("") }, "Stay here");
   find("message").replaceChildren(`${open.path} has changes that are not saved. `, lose, " ", stay);
@@ -72,21 +81,24 @@ const speech = new Compartment();
 const spoken = () => (language ? languageOf(language, open.uri) : []);
 
 function makeEditor(text) {
-  if (view) view.destroy();
+  if (view) { unfollow(); view.destroy(); }
   const changed = EditorView.updateListener.of((update) => {
     if (update.docChanged) { markUnsaved(); sendText(false); }
-    if (update.selectionSet && shown.panel === "python") markPython();
+    if (update.docChanged || update.transactions.some(({ effects }) => effects.some((effect) => effect.is(setDiagnosticsEffect)))) problems.show();
+    if (update.selectionSet) program?.show(lineHere());
   });
+  const keys = keymap.of([{ key: "Mod-s", run: () => { save(); return true; } }]), named = EditorView.contentAttributes.of({ "aria-label": "Text of the game", tabindex: "0" });
   view = new EditorView({
-    state: EditorState.create({ doc: text, extensions: [basicSetup, keymap.of([{ key: "Mod-s", run: () => { save(); return true; } }]), changed, speech.of(spoken())] }),
+    state: EditorState.create({ doc: text, extensions: [lint, basicSetup, texts, keys, named, changed, speech.of(spoken())] }), // lint first: so is its message in a hover
     parent: find("text"),
   });
+  unfollow = followShade(view);
+  const made = view;
+  requestAnimationFrame(() => { if (view === made) foldLongComments(made); }); // when it is known how wide it is
   markUnsaved();
 }
 
 const text = () => view.state.doc.toString();
-// What stands before the path of a game that is only read: bundled, of the tour, of an installed package, whose name follows.
-const prefixOf = (path) => path.match(/^(example:|tour:|package:[^/]*\/)/)?.[0] ?? "";
 const isExample = () => prefixOf(open.path) !== "";
 
 function sendText(fresh) {
@@ -94,15 +106,15 @@ function sendText(fresh) {
   clearTimeout(soon.timer); // the panel waits for the answer to this text
   const version = ++open.version;
   const request = { version, ...asItIs(), fresh };
-  bench.text(request, (answer) => {
+  bench.latest("text", { do: "text", ...request }, (answer) => {
     if (answer.lost && !bench.isOpen) return; // it is sent again as soon as there is a connection
     beside.stale = true;
-    find("verdict").textContent = answer.refused ?? (answer.compiles ? "" : `${answer.errors} error${answer.errors > 1 ? "s" : ""}: the board shows the last rules that compiled`);
+    problems.answered(answer);
     document.body.dataset.version = version;
     document.body.dataset.compiles = answer.compiles === true;
     if (answer.refused || !answer.compiles) return;
     if (answer.game.left.length) say(`no longer numbers of this game: ${answer.game.left.join(", ")}`);
-    showGame(answer.game);
+    showGame(answer);
     showScene(answer);
     soon();
   });
@@ -111,23 +123,19 @@ function sendText(fresh) {
 // Brings the panel up to date a moment after the last of many edits, so that the next one need not wait for it.
 function soon() {
   clearTimeout(soon.timer);
-  soon.timer = setTimeout(refreshPanel, LASTING.has(shown.panel) ? 300 : 0);
+  soon.timer = setTimeout(() => { refreshPanel(); curves.fill(); }, LASTING.has(shown.panel) ? 300 : 0);
 }
 
 // What there is to open: the text and, if somebody has painted it, the file of its map.
 function asItIs() {
   const over = open.map ? { [open.map.path]: open.map.text } : {};
-  return { path: open.path, text: text(), variants: open.variants, params: open.params, over };
+  return { path: open.path, text: text(), variants: open.variants, agents: open.agents, params: open.params, over };
 }
 
 async function save() {
   const sent = text();
-  if (isExample()) return saveCopy(sent);
-  if (open.map && open.map.text !== open.map.saved) {
-    const written = await files.write(open.map.path, open.map.text, open.map.digest);
-    if (written.refused) return say(written.refused);
-    Object.assign(open.map, { digest: written.digest, saved: open.map.text });
-  }
+  if (isExample()) return saveAs();
+  if (!(await saveMap())) return;
   const answer = await files.write(open.path, sent, open.digest);
   if (answer.changed) return askAboutChange(answer.refused, sent);
   if (answer.refused) return say(answer.refused);
@@ -136,16 +144,18 @@ async function save() {
   markUnsaved();
 }
 
+// Writes the file of the map, if somebody has painted it; resolves to whether that went well.
+async function saveMap() {
+  if (!open.map || open.map.text === open.map.saved) return true;
+  const written = await files.write(open.map.path, open.map.text, open.map.digest);
+  if (written.refused) say(written.refused);
+  else Object.assign(open.map, { digest: written.digest, saved: open.map.text });
+  return !written.refused;
+}
+
 // A bundled game stays as it is: what somebody makes of it is a file of their own.
-async function saveCopy(sent) {
-  const name = element("input", { value: open.path.slice(prefixOf(open.path).length).split("/").pop(), "aria-label": "Name of the copy" });
-  const write = element("button", { onclick: async () => {
-    const answer = await files.copy(open.path, name.value, sent);
-    if (answer.refused) return find("message").append(` ${answer.refused}`);
-    await listGames();
-    openFile(name.value);
-  } }, "Save a copy");
-  find("message").replaceChildren("This is an example. Save it in your folder as ", name, " ", write);
+async function saveAs() {
+  if (await saveMap()) games.saveAs((path) => files.copy(open.path, path, text()));
 }
 
 function askAboutChange(reason, sent) {
@@ -156,24 +166,33 @@ function askAboutChange(reason, sent) {
 
 function markUnsaved() {
   find("save").disabled = !view || !isUnsaved();
+  find("unsaved").hidden = find("save").disabled;
 }
 
 function isUnsaved() {
   return text() !== open.saved || (open.map !== null && open.map.text !== open.map.saved);
 }
 
-function toLine(number) {
-  const line = view.state.doc.line(Math.min(number, view.state.doc.lines));
-  view.dispatch({ selection: { anchor: line.from }, effects: EditorView.scrollIntoView(line.from, { y: "center" }) });
+function toLine(number, at = null) {
+  const from = at ?? view.state.doc.line(Math.min(number, view.state.doc.lines)).from;
+  showPane("text");
+  view.dispatch({ selection: { anchor: from }, effects: EditorView.scrollIntoView(from, { y: "center" }) });
   view.focus();
 }
 
 // ---- the board
 
-function showGame(game) {
+function showGame({ game, pictures }) {
   open.game = game;
   find("title").textContent = game.title;
-  options(find("variant"), [["", "as it is"], ...game.variants], game.chosen.join("+"));
+  const chosen = game.chosen.join("+");
+  options(find("variant"), [["", "as written"], ...game.variants.map(([name]) => [name, name])], chosen);
+  find("variant").title = game.variants.find(([name]) => name === chosen)?.[1] ?? "";
+  for (const [number, [, title]] of game.variants.entries()) find("variant").options[number + 1].title = title;
+  find("variant").disabled = !game.variants.length;
+  if (document.activeElement !== find("crew")) find("crew").value = game.agents;
+  find("crew").disabled = !game.agents_are_free && open.agents === null;
+  find("crew").title = find("crew").disabled ? "The text says how many: name a `size` after `agents` to choose here" : "Number of agents; empty: as the text says";
   find("diff").hidden = !game.chosen.length;
   find("counterexample").hidden = !game.counterexample;
   drivers.show(game);
@@ -182,7 +201,10 @@ function showGame(game) {
   options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], nobody ? "" : String(shown.driven));
   find("seed").value = game.seed;
   options(find("glyph"), [["", "nothing"], ...game.glyphs], game.glyphs.some(([glyph]) => glyph === find("glyph").value) ? find("glyph").value : "");
-  showNumbers(find("numbers"), game.numbers, setNumber);
+  showNumbers(find("numbers"), game.numbers, { set: setNumber, write: writeNumber });
+  find("numbers-title").hidden = !game.numbers.length;
+  showLegend(game.legend.map(([picture, text]) => [pictures[picture], text]));
+  curves.begin(game);
   board.begin(game);
   shown.agent = Math.min(shown.agent, game.agents - 1);
 }
@@ -191,11 +213,34 @@ function options(select, pairs, chosen) {
   select.replaceChildren(...pairs.map(([value, text]) => new Option(text ? (value && text !== value ? `${value}: ${text}` : text) : value, value, false, value === chosen)));
 }
 
-async function setNumber(name, value) {
-  const answer = await ask({ do: "number", name, value });
-  if (answer.refused || open.game.counterexample) return;
-  open.params = withNumber(open.params, name, value);
-  beside.stale = true;
+function showLegend(entries) {
+  const form = JSON.stringify(entries);
+  if (form === showLegend.form) return;
+  showLegend.form = form;
+  find("legend").replaceChildren(...entries.map(([picture, text]) => element("li", {}, element("img", { src: picture, alt: "" }), text)));
+}
+
+// Sets a number from the next step on; of many values that somebody drags through, the last. Resolves to whether the game takes it.
+function setNumber(name, entry, value, isWritten) {
+  const request = { do: "number", name, value: entryOf(entry, value) };
+  return new Promise((resolve) => bench.latest(`number ${name} ${entry}`, request, (answer) => {
+    take(answer);
+    if (answer.refused) return resolve(false);
+    if (!open.game.counterexample) open.params = isWritten ? withoutNumber(open.params, name, entry) : withNumber(open.params, name, request.value);
+    beside.stale = true;
+    resolve(true);
+  }));
+}
+
+async function writeNumber(name, entry, value) {
+  const { doc } = view.state;
+  if (document.body.dataset.compiles !== "true" || bench.next.has("text")) return say("The text has errors: mend them first.");
+  const answer = await bench.ask({ do: "write", name, entry, value });
+  if (answer.refused) return say(answer.refused);
+  if (view.state.doc !== doc) return;
+  const { start, end, glyph } = answer.change;
+  open.params = withoutNumber(open.params, name, entry);
+  view.dispatch({ changes: { from: start, to: end, insert: glyph }, selection: { anchor: start, head: start + glyph.length }, scrollIntoView: true });
 }
 
 // Shows what led to the failure of a check, from its start.
@@ -216,11 +261,14 @@ function begin() {
 }
 
 async function ask(request) {
-  const answer = await bench.ask(request);
+  return take(await bench.ask(request));
+}
+
+function take(answer) {
   if (answer.lost) sendText(false);
   if (answer.refused) { shown.running = false; markRunning(); say(answer.refused); return answer; }
   say("");
-  if (answer.game) showGame(answer.game);
+  if (answer.game) showGame(answer);
   if (answer.scene) { showScene(answer); refreshPanel(); }
   return answer;
 }
@@ -228,6 +276,7 @@ async function ask(request) {
 function showScene(answer) {
   Object.assign(shown, { at: answer.at, moments: answer.moments });
   board.show(answer.scene, answer.pictures);
+  curves.note(answer);
   find("scrub").max = answer.moments - 1;
   find("scrub").value = answer.at;
   find("step").textContent = `step ${answer.scene.step}` + (answer.scene.done ? ", the episode is over" : "");
@@ -238,7 +287,32 @@ function showScene(answer) {
     const cells = [[swatch, String(agent)], [action], [answer.scene.rewards[agent] || ""], [answer.scene.returns[agent]]];
     return element("tr", { class: agent === shown.driven ? "driven" : "" }, ...cells.map((inner) => element("td", {}, ...inner.map((part) => part instanceof Node ? part : String(part)))));
   }));
+  if (!shown.running) tell(described(answer));
   find("events").textContent = answer.scene.events.map(([name, count]) => `${name} ${Array.isArray(count) ? count.reduce((a, b) => a + b, 0) : count}`).join(" · ");
+}
+
+// What a moment is like, for those who do not see the board.
+function described({ scene }) {
+  const paid = scene.rewards.flatMap((reward, agent) => (reward ? [`agent ${agent} got ${reward}`] : []));
+  return [`Step ${scene.step}`, ...paid, ...(scene.done ? ["the episode is over"] : [])].join(", ");
+}
+
+function goTo(moment) {
+  stop();
+  bench.latest("go", { do: "go", to: moment }, take);
+}
+
+// Asks about a cell, and tells what is on it.
+function chooseCell(row, col) {
+  shown.cell = [row, col];
+  shown.agent = board.agentAt([row, col]) ?? shown.agent;
+  board.choose(row, col);
+  find("board").focus();
+  refreshPanel();
+  bench.latest("cell", { do: "panel", panel: "state", row, col }, ({ cell }) => {
+    const agent = board.agentAt([row, col]), fields = cell?.values.map(([name, value]) => `${name} ${value}`) ?? [];
+    if (cell) tell([`Row ${row}, column ${col}: ${cell.kind}`, ...fields, ...(agent === null ? [] : [`agent ${agent}`])].join(", "));
+  });
 }
 
 async function run() {
@@ -253,7 +327,10 @@ async function run() {
 }
 
 function markRunning() {
-  find("run").textContent = shown.running ? "Pause" : "Run";
+  const name = shown.running ? "Pause" : "Play";
+  find("run").setAttribute("aria-label", name);
+  find("run").title = name;
+  find("run").querySelector("use").setAttribute("href", shown.running ? "#icon-pause" : "#icon-run");
 }
 
 function stop() {
@@ -263,6 +340,8 @@ function stop() {
 
 find("board").addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || !open.game) return;
+  const way = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
+  if (way && (shown.driven === null || event.shiftKey)) { event.preventDefault(); return board.move(...way); }
   const action = open.game.keys[KEYS[event.key] ?? event.key];
   if (shown.driven === null || action === undefined) return;
   event.preventDefault();
@@ -272,14 +351,20 @@ find("board").addEventListener("keydown", (event) => {
 find("run").addEventListener("click", run);
 find("back").addEventListener("click", () => { stop(); ask({ do: "go", to: shown.at - 1 }); });
 find("forward").addEventListener("click", () => { stop(); ask(shown.at + 1 < shown.moments ? { do: "go", to: shown.at + 1 } : { do: "step" }); });
-find("scrub").addEventListener("input", () => { stop(); ask({ do: "go", to: Number(find("scrub").value) }); });
+find("scrub").addEventListener("input", () => goTo(Number(find("scrub").value)));
 find("again").addEventListener("click", begin);
 find("seed").addEventListener("change", begin);
 find("diff").addEventListener("click", () => find("tabs").querySelector('[data-panel="diff"]').click());
 find("driven").addEventListener("change", () => { shown.driven = find("driven").value === "" ? null : Number(find("driven").value); find("board").focus(); showKeys(); });
 find("variant").addEventListener("change", () => { open.variants = find("variant").value ? find("variant").value.split("+") : []; sendText(false); });
 find("glyph").addEventListener("change", () => { board.painting = find("glyph").value !== ""; });
-find("files").addEventListener("change", () => openSafely(find("files").value));
+find("crew").addEventListener("change", () => {
+  const { value, validity } = find("crew");
+  if (!validity.valid) return say("a number of agents is a whole number from 1 to 1000; without one it is what the text says");
+  open.agents = value === "" ? null : Number(value);
+  sendText(false);
+});
+find("save-as").addEventListener("click", saveAs);
 window.addEventListener("focus", lookAgain);
 find("save").addEventListener("click", () => save());
 find("share").addEventListener("click", async () => {
@@ -293,7 +378,7 @@ window.addEventListener("beforeunload", (event) => { if (view && isUnsaved()) ev
 
 function showKeys() {
   const names = Object.entries(open.game?.keys ?? {}).map(([key, action]) => `${key.replace("full_stop", ".").replace("comma", ",")} ${open.game.actions[action]}`);
-  find("keys").textContent = shown.driven === null ? "" : `Click on the board, then: ${names.join(", ")}`;
+  find("keys").textContent = shown.driven === null ? "" : `With the board in focus: ${names.join(", ")}`;
 }
 
 // ---- beside the board
@@ -311,8 +396,9 @@ async function refreshPanel() {
   if (name !== shown.panel) return;
   if (answer.refused) return find("panel").replaceChildren(element("p", {}, answer.refused));
   beside.kept = name;
+  endProgram();
   const cell = shown.cell, agent = cell ? board.agentAt(cell) : null;
-  fill(find("panel"), name, { answer, cell, agent, toLine, showIt, line: lineHere(), count: open.game.agents, chooseAgent: (chosen) => { shown.agent = chosen; refreshPanel(); } });
+  fill(find("panel"), name, { answer, cell, agent, toLine, showIt, line: lineHere(), count: open.game.agents, chooseAgent: (chosen) => { shown.agent = chosen; refreshPanel(); }, keep: (made) => { program = made; } });
 }
 
 async function openBeside(name) {
@@ -326,28 +412,37 @@ function lineHere() {
   return view ? view.state.doc.lineAt(view.state.selection.main.head).number : null;
 }
 
-function markPython() {
-  const line = String(lineHere());
-  let first = null;
-  for (const row of find("panel").querySelectorAll(".code")) {
-    const here = row.dataset.line === line;
-    row.classList.toggle("here", here);
-    if (here) first ??= row;
+function endProgram() {
+  program?.end();
+  program = null;
+}
+
+function showPanel(name) {
+  shown.panel = name;
+  for (const tab of find("tabs").children) {
+    const isShown = tab.dataset.panel === name;
+    tab.setAttribute("aria-selected", String(isShown));
+    tab.tabIndex = isShown ? 0 : -1;
   }
-  first?.scrollIntoView({ block: "nearest" });
+  find("panel").setAttribute("aria-labelledby", `tab-${name}`);
+  endProgram();
+  find("panel").replaceChildren();
+  beside.kept = null;
+  refreshPanel();
 }
 
 for (const [name, title] of Object.entries(PANELS)) {
-  const tab = element("button", { role: "tab", "data-panel": name, "aria-selected": name === shown.panel }, title);
-  tab.addEventListener("click", () => {
-    shown.panel = name;
-    for (const other of find("tabs").children) other.setAttribute("aria-selected", other === tab);
-    find("panel").replaceChildren();
-    beside.kept = null;
-    refreshPanel();
-  });
-  find("tabs").append(tab);
+  find("tabs").append(element("button", { role: "tab", id: `tab-${name}`, "data-panel": name, "aria-controls": "panel", onclick: () => showPanel(name) }, title));
 }
+find("tabs").addEventListener("keydown", (event) => {
+  const tabs = [...find("tabs").children], at = tabs.indexOf(document.activeElement);
+  const to = { ArrowRight: at + 1, ArrowLeft: at - 1 + tabs.length, Home: 0, End: tabs.length - 1 }[event.key];
+  if (to === undefined) return;
+  event.preventDefault();
+  const tab = tabs[to % tabs.length];
+  tab.focus();
+  tab.click();
+});
 
 // ---- messages, and the beginning
 
@@ -359,6 +454,18 @@ function lost(gone) {
   find("lost").hidden = !gone;
 }
 
+// Says something to screen readers alone.
+function tell(message) {
+  find("said").textContent = message;
+}
+
+function markBusy(who, busy) {
+  markBusy.who ??= new Set();
+  if (busy) markBusy.who.add(who); else markBusy.who.delete(who);
+  if (busy) markBusy.timer ??= setTimeout(() => { find("busy").hidden = false; }, SLOW);
+  if (!markBusy.who.size) { clearTimeout(markBusy.timer); markBusy.timer = null; find("busy").hidden = true; }
+}
+
 async function speak() {
   try {
     language = await connectLanguage("/language", () => { language = null; setTimeout(speak, 2000); });
@@ -368,23 +475,11 @@ async function speak() {
   if (view) view.dispatch({ effects: speech.reconfigure(spoken()) });
 }
 
-async function listGames() {
-  const { games, examples, packages, tour } = await files.games();
-  const group = (label, paths) => {
-    const made = element("optgroup", { label });
-    made.append(...paths.map((path) => new Option(path.slice(prefixOf(path).length), path)));
-    return made;
-  };
-  find("files").replaceChildren(group("in this folder", games), group("tour", tour), group("examples", examples), ...packages.map((p) => group(p.release, p.games)));
-  if (open.path) find("files").value = open.path;
-  return games[0] || tour[0];
-}
-
-const wanted = meta("opened");
-const listed = listGames();
-if (wanted) openFile(wanted); // without waiting for the list
-const first = wanted || (await listed);
-if (prefixOf(first) === "tour:") find("tabs").querySelector('[data-panel="tour"]').click(); // somebody who has no game yet
-if (!wanted) openFile(first);
+makePanes(() => board.paint());
+const first = meta("opened") || (await games.list());
+const isTour = prefixOf(first) === "tour:"; // for somebody who has no game yet
+if (isTour) showPane("panels");
+showPanel(isTour ? "tour" : shown.panel);
+openFile(first);
 drivers.list();
 speak();

@@ -32,7 +32,7 @@ export function painter({ open, files, bench, isExample, glyph: chosen, view, sa
   // Resolves when the newest text is answered.
   function answered() {
     return new Promise((resolve) => {
-      const look = () => (bench.textOnItsWay ? setTimeout(look, 5) : resolve());
+      const look = () => (bench.next.has("text") ? setTimeout(look, 5) : resolve());
       look();
     });
   }

@@ -3,9 +3,11 @@
 import DOMPurify from "dompurify";
 import { marked } from "marked";
 import { element, table } from "./dom.js";
+import { pythonView } from "./editor.js";
+import { why } from "./why.js";
 
 export const PANELS = {
-  rules: "Rules in English",
+  rules: "Rules",
   why: "Why",
   state: "State",
   seen: "Seen",
@@ -17,7 +19,7 @@ export const PANELS = {
 export const ASKED = { why: "trace" }; // where the request has another name
 export const LASTING = new Set(["rules", "python", "checks", "diff"]); // depend on the text alone
 
-// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent, showIt }.
+// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent, showIt, keep }; keep: called with a view that follows the cursor.
 export function fill(place, name, about) {
   const made = { rules, why, state, seen, python, checks, diff }[name](about);
   place.replaceChildren(...(Array.isArray(made) ? made : [made]));
@@ -29,31 +31,11 @@ function rules({ answer }) {
   return sheet;
 }
 
-function python({ answer, toLine, line }) {
-  const rows = answer.lines.map(([text, from]) => {
-    const row = element("div", { class: "code" + (from !== null && from === line ? " here" : ""), "data-line": from }, text || " ");
-    if (from !== null) row.addEventListener("click", () => toLine(from));
-    return row;
-  });
-  return element("pre", {}, ...rows);
-}
-
-function why({ answer, cell, agent, toLine }) {
-  if (answer.step === null && !answer.turns.length) return element("p", {}, "Nothing has happened yet: take a step.");
-  const concerns = (effect) => !cell || effect.cells.some(([row, col]) => row === cell[0] && col === cell[1]) || effect.agent === agent;
-  const asked = cell ? `what concerns the cell (${cell[0]}, ${cell[1]})${agent === null ? "" : ` and agent ${agent}`}` : "everything";
-  const made = [element("p", { class: "hint" }, `The last step, ${asked}. Click on a cell of the board to ask about it.`)];
-  for (const turn of answer.turns) {
-    const found = turn.rules.map((rule) => ({ ...rule, effects: rule.effects.filter(concerns) })).filter((rule) => rule.effects.length);
-    if (!found.length) continue;
-    made.push(element("h3", {}, turn.phase));
-    for (const rule of found) {
-      const link = element("button", { class: "rule", disabled: rule.line === null, onclick: () => toLine(rule.line) }, `${rule.place}  ${rule.text}`);
-      const effects = rule.effects.flatMap((effect) => [element("li", {}, effect.said), ...effect.draws.map((draw) => element("li", { class: "draw" }, draw))]);
-      made.push(link, element("ul", {}, ...effects));
-    }
-  }
-  return made.length > 1 ? made : [...made, element("p", {}, "Nothing changed there.")];
+function python({ answer, toLine, line, keep }) {
+  const place = element("div", { class: "program" }), view = pythonView(place, answer.lines, toLine);
+  keep(view);
+  requestAnimationFrame(() => view.show(line)); // when it is on the page
+  return place;
 }
 
 function state({ answer }) {

@@ -119,17 +119,17 @@ def _at(chain: Chain, level: int = -1) -> ast.Stmt:
     return block.statements[at]
 
 
-def _text(source: Source, start: int, end: int) -> str:
+def _on_one_line(source: Source, start: int, end: int) -> str:
     return " ".join(source.text[start:end].split())
 
 
 def _written(source: Source, node: Node) -> str:
-    return _text(source, node.span.start, node.span.end)
+    return _on_one_line(source, node.span.start, node.span.end)
 
 
 def _head(source: Source, s: ast.Each | ast.When | ast.Chance) -> str:
     """Returns a statement up to its block."""
-    return _text(source, s.span.start, s.block.span.start)
+    return _on_one_line(source, s.span.start, s.block.span.start)
 
 
 def _adding(chains: list[Chain], source: Source) -> Iterator[Change]:
@@ -205,7 +205,7 @@ def _merged(a: ast.Each, b: ast.Each, source: Source) -> Iterator[Change]:
     if a.domain.where is None:
         return
     ends = [s.domain.span.end if s.domain.where is None else s.domain.where.span.start for s in (a, b)]
-    who, other = (_text(source, s.domain.span.start, end).removesuffix(" where") for s, end in zip((a, b), ends, strict=True))
+    who, other = (_on_one_line(source, s.domain.span.start, end).removesuffix(" where") for s, end in zip((a, b), ends, strict=True))
     if who != other:
         return
     tests = ["" if s.domain.where is None else _written(source, s.domain.where) for s in (a, b)]
@@ -282,10 +282,10 @@ def hinted_changes(d: Diagnostic, game: Composition) -> Iterator[Change]:
             yield from (("write `tick` first in the schedule", _at_place(s.turns[0].span.start, "tick -> ")) for s in schedules)
         case errors.NoEvent():
             line = f"event {d.name}"
-            yield f"write `{line}` in `metrics`", _in_block(ast.Metrics, line, file, source)
+            yield f"write `{line}` in `metrics`", _added_to_block(ast.Metrics, line, file, source)
         case errors.Crossed():
             line = f"require {d.low} <= {d.high}"
-            yield f"write `{line}` in `checks`", _in_block(ast.Checks, line, file, source)
+            yield f"write `{line}` in `checks`", _added_to_block(ast.Checks, line, file, source)
         case errors.NotSentAtStart():
             pass
         case errors.NoStart():
@@ -324,7 +324,7 @@ def _guarded(test: str, span: Span, around: list[Node]) -> Iterator[Change]:
             yield says, ((node.span.start, node.span.start, f"when {test} {{ "), (node.span.end, node.span.end, " }"))
 
 
-def _in_block(kind: type[ast.Metrics | ast.Checks], line: str, file: ast.File, source: Source) -> tuple[Edit, ...]:
+def _added_to_block(kind: type[ast.Metrics | ast.Checks], line: str, file: ast.File, source: Source) -> tuple[Edit, ...]:
     """Returns a line put into the first block of its sort, or into a new one at the end of the game."""
     for section in file.game.sections:
         if isinstance(section, kind):

@@ -117,7 +117,7 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
                 assert isinstance(write.statement, ir.Add) and write.statement.origin is not None
                 declared = declared_field(game, written_field(write.statement.target))
                 span, low, high, reached = write.statement.origin, declared.type.low, declared.type.high, "the sum of several adds"
-                problems.add(errors.FieldRange(span, name=_name(write), declared=declared.name, low=low, high=high, reached=reached))
+                problems.add(errors.FieldRange(span, name=_target_text(write), declared=declared.name, low=low, high=high, reached=reached))
         for i, a in enumerate(writes):
             for b in writes[i + 1 :]:
                 if _same_target(a, b) and not _compatible(a, b, game):
@@ -333,7 +333,7 @@ def _two_sides(a: Write, b: Write) -> bool:
     return isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name != b.owner.name
 
 
-def _name(w: Write) -> str:
+def _target_text(w: Write) -> str:
     if w.sort == "place":
         return "the place"
     return w.target.name if w.owner is None else f"{text(w.owner)}.{w.target.name}"
@@ -347,14 +347,14 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
         who = "an agent" if a.target.name == "agent" else f"a mover `{a.target.name}`"
         problems.add(errors.TwoDestinations(span, labels=labels, phase=phase.label, who=who))
     elif {a.sort, b.sort} == {"set", "add"}:
-        problems.add(errors.AddAndSet(span, labels=labels, name=_name(b), phase=phase.label))
+        problems.add(errors.AddAndSet(span, labels=labels, name=_target_text(b), phase=phase.label))
     else:
         owner, lot = a.target.name if a.target.of == "place" else a.target.of, ""
         if a.is_by_lot and b.is_by_lot:
             lot = "those who draw lots together write the same: let both set the whole row, or both an entry of it"
         elif a.is_by_lot or b.is_by_lot:
             lot = "write `by lot` behind both, and all who would write it draw lots together"
-        problems.add(errors.WriteConflict(span, labels=labels, name=_name(b), owner=owner, phase=phase.label, lot=lot))
+        problems.add(errors.WriteConflict(span, labels=labels, name=_target_text(b), owner=owner, phase=phase.label, lot=lot))
 
 
 def _is_lasting(node: ir.Node) -> bool:

@@ -46,7 +46,7 @@ OVER_DOMAINS = _by_word({
 # What agents and cells are asked for: `agent.x`, `agent.action`.
 _REWARD = "reward is given, not kept: `give 1 to agent`; to remember it, add it to a field of your own, `field earned : reward`"
 _TURNED = "`heading` is where an agent looks: `north`, `east`, `south` or `west`"
-_CHOSE = "an action is asked for with `chose`: `agent chose stay`"
+_CHOSE = "`chose` tests an action: `agent chose stay`"
 _PLACE = "where an agent is are two numbers, `agent.row` and `agent.col`; `agent on KIND` asks what it stands on"
 AGENT_FIELDS = _by_word({
     "reward rewards score return points payoff utility": _REWARD,
@@ -77,8 +77,8 @@ UNITS = _by_word({
 # Values: `give 1 to everyone`, `when time > 9`.
 _ONESELF = "an agent is called as its statement names it: `each agent as me { … }`"
 VALUES = _by_word({
-    "everyone everybody anyone": "`give e to all` reaches all agents; `each agent { … }` speaks of each",
-    "others other neighbour neighbor": "`give e to all but agent` reaches all others; `each agent as b where b is not agent { … }` speaks of each",
+    "everyone everybody anyone": "`give e to all` reaches all agents; `each agent { … }` goes through them",
+    "others other neighbour neighbor": "`give e to all but agent` reaches all others; `each agent as b where b is not agent { … }` goes through them",
     "self me this myself i actor": _ONESELF,
     "reward rewards payoff score points utility": "what is given is a number: `give 1 to agent`, or the name of one that the game declares, `param bonus : reward = 1`",
     "time t timestep now turn round tick": "`step` is how many steps of the episode are finished",
@@ -86,7 +86,7 @@ VALUES = _by_word({
 })  # fmt: skip
 
 # Types of fields: `field happy : bool`.
-_WORDS = "a field of two words is `field {name} : {{ false, true }} = false`, and is asked for with `is true`"
+_WORDS = "a field of two words is `field {name} : {{ false, true }} = false`, and is tested with `is true`"
 _WHOLE = "a field of whole numbers is written with its range: `field {name} : 0 .. 100 = 0`"
 REAL_FIELD = "a field of real numbers is `field {name} : reward = 0`"
 TYPES = _by_word({

@@ -127,7 +127,7 @@ def declared_action(action: ast.Chosen, name: str, scope: Scope) -> ir.ActionWit
 def check_in_step(question: str, span: Span, scope: Scope) -> None:
     """Reports a question about what is done in a step, in a part of the game that speaks of a state."""
     if scope.part in BETWEEN_STEPS:
-        what, wanted = "about what is done in a step", "something about a state"
+        what, wanted = "about what happens in a step", "something about a state"
         raise scope.fail(errors.WrongSort(span, name=question, what=what, wanted=wanted))
 
 
@@ -191,7 +191,7 @@ def fixed_argument(tree: ast.Expr, declared: ir.ActionArgument, action: ast.Chos
         return declared.type.words.index(value.value)
     if isinstance(value, ir.Number):
         return int(value.value - (declared.type.low if declared.type.kind == "int" else 0))
-    raise scope.fail(errors.NotFixed(tree.span, what="an argument that is no new name"))
+    raise scope.fail(errors.NotFixed(tree.span, what="an argument that isn't a new name"))
 
 
 def check_exists(given: tuple[ir.Given, ...], declared: ir.ActionWithArguments, scope: Scope) -> None:

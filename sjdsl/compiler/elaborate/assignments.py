@@ -24,7 +24,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         return target, declaration(field, scope)
     match field:  # how this changes, if not by `set`
         case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (sort,)))):
-            help_ = f"movers change their places by `move each {sort} ahead` and the like, and by `send {sort} to KIND`"
+            help_ = f"movers change their places by `move each {sort} ahead` or another course, and by `send {sort} to KIND`"
         case ir.Attribute(name="row" | "col"):
             help_ = "agents change their places by `move` and by `send agent to KIND`"
         case ir.Attribute(name="heading"):

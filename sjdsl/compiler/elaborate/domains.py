@@ -11,6 +11,7 @@ from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, 
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
+from sjdsl.compiler.ir.queries import at_most
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
@@ -135,17 +136,7 @@ def most_members(d: ir.Domain, scope: Scope) -> int:
             everywhere = sum(static.cells.get(k, 0) for k in d.var.kinds)
         case "world":
             raise AssertionError(d)
-    match d.restriction:
-        case ir.Near():
-            return min(everywhere, sum(map(len, static.shapes[d.restriction.shape].lanes)))
-        case ir.Among():
-            return min(everywhere, len(d.restriction.members))
-        case ir.InAgents() if d.restriction.value.type.kind == "agent":
-            return 1
-        case ir.InCell():
-            return min(everywhere, 1)
-        case _:
-            return everywhere
+    return at_most(d, everywhere, lambda near: static.shapes[near.shape].lanes)
 
 
 def can_be_empty(d: ir.Domain, scope: Scope) -> bool:

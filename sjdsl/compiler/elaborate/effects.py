@@ -151,7 +151,7 @@ def _cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
         d = ast.Path(d.span, d.kind, ())
     cell = scope.expression(d)
     if not kinds_of_cell(cell):
-        raise wrong_type(scope, d, "a kind of cell, or a field that holds a cell,", cell.type)
+        raise wrong_type(scope, d, "a kind of cell, or a field that holds a cell", cell.type)
     return cell
 
 

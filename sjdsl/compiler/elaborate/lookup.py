@@ -153,7 +153,7 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     if Symbol("name", name.text) in static.broken:
         return Poisoned()
     if name.text in scope.withheld:
-        what, wanted = "a variable of the statements around", "the agent that is sent, or something of the world,"
+        what, wanted = "a variable of the statements around", "the agent that is sent, or something of the world"
         return scope.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]))
     if static.kinds_of(name.text) or name.text == "agent" or name.text in static.movers:
         what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"

@@ -22,7 +22,7 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe, integer, is_number
 
-REQUIRES = "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; `always` speaks of every state of play"
+REQUIRES = "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; `always` covers every state of play"
 
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:

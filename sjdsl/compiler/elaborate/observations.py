@@ -130,7 +130,7 @@ def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Com
     for kind in whole:
         for label in seen["cell", kind, ""].labels:
             if label.name in detailed:
-                given = f"a kind whose cells do not all look alike: its `{detailed[label.name]}` is seen"
+                given = f"a kind whose cells look different: its `{detailed[label.name]}` is seen"
                 help_ = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
                 scope.problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help_))
 
@@ -345,7 +345,7 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.
         if found.numbered:
             type_ = words(("nobody", *map(str, range(scope.static.num_agents))))
         else:
-            labels = _whose(found.key, field)
+            labels = _agent_labels(found.key, field)
     elif found.numbered:
         wanted = "a field that holds an agent before `.index`"
         raise scope.fail(errors.WrongType(show.what.span, wanted=wanted, given="another field"))
@@ -361,7 +361,7 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.
     return observable.model_copy(update={"shown_when": condition})
 
 
-def _whose(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
+def _agent_labels(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     """Returns how an agent that a field holds is seen: as nobody, the observer itself, or another agent."""
     what, kind, name = key
     called = kind or next((n for n, w in OWNERS.items() if w == what), "")

@@ -296,7 +296,7 @@ class Case(Expression):
 
 
 class Lowest(Expression):
-    """First (`last`: last) word of the row with a positive entry; the first word of all if there is none."""
+    """`lowest(row)`, or with `last` `highest(row)`: the first (last) word with a positive entry; if there is none, the first (last) word of all."""
 
     type: Type
     row: Expr

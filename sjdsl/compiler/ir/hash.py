@@ -5,7 +5,7 @@ What is hashed is JSON: a node of the IR is a list, its tag and then what the ru
     set soil.fruit = ripe   ->   ["set", {"target": ["read", {"name": "fruit", "owner": …}], "value": ["word", {"value": "ripe"}]}]
 
 Tags and names stand in `HASHED`, so that classes and fields of the IR can be renamed: then the left side of a line changes, or `name=field`
-says what the field is called now, `name=field.part` which part of it is said. Types that are inferred, their intervals among them, are not hashed. Of an optional field only what is
+says what the field is called now, and `name=field.part` that only this part of it is hashed. Types that are inferred, their intervals among them, are not hashed. Of an optional field only what is
 not its default is: a new one leaves the hashes of games without it as they are.
 """
 
@@ -172,13 +172,14 @@ def _hashable(value: object) -> Any:
 
 @cache
 def _hashed_form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, str, object], ...]]:
-    """Returns the tag of a class, and what is said of it: by which name, the field, and the default that need not be said."""
+    """Returns the tag of a class, and for each hashed field its name in the hash, where to find it, and the default that is left out."""
     tag, *names = HASHED[kind].split()
     pairs = [(name.partition("=")[0], name.rpartition("=")[2]) for name in names]
     return tag, tuple((name, field, _default(kind, field)) for name, field in pairs)
 
 
 def _default(kind: type[ir.Node | ir.Type], field: str) -> object:
+    """Returns the default of a field; () for `part.names`, as no names are hashed."""
     name, _, part = field.partition(".")
     return () if part == "names" else kind.model_fields[name].default
 

@@ -55,25 +55,11 @@ class Fact(Record, eq=False):
 
     @cached_property
     def subject(self) -> Form | None:
-        return None if self._said.subject is None else form(self._said.subject, self.names)
+        return None if self.claim.subject is None else form(self.claim.subject, self.names)
 
     @cached_property
-    def _said(self) -> "Said":
-        return _said(self.condition)
-
-    @property
-    def interval(self) -> Interval | None:
-        """What a comparison with a number leaves to the subject."""
-        return self._said.interval
-
-    @property
-    def reach(self) -> Interval | None:
-        """What a comparison with something else leaves to the subject, by the type of that."""
-        return self._said.reach
-
-    @property
-    def words(self) -> frozenset[str] | None:
-        return self._said.words
+    def claim(self) -> "Claim":
+        return _claim(self.condition)
 
 
 def facts(condition: ir.Expr, holds: bool = True) -> tuple[Fact, ...]:
@@ -133,13 +119,14 @@ def contradict(a: Fact, b: Fact) -> bool:
             return not set(here.kinds) & set(there.kinds)
         case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
             return set(here.kinds) <= set(there.kinds)
-    if a.interval is not None and b.interval is not None:
-        return a.interval[1] < b.interval[0] or b.interval[1] < a.interval[0]
-    return a.words is not None and b.words is not None and not a.words & b.words
+    mine, theirs = a.claim, b.claim
+    if mine.interval is not None and theirs.interval is not None:
+        return mine.interval[1] < theirs.interval[0] or theirs.interval[1] < mine.interval[0]
+    return mine.words is not None and theirs.words is not None and not mine.words & theirs.words
 
 
-class Said(NamedTuple):
-    """What a condition says, and of which expression; see `Fact`."""
+class Claim(NamedTuple):
+    """What a condition says of one expression. interval: by a comparison with a number; reach: by one with something else, from its type."""
 
     subject: ir.Expr | None = None
     interval: Interval | None = None
@@ -147,24 +134,24 @@ class Said(NamedTuple):
     words: frozenset[str] | None = None
 
 
-def _said(condition: ir.Expr) -> Said:
+def _claim(condition: ir.Expr) -> Claim:
     match condition:
         case ir.Chose(agent=agent) | ir.ChoseWith(agent=agent) | ir.StandsOn(agent=agent) | ir.Not(value=ir.StandsOn(agent=agent)):
-            return Said(agent)
+            return Claim(agent)
         case ir.Not(value=inner):
             words, subject = _words_named(inner)
-            return Said() if subject is None else Said(subject, words=frozenset(subject.type.words) - words)
+            return Claim() if subject is None else Claim(subject, words=frozenset(subject.type.words) - words)
         case ir.InRange(value=subject, low=ir.Number(value=low), high=ir.Number(value=high)):
-            return Said(subject, (low, high))
+            return Claim(subject, (low, high))
         case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
-            return Said(subject, limits_of(fn, subject, (value, value)))
+            return Claim(subject, limits_of(fn, subject, (value, value)))
         case ir.Compare(fn=fn, left=ir.Number(value=value), right=subject):
-            return Said(subject, limits_of(COMPARISONS[fn].mirror, subject, (value, value)))
+            return Claim(subject, limits_of(COMPARISONS[fn].mirror, subject, (value, value)))
         case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if right.type.kind == "int":
-            return Said(subject, reach=limits_of(fn, subject, (right.type.low, right.type.high)))
+            return Claim(subject, reach=limits_of(fn, subject, (right.type.low, right.type.high)))
         case _:
             words, subject = _words_named(condition)
-            return Said(subject, words=words)
+            return Claim(subject, words=words)
 
 
 def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
@@ -204,8 +191,8 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
         return e
     subject, left = form(e), frozenset(e.type.words)
     for f in known:
-        if f.words is not None and f.subject == subject:
-            left &= f.words
+        if f.claim.words is not None and f.subject == subject:
+            left &= f.claim.words
     if not left or left == frozenset(e.type.words):
         return e
     words = tuple(w for w in e.type.words if w in left)
@@ -225,7 +212,7 @@ def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     subject = form(e)
     for f in known:
         if f.subject == subject:
-            for bounds in (f.interval, f.reach):
+            for bounds in (f.claim.interval, f.claim.reach):
                 if bounds is not None:
                     low, high = max(low, bounds[0]), min(high, bounds[1])
     if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:

@@ -3,6 +3,8 @@
 They say what a game declares and where, never what its rules mean: the interpreter may ask them and stays an oracle.
 """
 
+from collections.abc import Callable
+
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.expressions import Among, At, Domain, Expr, FieldRead, InAgents, InCell, Member, Near, Shape
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
@@ -11,6 +13,7 @@ from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.compiler.ir.statements import Remove, Send
 
 Start = int | float | str | None
+Lanes = tuple[tuple[tuple[int, int], ...], ...]
 
 
 def contains(node: Node, *sorts: type[Node]) -> bool:
@@ -157,9 +160,14 @@ def most_members(domain: Domain, game: Game) -> int:
             raise AssertionError(domain)
     if domain.on is not None:
         everybody = min(everybody, num_cells(game, domain.on.kinds))
+    return at_most(domain, everybody, lambda near: lanes_of(near, game))
+
+
+def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> int:
+    """Returns the most members that a restriction leaves of everybody; `lanes`: those of a shape."""
     match domain.restriction:
         case Near():
-            return min(everybody, sum(map(len, lanes_of(domain.restriction, game))))
+            return min(everybody, sum(map(len, lanes(domain.restriction))))
         case Among():
             return min(everybody, len(domain.restriction.members))
         case InAgents() if domain.restriction.value.type.kind != "agents":
@@ -176,6 +184,6 @@ def num_cells(game: Game, kinds: tuple[str, ...]) -> int:
     return sum(row.count(glyph) for row in game.rows for glyph in glyphs)
 
 
-def lanes_of(near: Near, game: Game) -> tuple[tuple[tuple[int, int], ...], ...]:
+def lanes_of(near: Near, game: Game) -> Lanes:
     """Returns the lanes of the shape in which members are looked for; policies have shapes of their own."""
     return next(shape.lanes for shape in (*game.shapes, *game.policy_shapes) if shape.name == near.shape)

@@ -35,11 +35,11 @@ def range_of(e: ir.Expr) -> Range:
         case ir.Sum():
             return _sum(range_of(e.value), 0, _most(e))
         case ir.ShiftRow():
-            return _one_of((range_of(e.row), range_of(e.filler)), e.type)
+            return _union((range_of(e.row), range_of(e.filler)), e.type)
         case ir.Extreme():
-            return _one_of([range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type)
+            return _union([range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type)
         case ir.Case():
-            return _one_of([range_of(arm.value) for arm in e.arms], e.type)
+            return _union([range_of(arm.value) for arm in e.arms], e.type)
         case _ if isinstance(e, _GIVEN):
             return given(e.type)
         case _:
@@ -56,7 +56,7 @@ def apart(a: ir.Expr, b: ir.Expr) -> bool:
     return disjoint(range_of(a), range_of(b))
 
 
-def _one_of(parts: Iterable[Range], type_: ir.Type) -> Range:
+def _union(parts: Iterable[Range], type_: ir.Type) -> Range:
     """Returns the range of a number that is one of several, all made reals if one is."""
     parts = [part if type_.kind == "int" else real(part) for part in parts]
     return reduce(lambda a, b: _exact(min(a.low, b.low), max(a.high, b.high), (a, b)), parts)

@@ -114,11 +114,11 @@ def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
         ("ROLE", role_attribute(game), "attribute of State that holds the agents' roles"),
         ("EVENTS", events(game), "counts of a step: name, attribute of Outcome, entry of its last axis"),
     )
-    fields = array.Sequence(tuple(map(_described, described_fields(game))))
+    fields = array.Sequence(tuple(map(_state_field_call, described_fields(game))))
     return (*(Fact(n, array.constant(value), c) for n, value, c in facts), Fact("FIELDS", fields, "variables of the game, in State"))
 
 
-def _described(field: StateField) -> array.Expression:
+def _state_field_call(field: StateField) -> array.Expression:
     given = {f.name: getattr(field, f.name) for f in dataclasses.fields(field) if getattr(field, f.name) != f.default}
     return array.call("StateField", **{name: array.constant(value) for name, value in given.items()})
 

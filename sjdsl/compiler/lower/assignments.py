@@ -238,7 +238,7 @@ def _entries(before: Value, mask: Value, key: Value | None, target: Target, valu
         new = select(mask, value, taken(before, key.node, before.levels - 1))
         keys = (*[array.ALL] * len(before.axes), key.node)
         return replace(before, node=array.Update(before.node, keys, "set", new.node))
-    hit = _is_word(key, before.axes, target, w)
+    hit = _entries_of_word(key, before.axes, target, w)
     if mask != TRUE:
         hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
     if before.levels > 1:  # of large sets
@@ -247,7 +247,7 @@ def _entries(before: Value, mask: Value, key: Value | None, target: Target, valu
     return replace(before, node=array.Where(hit, _for_each_word(value, before.axes), before.node))
 
 
-def _is_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> array.Expression:
+def _entries_of_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> array.Expression:
     """Returns which entries of the rows are those of a word that is computed."""
     words: array.Expression = array.Arange(w.module.num_entries(target.read.type.by[0]), key.dtype)
     words = array.Index(words, (*[array.NEW_AXIS] * len(axes), array.ALL)) if axes else words
@@ -310,7 +310,7 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     if key is not None:
         axes = union(masked.axes, key.axes)  # a row that has the value at the key's word and 0 elsewhere
         zero = array.scalar(literal(0, masked.dtype).node, masked.dtype)
-        row = array.Where(_is_word(key, axes, target, w), _for_each_word(masked, axes), zero)
+        row = array.Where(_entries_of_word(key, axes, target, w), _for_each_word(masked, axes), zero)
         masked = Value(row, masked.dtype, axes, 1)
     if own is not None:
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))

@@ -178,7 +178,7 @@ def shape_name(shape: str) -> str:
 
 
 def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
-    """Returns the cells of a shape around an agent or a cell."""
+    """Returns the cells of a shape around an agent or a cell, such as a beam's, up to what blocks it."""
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
     offsets = w.module.layout.offsets_table(shape)

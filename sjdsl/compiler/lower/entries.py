@@ -98,14 +98,18 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
 
 
 def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: Writer, declared: ir.VarField | None = None) -> Value:
-    """Returns a word numbered in another set. `declared`: the field it is to be a value of, after which a literal is named."""
+    """Returns a word of the set `given`, renumbered for the set `wanted`; ABSENT where that lacks it.
+
+    Args:
+      declared: the field that the word will be a value of; names the constant of a literal.
+    """
     if given == wanted and not (value.literal and declared):
         return value
     if value.literal:
         word = given[int(value.number)]
         return w.module.word(word, wanted, declared) if word in wanted else literal(ABSENT, "u8")
     numbers = [wanted.index(x) if x in wanted else ABSENT for x in given]
-    shift = numbers[-1] - (len(numbers) - 1)
+    shift = numbers[-1] - (len(numbers) - 1)  # uint8 wraps around, so a shift may also lead to ABSENT
     if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
         return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
     if len(numbers) > 4 and numbers[1:] == [(shift + i) % 256 for i in range(1, len(numbers))]:  # all but the first

@@ -213,6 +213,7 @@ def _labelled(observable: ir.Observable, numbers: dict[str, int], place: Iterati
     """Returns the number of the first label whose condition holds, else that of the last."""
     number = {label.name: literal(numbers[label.name], "u8") for label in observable.labels}
     shown = [(label.condition, number[label.name]) for label in observable.labels]
+    # Emitted last to first, the order in which the selects nest; `first_of` wants them in the order of the labels.
     arms = [(_asked(condition, place, w), value) for condition, value in reversed(shown) if condition is not None]
     return first_of(arms[::-1], number[observable.labels[-1].name], w)
 

@@ -97,7 +97,7 @@ class FileOutside(AboutName, code="SJ112", title="A path that leaves the folder"
 
 
 class WrongSort(NotKnown, code="SJ113", title="A name of another sort"):
-    says = "`{name}` is {what}, but {wanted} is wanted here"
+    says = "`{name}` is {what}; expected {wanted}"
     what: str
     wanted: str
 
@@ -145,7 +145,7 @@ class UndoneByVariant(AboutName, code="SJ121", title="A change that a variant un
 
 
 class NoPaint(AboutName, code="SJ120", title="No such sprite or colour"):
-    says = "`{name}` is no sprite and no colour"
+    says = "`{name}` is neither a sprite nor a colour"
     hints = (
         'did you mean `{nearest}`? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
         'the sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',

@@ -112,7 +112,7 @@ class Unused(AboutName, code="SJ505", title="Never used", severity="warning"):
 
 
 class IdleAction(AboutName, code="SJ506", title="An action without effect", severity="warning"):
-    says = "no rule looks at the action `{name}`: to choose it is to stay"
+    says = "no rule reads the action `{name}`, so choosing it is the same as `stay`"
     hints = ("ask for it where it matters, `each agent where agent chose {name}`, or take it out of `acts`",)
 
 

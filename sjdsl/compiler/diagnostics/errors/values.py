@@ -26,7 +26,7 @@ class ProbabilityRange(Diagnostic, code="SJ202", title="Not a probability"):
 
 class TableGap(Diagnostic, code="SJ203", title="A table with a gap or an overlap"):
     says = "no set of words has just these words"
-    hints = ("every case exactly once",)
+    hints = ("list every case exactly once",)
 
 
 class TableLacks(TableGap):
@@ -169,14 +169,14 @@ class RequireFalse(Diagnostic, code="SJ212", title="A requirement that does not 
     problem: str
 
 
-class WrongType(Diagnostic, code="SJ213", title="Something else is wanted here"):
-    says = "{wanted} is wanted here, and this is {given}"
+class WrongType(Diagnostic, code="SJ213", title="Wrong type"):
+    says = "expected {wanted}, found {given}"
     wanted: str
     given: str
 
 
 class Negative(AboutName, code="SJ214", title="A number outside its limits"):
-    says = "{name} is negative, outside 0 .. any"
+    says = "{name} can be negative"
 
 
 class OutOfLimits(Negative):
@@ -188,7 +188,7 @@ class OutOfLimits(Negative):
 
 
 class RoundsTooFar(Negative):
-    says = "{name} is taken of a number that can be beyond -{limit} .. {limit}"
+    says = "{name} gets a number that can leave -{limit} .. {limit}"
     hints = ("give its parameters limits, `in a .. b`, or keep it between two numbers: `round(min(max(x, 0), 100))`",)
     limit: int
 
@@ -209,8 +209,8 @@ class NotFixed(Diagnostic, code="SJ216", title="Not known when compiled"):
 class ExtremeOfNothing(AboutName, code="SJ217", title="The largest of none"):
     """`domain`: as it is written."""
 
-    says = "`{domain}` can have no member here, and then `{name}` has no value"
-    hints = ("say what it is then: `{name}(… over {domain} otherwise 0)`; or guard it with `count({domain}) > 0`",)
+    says = "`{domain}` can be empty here, and then `{name}` has no value"
+    hints = ("give its value for that case: `{name}(… over {domain} otherwise 0)`; or guard it with `count({domain}) > 0`",)
     domain: str
 
 
@@ -244,7 +244,7 @@ class TalliedBeyondInt32(AddedBeyondInt32):
 class NotChosen(Diagnostic, code="SJ219", title="An argument of an action that was not chosen"):
     """`path`: as it is written, `agent.offer.apples`."""
 
-    says = "`{agent}` may not have chosen `{action}` here, and then there is no `{path}`"
+    says = "`{path}` exists only if `{agent}` chose `{action}`, which isn't certain here"
     hints = ("guard it with `{agent} chose {action}`",)
     agent: str
     action: str

@@ -37,7 +37,7 @@ def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token],
         word = str(tokens[repair.place])
         other = NAMES.get(word, f"{word}_")  # a name that the file does not have yet
         other = other if other not in tokens else next(name for number in count(2) if (name := f"{other}_{number}") not in tokens)
-        return errors.ReservedWord(_here(trouble, tokens, source), word=word, other=other)
+        return errors.ReservedWord(_refused_span(trouble, tokens, source), word=word, other=other)
     closing = repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert")
     if repair is not None and closing and (trouble.unmatched or _is_outdented(trouble, tokens, source)):
         return _open_block(trouble, repair, tokens, source)
@@ -48,7 +48,7 @@ def token_span(token: Token, source: Source) -> Span:
     return Span(source.name, token.start_pos or 0, token.end_pos or 0, token.line or 1, token.column or 1)
 
 
-def _here(trouble: Trouble, tokens: Sequence[Token], source: Source) -> Span:
+def _refused_span(trouble: Trouble, tokens: Sequence[Token], source: Source) -> Span:
     """The span of the refused token; at the end of the file, the place behind the last token."""
     if trouble.at < len(tokens):
         return token_span(tokens[trouble.at], source)
@@ -74,7 +74,7 @@ def _open_block(trouble: Trouble, repair: Repair, tokens: Sequence[Token], sourc
     elif closer is not None:
         labels = (Label(token_span(tokens[closer], source), "this `}` seems to close a block around it"),)
     elif trouble.at < len(tokens):
-        labels = (Label(_here(trouble, tokens, source), f"`{tokens[trouble.at]}` cannot stand inside it"),)
+        labels = (Label(_refused_span(trouble, tokens, source), f"`{tokens[trouble.at]}` cannot stand inside it"),)
         fix = Fix(_behind(tokens[trouble.at - 1], source), " }" * repair.times)
     else:
         fix = Fix(_behind(tokens[-1], source), "\n}" * repair.times)
@@ -141,7 +141,7 @@ def _begins_line(token: Token, source: Source) -> bool:
 
 
 def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> Diagnostic:
-    here = _here(trouble, tokens, source)
+    here = _refused_span(trouble, tokens, source)
     kinds = accepted(trouble.automaton, trouble.stack)
     expected, fix = expected_text(trouble, kinds), None
     labels: tuple[Label, ...] = ()
