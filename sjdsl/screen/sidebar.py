@@ -44,7 +44,9 @@ def legend(looks: ScreenLooks, own: int | None) -> Text:
     for (kind, state), (ground, _) in looks.tiles.items():
         lines.append(Text().append(f"{looks.letters.characters[kind, state]} ", inked(ground)).append(f" {', '.join((kind, *state))}"))
     for label, colour in looks.marks.items():
-        lines.append(Text().append("  ", Style(bgcolor=hexadecimal(colour))).append(f" cells that `{mark_text(looks.look, label)}` reaches"))
+        lines.append(
+            Text().append("  ", Style(bgcolor=hexadecimal(colour))).append(f" cells that `{mark_text(looks.look, label)}` reaches")
+        )
     lines.append(Text("▲0").append(" an agent that faces up; pale: can only stay"))
     if own is not None:
         lines.append(Text().append(f"▲{letter_of(own)}", inked(OWN) + Style(bold=True)).append(" the agent you steer"))
