@@ -64,10 +64,10 @@ game lb_foraging "Level-Based Foraging" {
   phase finish { when count(floor where floor.food > 0) == 0 { end } }
 
   look agent where agent.level == 2 with yellow apple
-  look agent where agent.level > 2 with red apple
-  look floor where floor.food == 1 as green tree
-  look floor where floor.food == 2 as green tree with yellow apple
-  look floor where floor.food > 2  as green tree with red apple
+  look agent where agent.level > 2  with red apple
+  look floor where floor.food == 1  as green tree
+  look floor where floor.food == 2  as green tree with yellow apple
+  look floor where floor.food > 2   as green tree with red apple
 
   observe {
     window ahead 4, behind 4, left 4, right 4  # ours: as far to each side
