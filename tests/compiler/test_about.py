@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.compiler import build, ir
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
@@ -43,6 +44,11 @@ def test_texts_are_joined_replaced_and_taken_away(about: str, variants: tuple[st
 
 def test_it_is_no_rule() -> None:
     assert game_hash(built('about paradigm "none"')) == game_hash(built('cite "somebody"'))
+
+
+def test_each_name_once() -> None:
+    with pytest.raises(CompileError, match="SJ115"):
+        built('about paradigm "none" about paradigm "commons"')
 
 
 def test_an_extending_game_inherits(tmp_path: Path) -> None:
