@@ -32,19 +32,27 @@ PLACES = {"place": PLACE, "heading": HEADING, "moved": MOVED, "away": AWAY}
 LARGEST = "3.4e38"  # of float32: (2 - 2^-23) * 2^127
 
 
-def describe_counterexample(family: GameFamily, counterexample: Counterexample) -> list[str]:
-    """Returns the text of a whole counterexample: the map with its legend, and each step, rule by rule, with the map after it."""
-    trajectory, at = counterexample.trajectory, counterexample.where.at
-    teller = make_teller(board_of(trajectory.game), Rules(family.composition.sources))
-    rows = draw(teller.looks, teller.board, trajectory.worlds[0])
-    here = "".join((*trajectory.game.rows, *(row.split("  ")[0] for row in rows)))
-    lines = [opening(family, counterexample.scenario), "    ".join(said for said in teller.looks.legend() if said[0] in here)]
-    lines += [f"    {row}" for row in rows]
+def describe_counterexample(family: GameFamily, counterexample: Counterexample, brief: bool = False) -> list[str]:
+    """Returns the text of a counterexample: the map with its legend, and each step, rule by rule, with the map after it.
+
+    brief: of one that is too long, or whose map is too large, the actions, and the last step.
+    """
+    trajectory, scenario, at = counterexample.trajectory, counterexample.scenario, counterexample.where.at
+    game, lines, last = trajectory.game, [opening(family, scenario)], max(0, at - 1)
     leaves = trajectory.left is not None and at == len(trajectory.worlds)
-    for t in range(at - 1 if leaves else max(1, at)):
-        draws = draws_of(counterexample.scenario, t)
-        moment = take_step(trajectory.game, trajectory.worlds[t], trajectory.actions[t], trajectory.params, draws)
-        lines += [line for line in moment_lines(moment, teller) if line]
+
+    def moment(t: int) -> Moment:
+        return take_step(game, trajectory.worlds[t], trajectory.actions[t], trajectory.params, draws_of(scenario, t))
+
+    if brief:
+        lines += [f"step {t}: {_acting(game, trajectory.actions[t])}" for t in range(last)]
+        lines += [] if leaves else _step(family, game, trajectory.worlds[last], moment(last), game.checks[counterexample.number])
+    else:
+        teller = make_teller(board_of(game), Rules(family.composition.sources))
+        rows = draw(teller.looks, teller.board, trajectory.worlds[0])
+        here = "".join((*game.rows, *(row.split("  ")[0] for row in rows)))
+        lines += ["    ".join(said for said in teller.looks.legend() if said[0] in here), *(f"    {row}" for row in rows)]
+        lines += [line for t in range(last if leaves else last + 1) for line in moment_lines(moment(t), teller) if line]
     return lines + (describe_overflow(family, trajectory) if leaves else said_of_values(family, counterexample))
 
 
@@ -139,21 +147,6 @@ def describe_episode(
     for e, before, after in zip(check.values, values[where.at - 1], values[where.at], strict=True):
         lines.append(f"{family.text_of(e)}: {shown(before)} {when(where.at - 1)}, {shown(after)} {when(where.at)}")
     return lines
-
-
-def describe_briefly(family: GameFamily, counterexample: Counterexample) -> list[str]:
-    """Returns the text of a counterexample that is too long, or whose map is too large, to be told in full: actions, and the last step."""
-    trajectory, scenario, at = counterexample.trajectory, counterexample.scenario, counterexample.where.at
-    game, lines = trajectory.game, [opening(family, scenario)]
-    if trajectory.left is not None and at == len(trajectory.worlds):
-        before = [f"step {t}: {_acting(game, trajectory.actions[t])}" for t in range(max(0, at - 1))]
-        return [*lines, *before, *describe_overflow(family, trajectory)]
-    last = max(0, at - 1)
-    lines += [f"step {t}: {_acting(game, trajectory.actions[t])}" for t in range(last)]
-    world = trajectory.worlds[last]
-    moment = take_step(game, world, trajectory.actions[last], trajectory.params, draws_of(scenario, last))
-    check = game.checks[counterexample.number]
-    return [*lines, *_step(family, game, world, moment, check), *said_of_values(family, counterexample)]
 
 
 def names_of(family: GameFamily, policies: Sequence[ir.Policy]) -> str:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 
 from sjdsl.compiler import ir
-from sjdsl.properties.counterexample import LARGEST, describe_asymmetry, describe_briefly, describe_counterexample, describe_overflow
+from sjdsl.properties.counterexample import LARGEST, describe_asymmetry, describe_counterexample, describe_overflow
 from sjdsl.properties.instances import GameFamily, Sizes
 from sjdsl.properties.monitors import STATES, Violation, find_violation
 from sjdsl.properties.random_starts import SMALL
@@ -215,7 +215,7 @@ class PlayedVerdicts:
         """Returns a counterexample in words: each step in full, or of a long one, or one on a large map, only the last."""
         rows = counterexample.scenario.rows
         brief = len(rows) * len(rows[0]) > SMALL or counterexample.where.at > LONG
-        return (describe_briefly if brief else describe_counterexample)(self.family, counterexample)
+        return describe_counterexample(self.family, counterexample, brief)
 
     def _verdict(self, counterexample: Counterexample) -> Verdict:
         check = self.family.own.checks[counterexample.number]

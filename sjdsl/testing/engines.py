@@ -11,7 +11,7 @@ import numpy as np
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.observe import observe
-from sjdsl.interpreter.state import World
+from sjdsl.interpreter.state import Outcome, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Recorded, Threefry
 from sjdsl.runtime.env import Environment
@@ -74,7 +74,7 @@ def interpreter_params(env: Environment, params: Any) -> dict[str, Any]:
 
 @dataclass
 class Stepped:
-    """What a step came to, as plain numbers: those of the compiled step where both engines took it; seen: observation, allowed actions."""
+    """What a step came to, as plain numbers; seen: observation, allowed actions."""
 
     state: Any
     world: World
@@ -97,16 +97,7 @@ def take_step(compiled: Compiled, state: Any, world: World, actions: Sequence[in
         raise AssertionError(f"a draw of seed {seed} falls on a computed chance, which rounding may decide either way: take another seed")
     if differences:
         raise AssertionError("the compiled step and the interpreter differ:\n  " + "\n  ".join(differences))
-    return Stepped(
-        state,
-        world,
-        (np.asarray(seen[0]), np.asarray(seen[1])),
-        reward=np.asarray(reward).tolist(),
-        events={name: np.asarray(value).tolist() for name, value in info["events"].items()},
-        metrics={name: float(value) for name, value in info["metrics"].items()},
-        terminated=bool(info["terminated"]),
-        truncated=bool(info["truncated"]),
-    )
+    return _stepped(env, state, world, (np.asarray(seen[0]), np.asarray(seen[1])), outcome)
 
 
 def look_at(compiled: Compiled, state: Any, world: World, params: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -121,14 +112,18 @@ def look_at(compiled: Compiled, state: Any, world: World, params: Any) -> tuple[
 def interpret_step(env: Environment, world: World, actions: Sequence[int], numbers: Numbers, seed: int) -> Stepped:
     """Takes a step on the interpreter alone, with the draws that `take_step` would have; there is no compiled state."""
     world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_words(seed)))
+    return _stepped(env, None, world, interpret_look(env, world), outcome)
+
+
+def _stepped(env: Environment, state: Any, world: World, seen: tuple[np.ndarray, np.ndarray], outcome: Outcome) -> Stepped:
     events: dict[str, Any] = {}
     for event in env.game.events:
         counts = np.asarray(outcome.events[event.name])
         events |= {n: (counts if word is None else counts[..., i]).tolist() for i, (word, n) in enumerate(counts_of(event))}
     return Stepped(
-        None,
+        state,
         world,
-        interpret_look(env, world),
+        seen,
         reward=[float(reward) for reward in outcome.reward],
         events=events,
         metrics={name: float(np.float32(value)) for name, value in outcome.measures.items()},

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from lark import Lark
+from lark import Lark, Token
 
 import sjdsl.grammar
 from sjdsl.compiler import ir
@@ -34,14 +34,18 @@ class Grammar:
 
     def read(self, program: Program) -> None:
         """Adds what a program uses."""
-        for name, text in {"": program.text, **program.files}.items():
-            if name.endswith(".txt"):
-                continue
-            reader, (tokens, _) = self.parser.parse_interactive(""), read_tree(Source(name or "program.sj", text))
-            for token in tokens:
-                reader.feed_token(token)
-            reader.feed_eof(tokens[-1])
-            self.used.update(f"{t.type} {t}" for t in tokens if t.type in SIGNS)
+        for name, text in {"program.sj": program.text, **program.files}.items():
+            if not name.endswith(".txt"):
+                self.read_text(Source(name, text))
+
+    def read_text(self, source: Source) -> list[Token]:
+        """Adds what a text uses, and returns its tokens."""
+        reader, (tokens, _) = self.parser.parse_interactive(""), read_tree(source)
+        for token in tokens:
+            reader.feed_token(token)
+        reader.feed_eof(tokens[-1])
+        self.used.update(f"{t.type} {t}" for t in tokens if t.type in SIGNS)
+        return tokens
 
     def missing(self) -> list[str]:
         return [a for a in self.alternatives if not self.used[a]]

@@ -1,13 +1,11 @@
 """The manual leaves nothing out: grammar, functions, codes, limits and words are compared with the compiler's own lists."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
-from importlib import resources
 from typing import get_args
 
 import pytest
-from lark import Lark, Token
 
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics import limits
@@ -17,10 +15,11 @@ from sjdsl.compiler.elaborate import declarations, lookup, observations, shapes
 from sjdsl.compiler.elaborate.constants import UNITS
 from sjdsl.compiler.ir import types
 from sjdsl.compiler.ir.operations import FUNCTIONS
-from sjdsl.compiler.syntax.parse import read_tree
+from sjdsl.compiler.syntax.parse import parser
 from sjdsl.compiler.syntax.soft_words import SOFT
 from sjdsl.interpreter.state import Facing
 from sjdsl.runtime import actions
+from tests.fuzz.coverage import Grammar
 
 from .blocks import MANUAL, examples
 
@@ -46,52 +45,29 @@ def text() -> str:
 
 
 @cache
-def recording_parser() -> tuple[Lark, set[tuple[str, str]]]:
-    """Returns a parser and the set it fills: (rule, symbol) for each symbol of each rule that a text has used."""
-    grammar = resources.files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
-    parser = Lark(grammar, parser="lalr", lexer="basic", strict=True)
-    callbacks, used = parser.parser.parser.parser.callbacks, set()
-    for rule, build_node in list(callbacks.items()):
-        callbacks[rule] = _recording(rule, build_node, used)
-    return parser, used
+def executed() -> tuple[Grammar, frozenset[str]]:
+    """Returns what the executed examples use of the grammar, and the texts of all their tokens."""
+    grammar, found = Grammar(), set()
+    for example in (*EXECUTED, *(e for e in examples(MANUAL) if "frame" in e.block.info)):
+        found |= {str(token) for token in grammar.read_text(Source("example.sj", example.source))}
+    return grammar, frozenset(found)
 
 
-def _recording(rule, build_node, used):
-    def record(children):
-        used.update(_symbols(rule))
-        return build_node(children)
-
-    return record
-
-
-def _symbols(rule) -> set[tuple[str, str]]:
-    return {(str(rule.origin.name), symbol.name) for symbol in rule.expansion}
-
-
-@cache
-def tokens() -> frozenset[str]:
-    """Returns the texts of all tokens of the executed examples; parsing them fills the recording parser's set."""
-    parser, _ = recording_parser()
-    found: set[str] = set()
-    for source in [e.source for e in EXECUTED] + [e.source for e in examples(MANUAL) if "frame" in e.block.info]:
-        reader, (read, _) = parser.parse_interactive(""), read_tree(Source("example.sj", source))
-        for token in read:
-            reader.feed_token(token)
-        reader.feed_eof(read[-1])
-        found |= {str(token) for token in read}
-    return frozenset(found)
+def parts(alternatives: Iterable[str]) -> set[tuple[str, str]]:
+    """Returns each symbol of some alternatives of the grammar, with its rule."""
+    rules = [alternative.partition(": ") for alternative in alternatives]
+    return {(rule, symbol) for rule, _, symbols in rules for symbol in symbols.split()}
 
 
 def test_every_part_of_every_grammar_rule_is_in_an_executed_example():
-    tokens()
-    parser, used = recording_parser()
-    wanted = {pair for rule in parser.parser.parser.parser.callbacks for pair in _symbols(rule)}
-    assert sorted(wanted - used) == [("start", "DEC")], "`sj 1.1`, which nobody is to write"
+    grammar, _ = executed()
+    assert sorted(parts(grammar.alternatives) - parts(grammar.used)) == [("start", "DEC")], "`sj 1.1`, which nobody is to write"
 
 
 def test_every_keyword_and_sign_is_in_an_executed_example():
-    wanted = {word for t in recording_parser()[0].terminals for word in _literals(t.pattern)}
-    assert sorted(wanted - tokens()) == []
+    _, tokens = executed()
+    wanted = {word for t in parser().terminals for word in _literals(t.pattern)}
+    assert sorted(wanted - tokens) == []
 
 
 def _literals(pattern) -> Iterator[str]:
@@ -103,7 +79,7 @@ def _literals(pattern) -> Iterator[str]:
 
 @pytest.mark.parametrize("sort", WORDS_OF_RULES)
 def test_every_name_with_a_meaning_is_in_an_executed_example(sort):
-    assert sorted(set(WORDS_OF_RULES[sort]) - tokens()) == []
+    assert sorted(set(WORDS_OF_RULES[sort]) - executed()[1]) == []
 
 
 def test_every_kind_of_typed_rule_is_in_an_executed_example(folder):
@@ -128,7 +104,7 @@ def table(heading: str) -> list[list[str]]:
 
 
 def test_the_reserved_words_are_those_of_the_grammar():
-    words = {t.name: t.pattern.value for t in recording_parser()[0].terminals if t.pattern.value.isalpha()}
+    words = {t.name: t.pattern.value for t in parser().terminals if t.pattern.value.isalpha()}
     taken, soft = section("24. Words that are taken").split("cannot be names:")[1].split("These mean")[0].split("These came later")
     assert sorted(re.findall(r"`(\w+)`", taken)) == sorted(word for kind, word in words.items() if kind not in SOFT)
     assert sorted(re.findall(r"`(\w+)`", soft)) == sorted(words[kind] for kind in SOFT)
@@ -136,7 +112,7 @@ def test_the_reserved_words_are_those_of_the_grammar():
 
 def test_the_names_with_a_meaning_are_those_of_the_compiler():
     listed = section("24. Words that are taken").split("These mean something of their own")[1].split("\n\n")[1]
-    keywords = {t.pattern.value for t in recording_parser()[0].terminals}
+    keywords = {t.pattern.value for t in parser().terminals}
     assert set(re.findall(r"`(\w+)`", listed)) == set(declarations.RESERVED_VARIABLES) - keywords
 
 
@@ -217,7 +193,7 @@ def test_every_section_begins_with_what_it_is_for():
 
 def test_the_index_has_every_word_and_leads_to_where_it_stands():
     entries = [entry for row in table("letter") for entry in row[1].split(" · ") if "](" in entry]
-    words = {t.pattern.value for t in recording_parser()[0].terminals if t.pattern.type == "str" and t.pattern.value.isalpha()}
+    words = {t.pattern.value for t in parser().terminals if t.pattern.type == "str" and t.pattern.value.isalpha()}
     found = {name for entry in entries for name in named(entry.split("`")[1])}
     assert words.union(*WORDS_OF_RULES.values()) - found == set()
     for entry in entries:
@@ -227,9 +203,3 @@ def test_the_index_has_every_word_and_leads_to_where_it_stands():
 
 def named(part: str) -> set[str]:
     return set(re.findall(r"[a-z_]+", part))
-
-
-def test_the_short_texts_are_tokens():
-    """Guards the coverage tests themselves: names and signs are found as tokens."""
-    assert {"tree", "->", "<=", "nobody"} <= tokens()
-    assert isinstance(next(iter(recording_parser()[0].lex("sj 1"))), Token)
