@@ -5,7 +5,6 @@ import os
 from collections.abc import Mapping
 from dataclasses import fields
 from functools import lru_cache, partial
-from os import PathLike
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -13,17 +12,10 @@ from typing import Any
 import jax
 
 from sjdsl.cache import cached_text
-from sjdsl.compiler import Build, build_composition, compile_rules
-from sjdsl.compiler.compose import compose
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.elaborate import Overrides
-from sjdsl.compiler.elaborate.world_map import parse_file, row_spans
+from sjdsl.checked_game import build_game
+from sjdsl.compiler import Build, compile_rules
 from sjdsl.compiler.ir.hash import printed_digest
-from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
-from sjdsl.parameters import admitted_params, build_params, plain_number, split_sizes
+from sjdsl.parameters import admitted_params, build_params
 from sjdsl.runtime.env import Encoding, Environment
 
 
@@ -52,73 +44,17 @@ def make(
     return environment_of(*build_game(game, variant, num_agents, params, map), observation)
 
 
-def build_game(
-    game: str | Path,
-    variant: str | None = None,
-    num_agents: int | None = None,
-    params: Mapping[str, Any] | None = None,
-    map: str | Path | tuple[str, ...] | None = None,
-    placed_by_hand: bool = False,
-) -> tuple[Build, dict[str, Any]]:
-    """Returns a checked game and its run-time numbers; arguments and errors as of `make`.
-
-    `placed_by_hand`: a test puts agents and movers on the map, which needs no cells to send them to.
-    """
+def environment_of(made: Build, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
+    """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
     if _jax_is_used_in not in (None, os.getpid()):
         raise RuntimeError(
             "this process was forked from one that uses JAX, where JAX would wait for ever: start processes by `spawn` or `forkserver`, "
             'such as gymnasium.make_vec(…, vectorization_mode="async", vector_kwargs={"context": "spawn"})'
         )
-    _check_types(game, variant, params)
-    source = read_source(find_game(game))
-    variants = () if not variant else tuple(variant.split("+"))
-    composition = compose(source, variants)
-    num_agents = None if num_agents is None else plain_number(num_agents)
-    sizes, run_time = split_sizes(*composition.number_names(), dict(params or {}))
-    made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source), placed_by_hand))
-    if num_agents is not None and made.game.agents.number != num_agents:
-        raise ValueError(f"num_agents={num_agents}, but a size in params says {made.game.agents.number}")
-    return made, run_time
-
-
-def _check_types(game: Any, variant: Any, params: Any) -> None:
-    """Raises TypeError for an argument of `make` that cannot be meant."""
-    if not isinstance(game, str | PathLike):
-        raise TypeError(f"a game is a name or the path of a .sj file, not {game!r}")
-    if not isinstance(variant, str | None):
-        raise TypeError(f"a variant is a name, and several are `first+second`; it is not {variant!r}")
-    if params is not None and not isinstance(params, Mapping):
-        raise TypeError(f"params is a mapping from names of numbers of the game to values, not {params!r}")
-
-
-def environment_of(made: Build, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
-    """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
     text, file = cached_text(f"{made.game.name}_{printed_digest(made.game.rules)}", lambda: compile_rules(made))
     module = load_module(text, file, made.game.name)
     admit = partial(admitted_params, made.game, module)
     return Environment(module, build_params(made.game, module, params), observation, made.game, admit)
-
-
-def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
-    """Returns the rows of a map given by its file or by itself, and where they stand; the legend is asked later."""
-
-    if map is None:
-        return None, ()
-    if isinstance(map, tuple | list):
-        odd = [row for row in map if not isinstance(row, str)]
-        if odd:
-            raise TypeError(f"a row of a map is a text, not {odd[0]!r}")
-        return tuple(map), row_spans(map, "map")
-    if not isinstance(map, str | PathLike):
-        raise TypeError(f"a map is a text file or a tuple of its rows, not {map!r}")
-    path = Path(map)
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no map file `{map}`")
-    problems = Problems()
-    rows, spans = parse_file(path, str(map), Span(source.name, 0, 0, 1, 1), problems)
-    if problems.found:
-        raise CompileError(problems.found)
-    return rows, spans
 
 
 class GeneratedModule(ModuleType):

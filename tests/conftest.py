@@ -28,6 +28,7 @@ LONGEST = (
     "trainers/test_networks.py",
     "trainers/test_resuming.py",
     "trainers/test_probe_learning.py",
+    "cli/test_transcripts.py",
     "games/test_numbers_of_agents.py",
     "games/test_scripted_policies.py",
     "runtime/test_environment.py",

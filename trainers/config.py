@@ -218,7 +218,10 @@ class Config(BaseModel):
         try:
             config: Config = validate(values)
         except ValidationError as error:
-            raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in error.errors())) from None
+            first = {
+                fault["loc"][:1]: fault for fault in reversed(error.errors())
+            }  # of each key: a wrong number in a list is no list either
+            raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in reversed(first.values()))) from None
         if config.seed + config.seeds > SEEDS:
             last = "" if config.seeds == 1 else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
             raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, as random keys have 32 bits, not {config.seed}{last}")

@@ -1,4 +1,4 @@
-"""The optimisers of PPO (optax): one for all parameters that share layers."""
+"""The optimisers (optax): for PPO one for all parameters that share layers."""
 
 from typing import Any
 
@@ -7,15 +7,15 @@ import optax
 from jax import Array
 from jax.tree_util import keystr
 
-from .config import PPOConfig
+from .config import PPOConfig, VDNConfig
 
 
-def learning_rate_schedule(config: PPOConfig) -> optax.Schedule:
+def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:
     """Returns the learning rate as a function of the gradient steps taken."""
     if not config.anneal_learning_rate:
         return optax.constant_schedule(config.learning_rate)
-    steps = config.num_updates * config.num_epochs * config.num_minibatches
-    return optax.linear_schedule(config.learning_rate, 0.0, steps)
+    steps = config.gradient_steps if isinstance(config, VDNConfig) else config.num_epochs * config.num_minibatches
+    return optax.linear_schedule(config.learning_rate, 0.0, config.num_updates * steps)
 
 
 def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:

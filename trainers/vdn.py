@@ -19,6 +19,7 @@ from .environment import Environment, MaskedEnvironment, array_shape, reset_shap
 from .episodes import mean_episode
 from .masks import allowed_in, draw_any, masked, pack_mask, unpack_mask, wants_masks
 from .networks import ActionValues
+from .optimisers import learning_rate_schedule
 from .packing import Packing
 from .partners import Partners, learning_agents
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
@@ -199,13 +200,6 @@ def exploration(config: VDNConfig, updates: Array) -> Array:
     """Returns the probability of exploring in the rollout after `updates` updates: linear, then constant."""
     gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)
     return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(jnp.float32)
-
-
-def learning_rate_schedule(config: VDNConfig) -> optax.Schedule:
-    """Returns the learning rate as a function of the gradient steps taken."""
-    if not config.anneal_learning_rate:
-        return optax.constant_schedule(config.learning_rate)
-    return optax.linear_schedule(config.learning_rate, 0.0, config.num_updates * config.gradient_steps)
 
 
 def make_optimiser(config: VDNConfig) -> optax.GradientTransformation:

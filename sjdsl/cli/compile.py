@@ -6,11 +6,13 @@ from pathlib import Path
 
 import click
 
+from sjdsl.checked_game import map_rows, split_variants
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.folders import require_folder
-from sjdsl.cli.game_file import game_path, map_option, read_map, split_variants, variant_option
+from sjdsl.cli.game_file import game_path, map_option, variant_option
 from sjdsl.compiler import build, lower_build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.emit.standalone import standalone
 from sjdsl.compiler.syntax.read import read_source
@@ -88,7 +90,10 @@ def compile_game(name: str, variant: str | None, map_file: str | None, output: s
     """Returns the module of a game; its warnings go to the terminal. Raises CompileError."""
     source = read_source(game_path(name))
     variants = split_variants(variant)
-    made = build(source, variants, read_map(map_file, source))
+    try:
+        made = build(source, variants, Overrides(None, None, *map_rows(map_file, source)))
+    except FileNotFoundError as error:
+        raise click.ClickException(str(error)) from None
     print_diagnostics(made.warnings, made.sources, err=True)
     path = Path(output or ("." if alone else FOLDER))
     if path.suffix != ".py":

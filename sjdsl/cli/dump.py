@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 import click
 
-from sjdsl.cli.game_file import open_game, split_variants, variant_option
+from sjdsl.checked_game import split_variants
+from sjdsl.cli.game_file import open_game, variant_option
 from sjdsl.compiler import build, compile_build, lower_build
 from sjdsl.compiler.ast import printer as ast_printer
 from sjdsl.compiler.diagnostics.source import Source

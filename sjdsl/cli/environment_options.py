@@ -4,20 +4,20 @@ import functools
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 import sjdsl
-from sjdsl.cli.game_file import game_path, map_option, open_game, read_map, split_variants, variant_option
-from sjdsl.compiler import Build, build_composition
-from sjdsl.compiler.compose import compose
+from sjdsl.checked_game import build_game
+from sjdsl.cli.game_file import game_path, map_option, variant_option
+from sjdsl.compiler import Build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.games_folder import is_name
 from sjdsl.interpreter.numbers import real
-from sjdsl.parameters import param_values, split_sizes
+from sjdsl.parameters import param_values
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -47,13 +47,22 @@ class EnvironmentOptions:
             "params": dict(self.params),
         }
 
-    def build(self, game: str) -> tuple[Build, dict[str, Any]]:
+    def read(self, game: str) -> tuple[Build, dict[str, Any]]:
         """Returns the checked game and its run-time numbers, without JAX, which takes seconds to load.
 
-        Raises CompileError, and ClickException for numbers that don't fit the game.
+        Raises CompileError, and ValueError for numbers that don't fit the game.
         """
         try:
-            return build_game(game, self.params, self.variant, self.map, self.num_agents)
+            made, given = build_game(game_path(game), self.variant, self.num_agents, self.params, self.map)
+        except FileNotFoundError as error:
+            raise click.ClickException(str(error)) from None
+        types = {p.name: p.type for p in made.game.params}
+        return made, {name: real(value) if types[name].kind == "real" else value for name, value in param_values(made.game, given).items()}
+
+    def build(self, game: str) -> tuple[Build, dict[str, Any]]:
+        """Returns what `read` does. Raises CompileError, and ClickException for numbers that don't fit the game."""
+        try:
+            return self.read(game)
         except ValueError as error:
             raise click.ClickException(str(error)) from None
 
@@ -129,21 +138,6 @@ def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
 def _refuse_second(name: str) -> NoReturn:
     """Raises UsageError for a name that has a value already."""
     raise click.UsageError(f"`{name}` is given twice; give it once")
-
-
-def build_game(
-    game: str, params: Mapping[str, Any], variant: str | None, map_file: str | None, agents: int | None
-) -> tuple[Build, dict[str, Any]]:
-    """Returns a checked game and its run-time numbers. Raises CompileError, and ValueError for numbers that don't fit it."""
-    source = open_game(game)
-    composition = compose(source, split_variants(variant))
-    sizes, rest = split_sizes(*composition.number_names(), dict(params))
-    made = build_composition(composition, replace(read_map(map_file, source), sizes=sizes, num_agents=agents))
-    if agents is not None and made.game.agents.number != agents:
-        raise ValueError(f"--agents {agents}, but a size in --param says {made.game.agents.number}")
-    types = {p.name: p.type for p in made.game.params}
-    values = param_values(made.game, rest)
-    return made, {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
 
 
 def make_environment(described: Mapping[str, Any], observation: "Encoding" = "tokens") -> "Environment":

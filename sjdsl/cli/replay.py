@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sjdsl.cli.environment_options import build_game, make_environment, named_in
+from sjdsl.cli.environment_options import EnvironmentOptions, make_environment, named_in
 from sjdsl.cli.film import SPEED, announced, check_film, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.play import begin_session, describe_returns, play_on
@@ -59,7 +59,8 @@ def show(recording: "Recording", file: str, speed: float) -> None:
     """
     given = recording.environment
     with named_in(file):
-        made, values = build_game(given["game"], given.get("params") or {}, given.get("variant"), given.get("map"), given.get("num_agents"))
+        options = EnvironmentOptions(given.get("variant"), given.get("map"), given.get("num_agents"), given.get("params") or {})
+        made, values = options.read(given["game"])
     check_rules(recording, game_hash(made.game), made.game.name)
     check_actions(recording, made.game.agents.number, len(made.game.agents.actions))
     session = begin_session(made.game, values, recording.seed, written_choice(recording.actions), None, len(recording.actions))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import EnvironmentOptions, build_game, environment_options
+from sjdsl.cli.environment_options import EnvironmentOptions, environment_options
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler import ir
@@ -86,10 +86,11 @@ def _describer(options: EnvironmentOptions, read: dict[str, ir.Game]) -> "Descri
     known: dict[str, tuple[str, str]] = {}
 
     def describe(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple[dict[str, Any], str, str]:
-        provenance = replace(options, variant=variant, params=params).describe(game)
+        asked = replace(options, variant=variant, params=params)
+        provenance = asked.describe(game)
         key = repr(sorted(provenance.items(), key=str))
         if key not in known:
-            made, _ = build_game(game, params, variant, options.map, options.num_agents)
+            made, _ = asked.read(game)
             known[key] = made.game.name, game_hash(made.game)
             read[known[key][1]] = made.game
         return provenance, *known[key]

@@ -28,6 +28,7 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.experiments.folder import read_json as read_object
 from sjdsl.extras import needs
 from sjdsl.files import read_json
 from sjdsl.results.bundled import is_usual, other_numbers, variant_now
@@ -204,20 +205,12 @@ def _reader(path: Path) -> Callable[[Path], Found] | None:
         return _sweep
     if (path / MANIFEST).is_file():
         return _cell
-    asked = _read_if_there(path / ASKED).get("experiment")
+    asked = (read_object(path / ASKED) or {}).get("experiment")
     if (path / DIAGRAM).is_file() or asked == "schelling":
         return lambda path: (_experiment(path, DIAGRAM, _diagram), [])
     if (path / CROSS_PLAY).is_file() or asked == "crossplay":
         return lambda path: (_experiment(path, CROSS_PLAY, _cross_play), [])
     return _stored if (path / RESULTS).is_file() else None
-
-
-def _read_if_there(path: Path) -> Mapping[str, Any]:
-    try:
-        found = read_json(path)
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def _stored(path: Path) -> Found:

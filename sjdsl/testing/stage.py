@@ -6,9 +6,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from sjdsl.checked_game import build_game
 from sjdsl.compiler import Build
 from sjdsl.compiler.ir.sorts import Sort
-from sjdsl.factory import build_game, environment_of
+from sjdsl.factory import environment_of
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import reset

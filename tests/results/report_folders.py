@@ -199,14 +199,6 @@ def write_training(path: Path, seconds: Mapping[str, Sequence[float]]) -> None:
     write_found(path, Training(MACHINE, 1e9, splits))
 
 
-def random_returns(path: Path, returns: Mapping[str, float], rules: str | None = None) -> None:
-    """Writes the file that bench/game_pages.py keeps the figures of a random policy in; `rules`: a hash that all games have."""
-    figures = {game: {"return, summed over agents": {"mean": mean, "low": mean - 1, "high": mean + 1}} for game, mean in returns.items()}
-    write_json(
-        path, {game: {"hash": rules or RULES[game], "episodes": 200, "seed": 0, "values": values} for game, values in figures.items()}
-    )
-
-
 SPAWNS = {"params": {"spawn_iron": 0.0004, "spawn_gold": "1.6e-4"}}
 # Runs under the rules of the paper: game, reward, returns, what is counted 60 times, rules, more of the provenance.
 PAPERS_GAMES: tuple[tuple[str, str, tuple[float, ...], str, str, Mapping[str, Any]], ...] = (
