@@ -66,7 +66,9 @@ def _nth_looked_up(word: Array, n: Array) -> Array:
     """The form for GPUs of a byte: a table with a row for each."""
     places = np.argsort(~np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little") & 1, axis=1, kind="stable")
     row = word.astype(jnp.int32) * 8
-    return jnp.asarray(places.reshape(-1), jnp.uint8).at[row + n].get(mode="promise_in_bounds", wrap_negative_indices=False).astype(jnp.int32)
+    return (
+        jnp.asarray(places.reshape(-1), jnp.uint8).at[row + n].get(mode="promise_in_bounds", wrap_negative_indices=False).astype(jnp.int32)
+    )
 
 
 def _nth_by_halves(word: Array, n: Array) -> Array:
@@ -142,6 +144,34 @@ def set_of(numbers: Array, size: int) -> Array:
     mine = jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0))
     words: Array = lax.optimization_barrier(lax.reduce(mine, jnp.uint32(0), lax.bitwise_or, (numbers.ndim,)))
     return words
+
+
+def members_at(words: Array, places: Sequence[Array]) -> Array:
+    """Returns the members at some places, from 0, in a form for GPUs: `[..., W]` uint32 and int32s of `[...]`, -1 for none -> `[..., W]`."""
+    index = jnp.arange(words.shape[-1], dtype=jnp.int32)
+    earlier = (index[None] < index[:, None]).reshape((1,) * (words.ndim - 1) + (index.size, index.size))
+    before = jnp.sum(jnp.where(earlier, _ones(words)[..., None, :], 0), axis=-1, dtype=jnp.int32)
+    own = [(place[..., None] - before).astype(jnp.uint32) for place in places]  # of what is in another word: more than this one has
+    return _deposited(reduce(lax.bitwise_or, (jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0)) for bit in own)), words)
+
+
+def _deposited(bits: Array, mask: Array) -> Array:
+    """Returns words with bit k of `bits` where `mask` has its k-th bit.
+
+    Source: Warren, "Hacker's Delight", second edition, 7-5, `expand`.
+    """
+    left, zeros = mask, ~mask << 1
+    moved = []
+    for power in range(5):
+        odd = zeros
+        for step in range(5):
+            odd = odd ^ (odd << (1 << step))
+        moved.append(odd & left)
+        left = (left ^ moved[-1]) | (moved[-1] >> (1 << power))
+        zeros = zeros & ~odd
+    for power, here in reversed(list(enumerate(moved))):
+        bits = (bits & ~here) | ((bits << (1 << power)) & here)
+    return bits & mask
 
 
 def without(words: Array, member: Array) -> Array:
