@@ -99,7 +99,7 @@ def _entry(computed: Callable[[], list[Any]], place: int) -> Any:
     return computed()[place]
 
 
-def _computed(equation: Any, constant: Sequence[Callable[[], Any]]) -> list[Any]:
+def _computed(equation: Any, constant: Sequence[Any]) -> list[Any]:
     """Returns what an equation makes of constants."""
     with jax.ensure_compile_time_eval():
         results = equation.primitive.bind(*(each() for each in constant), **equation.params)
