@@ -326,7 +326,7 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
     Only indices are shuffled, so nothing outside the minibatch is copied.
     """
     # Unsorted, XLA fuses the shuffle into the loop that unpacks bytes, which is slow on a CPU. The order within a minibatch doesn't matter.
-    indices = jnp.sort(indices)
+    indices = jax.lax.platform_dependent(indices, cpu=jnp.sort, default=lambda unsorted: unsorted)
     everybody = agents.shape[0] == batch.action.shape[AGENTS_AXIS]
 
     def of_sequences(leaf: Array) -> Array:

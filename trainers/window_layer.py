@@ -20,6 +20,7 @@ from sjdsl.runtime.tokens import to_channels
 from .initialisation import orthogonal
 from .window_rows import Planes, channels_of, groups_of, make_tables, row_numbers, rows_of
 
+ALIGNED = 8  # numbers in a row of a matrix, or a multiple of them: any other row XLA copies for a GPU, to one that is longer
 CELLS = 4  # cells whose rows are added in one pass over the windows; measured (docs/performance.md)
 
 
@@ -46,7 +47,7 @@ class WindowLayer(nn.Module):
 def weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
     """Returns the channels of windows `[M, P, V, V]` uint8 times a kernel `[C * V * V, K]`: `[M, K]` of the kernel's dtype."""
     result: Array = jax.lax.platform_dependent(
-        kernel, tokens, cpu=partial(look_up, planes=planes), default=partial(_multiply, planes=planes)
+        kernel, tokens, cpu=partial(look_up, planes=planes), default=partial(_multiply, planes=planes, multiple=ALIGNED)
     )
     return result
 
@@ -67,7 +68,7 @@ weigh.defvjp(_forward, _backward)
 def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
     """Returns the kernel's gradient `[C * V * V, K]` float32 from the result's `[M, K]`: the transpose of `weigh`, and vice versa."""
     result: Array = jax.lax.platform_dependent(
-        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes)
+        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes, multiple=ALIGNED)
     )
     return result
 
@@ -78,19 +79,22 @@ weigh_gradient.defvjp(
 )
 
 
-def _multiply(kernel: Array, tokens: Array, planes: Planes) -> Array:
-    return _channels(tokens, planes, kernel.dtype) @ kernel
+def _multiply(kernel: Array, tokens: Array, planes: Planes, multiple: int = 1) -> Array:
+    return _channels(tokens, planes, kernel.dtype, multiple) @ jnp.pad(kernel, ((0, -kernel.shape[0] % multiple), (0, 0)))
 
 
-def _multiply_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
+def _multiply_gradient(tokens: Array, gradient: Array, planes: Planes, multiple: int = 1) -> Array:
     """Returns the kernel's gradient `[C * V * V, K]` float32; computing its transpose is faster."""
-    return jnp.matmul(gradient.T, _channels(tokens, planes, gradient.dtype), preferred_element_type=jnp.float32).T
+    channels = _channels(tokens, planes, gradient.dtype, multiple)
+    inputs = sum(len(plane.channels) for plane in planes) * math.prod(tokens.shape[2:])
+    return jnp.matmul(gradient.T, channels, preferred_element_type=jnp.float32).T[:inputs]
 
 
-def _channels(tokens: Array, planes: Planes, dtype: Any) -> Array:
-    """Returns the channels of windows, flat: `[M, C * V * V]`."""
+def _channels(tokens: Array, planes: Planes, dtype: Any, multiple: int) -> Array:
+    """Returns the channels of windows, flat, and zeros up to a multiple of a number of columns: `[M, C * V * V]`, or a little more."""
     channels = to_channels(tokens, planes, dtype, scale_numbers=True)
-    return channels.reshape(tokens.shape[0], math.prod(channels.shape[1:]))  # not -1: there may be no windows
+    flat = channels.reshape(tokens.shape[0], math.prod(channels.shape[1:]))  # not -1: there may be no windows
+    return jnp.pad(flat, ((0, 0), (0, -flat.shape[1] % multiple)))
 
 
 def look_up(kernel: Array, tokens: Array, planes: Planes) -> Array:

@@ -146,6 +146,34 @@ def set_of(numbers: Array, size: int) -> Array:
     return words
 
 
+def members_at(words: Array, places: Sequence[Array]) -> Array:
+    """Returns the members at some places, from 0, in a form for GPUs: `[..., W]` uint32 and int32s of `[...]`, -1 for none -> `[..., W]`."""
+    index = jnp.arange(words.shape[-1], dtype=jnp.int32)
+    earlier = (index[None] < index[:, None]).reshape((1,) * (words.ndim - 1) + (index.size, index.size))
+    before = jnp.sum(jnp.where(earlier, _ones(words)[..., None, :], 0), axis=-1, dtype=jnp.int32)
+    own = [(place[..., None] - before).astype(jnp.uint32) for place in places]  # of what is in another word: more than this one has
+    return _deposited(reduce(lax.bitwise_or, (jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0)) for bit in own)), words)
+
+
+def _deposited(bits: Array, mask: Array) -> Array:
+    """Returns words with bit k of `bits` where `mask` has its k-th bit.
+
+    Source: Warren, "Hacker's Delight", second edition, 7-5, `expand`.
+    """
+    left, zeros = mask, ~mask << 1
+    moved = []
+    for power in range(5):
+        odd = zeros
+        for step in range(5):
+            odd = odd ^ (odd << (1 << step))
+        moved.append(odd & left)
+        left = (left ^ moved[-1]) | (moved[-1] >> (1 << power))
+        zeros = zeros & ~odd
+    for power, here in reversed(list(enumerate(moved))):
+        bits = (bits & ~here) | ((bits << (1 << power)) & here)
+    return bits & mask
+
+
 def without(words: Array, member: Array) -> Array:
     """Returns the members without one: `[..., W]` uint32 and `[...]` int32 -> `[..., W]` uint32."""
     index = jnp.arange(words.shape[-1], dtype=jnp.int32).reshape((1,) * member.ndim + (-1,))

@@ -24,6 +24,7 @@ from jax.extend import core, source_info_util
 from sjdsl.runtime.forms import by_platform
 
 WARP = 32  # lanes of a GPU that work together: of a reduction of 2, 4, 8, 16 or 32 entries, or of more than 32, XLA makes a kernel
+COMPUTED = {"and", "eq", "shift_right_logical"}  # of constants while tracing: such as which of a block's two random numbers a draw is
 MOST = 8192  # comparisons of a place with a writer up to which these cost less than a scatter
 
 
@@ -56,25 +57,26 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any]
 
     Args:
       functions: those that programs call, rewritten once each for the constants they are given; XLA is given each once.
-      constants: of the arguments, None for those that are none.
+      constants: of the arguments, None for those that are none and for numbers: those of all streams of draws share a function.
     """
     values = dict(zip([*program.jaxpr.constvars, *program.jaxpr.invars], [*program.consts, *arguments], strict=True))
     alike: dict[Any, Any] = {}  # arrays whose entries are all one scalar
-    known: dict[Any, Callable[[], Any]] = {of: partial(np.asarray, value) for of, value in zip(program.jaxpr.constvars, program.consts)}
-    known |= {of: partial(np.asarray, value) for of, value in zip(program.jaxpr.invars, constants) if value is not None}
+    told = [*zip(program.jaxpr.constvars, program.consts, strict=True), *zip(program.jaxpr.invars, constants, strict=False)]
+    known = {of: partial(np.asarray, value) for of, value in told if _is_known(value)}  # constants, computed when they are asked for
     for equation in program.jaxpr.eqns:
         given = [of.val if isinstance(of, core.Literal) else values[of] for of in equation.invars]
         name, params = equation.primitive.name, equation.params
         constant = [partial(np.asarray, of.val) if isinstance(of, core.Literal) else known.get(of) for of in equation.invars]
         if None not in constant:
             computed = cache(partial(_computed, equation, constant))
-            known |= {of: lambda computed=computed, place=place: computed()[place] for place, of in enumerate(equation.outvars)}
-            if name in IDENTITIES:
+            known |= {of: partial(_entry, computed, place) for place, of in enumerate(equation.outvars)}
+            if name in IDENTITIES or name in COMPUTED:
                 values |= zip(equation.outvars, computed(), strict=True)
                 continue
         with source_info_util.user_context(equation.source_info.traceback):
             if name in ("jit", "pjit"):
-                results = _function(params["jaxpr"], functions, [each and each() for each in constant])(*given)
+                arrays = [each() if each and jnp.ndim(value) else None for each, value in zip(constant, given, strict=True)]
+                results = _function(params["jaxpr"], functions, arrays)(*given)
             elif name in ("scatter", "scatter-add") and _is_comparable(params, *given):
                 scalar = given[2] if jnp.ndim(given[2]) == 0 else alike.get(equation.invars[2])
                 results = [_compared(name, params, scalar, *given)]
@@ -88,7 +90,16 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any]
     return [of.val if isinstance(of, core.Literal) else values[of] for of in program.jaxpr.outvars]
 
 
-def _computed(equation: Any, constant: Sequence[Callable[[], Any]]) -> list[Any]:
+def _is_known(value: Any) -> bool:
+    """Returns whether a constant of a program, or an argument, has numbers while tracing; a key has none that NumPy knows."""
+    return value is not None and not isinstance(value, jax.core.Tracer) and not jnp.issubdtype(value.dtype, jax.dtypes.extended)
+
+
+def _entry(computed: Callable[[], list[Any]], place: int) -> Any:
+    return computed()[place]
+
+
+def _computed(equation: Any, constant: Sequence[Any]) -> list[Any]:
     """Returns what an equation makes of constants."""
     with jax.ensure_compile_time_eval():
         results = equation.primitive.bind(*(each() for each in constant), **equation.params)

@@ -116,17 +116,17 @@ MOST_TURNS = 32  # that are unrolled
 
 
 def _chosen_backwards(member: Array, words: Array, number: Array) -> Array:
-    """The form for GPUs: a turn's number among those left becomes one among all, turn by turn backwards; all turns do so at once."""
-    size, turns = member.shape[-1], words.shape[-1]
+    """The form for GPUs: a turn's number among those left becomes one among all, turn by turn backwards; then each word takes its own."""
     packed = bits.pack(member)
-    total = reduce(lax.add, map(size_of_set, bits.apart(packed)))
-    turn = jnp.arange(turns, dtype=jnp.int32).reshape((1,) * number.ndim + (-1,))
-    drawn = lax.optimization_barrier(below(words, total[..., None] - turn))
-    place = drawn
-    for earlier in reversed(range(turns - 1)):
-        place = place + ((turn > earlier) & (place >= drawn[..., earlier : earlier + 1])).astype(jnp.int32)
-    chosen = jnp.where(turn < jnp.minimum(number, total)[..., None], bits.nth(packed[..., None, :], place), -1)
-    return bits.unpack(bits.set_of(chosen, size), size)
+    total = bits.count(packed)
+    drawn = [below(word, total - turn) for turn, word in enumerate(bits.apart(words))]
+    places = list(drawn)
+    for earlier in reversed(range(len(drawn))):
+        for turn in range(earlier + 1, len(drawn)):
+            places[turn] = lax.add(places[turn], lax.ge(places[turn], drawn[earlier]).astype(jnp.int32))
+    wanted = jnp.minimum(number, total)
+    places = lax.optimization_barrier([jnp.where(turn < wanted, place, -1) for turn, place in enumerate(places)])
+    return bits.unpack(lax.optimization_barrier(bits.members_at(packed, places)), member.shape[-1])
 
 
 def _chosen_turn_by_turn(member: Array, words: Array, number: Array) -> Array:

@@ -82,3 +82,18 @@ def test_what_is_called_twice_is_one_function() -> None:
     text = same_if_rewritten(lambda x: inner(x) & inner(-x), jnp.arange(8).reshape(2, 4))
     assert text.count("call @") == 2
     assert text.count("stablehlo.pad") == 1
+
+
+def test_sums_of_constants_are_constants() -> None:
+    """Also in a function that is given one, once for each; a sum of what isn't known stays."""
+
+    @jax.jit
+    def packed(members: jax.Array, x: jax.Array) -> jax.Array:
+        return jnp.sum(members.astype(jnp.int32) << jnp.arange(members.size, dtype=jnp.int32)) + x
+
+    def both(x: jax.Array) -> jax.Array:
+        return packed(jnp.full(5, True), x) + packed(jnp.arange(5) < 2, x)
+
+    assert count_operations(same_if_rewritten(both, jnp.int32(7)), ("reduce",))["reduce"] == 0
+    text = same_if_rewritten(lambda x: packed(x > 0, x[0]), jnp.arange(5, dtype=jnp.int32))
+    assert count_operations(text, ("reduce",))["reduce"] == 1
