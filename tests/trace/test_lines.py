@@ -85,12 +85,18 @@ game pond "A pond" {
 def test_a_change_has_the_values_its_rule_read_and_their_formulas() -> None:
     """In step 0 no water is dirty, so that growth is 1 * ramp(0 / 2, 0.5, 0) = 1; in step 1 the water is spoilt, for 1 >= 1."""
     text = text_of(POND, "stay; stay", 0, everything=False)
-    assert """      reed (0, 0)  fruit: none -> ripe
+    assert (
+        """      reed (0, 0)  fruit: none -> ripe
         because reed.fruit is none and growth > 0, with growth = 1
           growth = best * ramp(dirt, worst, 0) = 1, with best = 1, dirt = 0, worst = 0.5
             dirt = count(water where water.state is dirty) / count(mud) = 0, with count(water where water.state is dirty) = 0, count(mud) = 2
-        and chance growth drew """ in text
+        and chance growth drew """
+        in text
+    )
     assert "random bits" not in text
-    assert """      water (0, 1)  state: clean -> dirty
+    assert (
+        """      water (0, 1)  state: clean -> dirty
         because step >= 1, with step = 1
-""" in text
+"""
+        in text
+    )

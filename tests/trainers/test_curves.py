@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjdsl.trainers import RunError
 from sjdsl.render.plot_style import apart
+from sjdsl.trainers import RunError
 from sjdsl.trainers.curves import curve_line, draw_curves, figures, in_words, read_seeds
 from sjdsl.trainers.learning_curve import curve_panels
 from sjdsl.trainers.metrics_files import known_row
