@@ -36,7 +36,8 @@ def test_ctrl_c_ends_a_command_cleanly(words: tuple[str, ...], folder: Path) -> 
     said = ""
     if words is TRAIN:
         while "compiling" not in said:
-            assert (said := process.stdout.readline()), "it ended before it compiled"
+            said = process.stdout.readline()
+            assert said, "it ended before it compiled"
     else:
         while not psutil.Process(process.pid).children():
             time.sleep(0.05)
