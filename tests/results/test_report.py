@@ -68,7 +68,7 @@ def test_a_cell_with_a_seed_that_has_failed_is_never_averaged(tmp_path: Path, di
     assert [row[2] for row in texts(returns(found.frame))] == [said, "20 [-4.841, 44.84]"]
     assert texts(comparisons(found.frame))[0][3:7] == ["20 [-4.841, 44.84]", said, "", ""]
     (picture,) = learning_curves(found.frame, found.curves).pictures
-    assert [line.get_label() for line in picture.draw().axes[0].get_lines()] == ["IPPO, individual, 3 seeds"]
+    assert [line.get_label() for line in picture.draw().axes[0].get_lines()] == ["IPPO, individual"]
 
 
 def test_what_differs_in_one_choice_is_compared(tmp_path: Path) -> None:
@@ -165,7 +165,7 @@ def test_curves_are_at_the_steps_of_all_seeds(tmp_path: Path) -> None:
     one_less = curves[~((curves.seed == 1) & (curves.env_steps == 300))]
     (picture,) = learning_curves(frame, one_less).pictures
     (line,) = picture.draw().axes[0].get_lines()
-    assert (picture.name, line.get_label()) == ("curves_coins", "IPPO, individual, 2 seeds")
+    assert (picture.name, line.get_label()) == ("curves_coins", "IPPO, individual")
     assert line.get_xydata().tolist() == [[200, 7.5], [400, 15]]
 
 
