@@ -70,7 +70,7 @@ def draw_panels(panels: Sequence[Panel], title: str = "", note: str = "") -> "Fi
             for line in panel.lines:
                 marker = "o" if len(line.steps) == 1 else ""  # a single point would be invisible without a marker
                 colour = line.colour or colours[line.label]
-                axes.plot(line.steps, line.values, marker=marker, color=colour)
+                axes.plot(line.steps, line.values, marker=marker, color=colour, label=line.label)
                 if line.low is not None and line.high is not None:
                     axes.fill_between(line.steps, line.low, line.high, color=colour, alpha=0.2, linewidth=0)
             names.append([Label(line.label, line.values[-1], line.colour or colours[line.label]) for line in panel.lines])

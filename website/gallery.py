@@ -11,7 +11,7 @@ from sjdsl.doc import Written, read_written, rule_sheet
 from sjdsl.doc.wording import plain
 from sjdsl.games_folder import find_game, main_games, melting_pot_games
 from sjdsl.substrates import Substrate, written_substrates
-from website.boards import Board, rules_of
+from website.boards import Board
 from website.chapters import raised
 
 FOLDER = "gallery"
@@ -74,7 +74,8 @@ def gallery_page() -> str:
             lines += _card(shown.title, shown.boards[0], shown.summary)
     lines += ["</div>", "", POT.format(meltingpot="../meltingpot.md"), "", '<div class="grid cards small" markdown>', ""]
     for substrate in substrates:
-        lines += _card(f"`{substrate.name}`", _board_of(substrate), "")
+        name = substrate.name.replace("_", "_<wbr>")  # where a narrow card may break it
+        lines += _card(f"<code>{name}</code>", _board_of(substrate), "")
     return "\n".join([*lines, "</div>", ""])
 
 
@@ -102,14 +103,9 @@ def picture(board: Board, up: str) -> str:
 
 
 def frame(board: Board) -> str:
-    """Returns the live board, as HTML: a page of its own, which can run its scripts and reach nothing around it.
-
-    The style sheet makes the frame as high as the page is that plays in it, by the shape of the board and the number of agents.
-    """
-    game = rules_of(board)
-    size = f"--shape: {len(game.rows) / len(game.rows[0]):.3f}; --agents: {game.agents.number}"
+    """Returns the live board, as HTML: a page of its own, which can run its scripts and reach nothing around it, and says how high it is."""
     place, title = f"../{BOARDS}/{board.name}.html", f"An episode of {board.game} {board.variant}".strip()
-    return f'<iframe class="board" style="{size}" src="{place}" title="{title}" loading="lazy" sandbox="allow-scripts"></iframe>'
+    return f'<iframe class="board" src="{place}" title="{title}" loading="lazy" sandbox="allow-scripts"></iframe>'
 
 
 def game_page(shown: Shown, root: Path) -> str:

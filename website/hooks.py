@@ -1,12 +1,15 @@
 """What MkDocs asks while it builds the site: pages that are made from other files take their place among those of docs/."""
 
 import os
+import re
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from PIL import Image
 
 import sjdsl
 from website import boards, gallery
@@ -20,6 +23,8 @@ MANUAL = "docs/language.md"
 CACHE = ROOT / "build" / "site-boards"
 MODULES_FOLDER = ROOT / "build" / "site-modules"  # in which `sjdsl.trainers` is where it is when installed
 STRIP = ("clean_up", "harvest_open", "coins", "coop_mining", "mushrooms", "territory")  # on the front page
+HOSTED = "https://sjdsl.github.io/sjdsl/"
+WITHOUT_NAVIGATION = "---\nhide: [navigation]\n---"  # a front page has no pages beside it
 OTHER_PAGES = "Other pages"
 
 
@@ -99,6 +104,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         for ending in (".html", ".gif", ".png"):
             name = f"{board.name}{ending}"
             files.append(File.generated(config, f"{gallery.BOARDS}/{name}", abs_src_path=str(CACHE / name)))
+    for still in _stills(config):
+        files.append(still)
     return files
 
 
@@ -114,7 +121,7 @@ def _pages() -> dict[str, str]:
         for path, text in texts.items()
         for page in [PAGES.get(path, path.removeprefix(DOCS))]
     }
-    made["index.md"] = with_strip(made["index.md"])
+    made["index.md"] = front_page(made["index.md"])
     made |= {page: plain_fences(places.relinked(c.text, MANUAL, page)) for c in chapters for page in [places.chapter_page(c)]}
     made |= {gallery.INDEX: gallery.gallery_page(), **reference_pages(ROOT)}
     made |= {f"{gallery.FOLDER}/{shown.name}.md": gallery.game_page(shown, ROOT) for shown in gallery.shown_games()}
@@ -126,8 +133,29 @@ def _pages() -> dict[str, str]:
     return made
 
 
-def with_strip(readme: str) -> str:
-    """Returns the front page with moving pictures of some games after its introduction."""
+def front_page(readme: str) -> str:
+    """Returns the front page: its buttons after the first paragraph, films that stand still where asked for, and a strip of games."""
     head, mark, rest = readme.partition("\n## ")
+    title, paragraph, *others = head.strip().split("\n\n")
+    (buttons,) = (part for part in others if part.startswith("[**Playground**]"))
+    links = [line.strip().replace("**", "") for line in buttons.replace(f"{HOSTED}{gallery.FOLDER}/", gallery.INDEX).split("·")]
+    made = " ".join(f"{link}{{ .md-button{'' if number else ' .md-button--primary'} }}" for number, link in enumerate(links))
+    films = re.sub(r'<img src="(pictures/\w+)\.gif"[^>]*>', _still_if_asked, "\n\n".join(part for part in others if part != buttons))
     cards = [f'<a href="{gallery.FOLDER}/{name}.html">{gallery.picture(boards.Board(name, name), ".")}</a>' for name in STRIP]
-    return f'{head}\n<div class="strip">\n' + "\n".join(cards) + f"\n</div>\n{mark}{rest}"
+    strip = "\n".join(['<div class="strip">', *cards, "</div>"])
+    return "\n\n".join([WITHOUT_NAVIGATION, title, paragraph, made, films, strip, ""]) + mark.lstrip("\n") + rest
+
+
+def _still_if_asked(film: re.Match[str]) -> str:
+    still = f'<source media="(prefers-reduced-motion: reduce)" srcset="{film[1]}.still.png">'
+    return f"<picture>{still}{film[0]}</picture>"
+
+
+def _stills(config: MkDocsConfig) -> Iterator[File]:
+    """Yields the last picture of each film of docs/pictures, as a file."""
+    for film in sorted((ROOT / DOCS / "pictures").glob("*.gif")):
+        with Image.open(film) as frames:
+            frames.seek(frames.n_frames - 1)
+            content = BytesIO()
+            frames.convert("RGB").save(content, "png")
+        yield File.generated(config, f"pictures/{film.stem}.still.png", content=content.getvalue())

@@ -65,8 +65,8 @@ def _groups(problems: list[str]) -> list[str]:
             game = _tried(outline, name, problems)
             if game is not None:
                 rows[title].append((name, str(game["agents"]), _map(game), str(len(game["actions"]))))
-                own = ", ".join(v["name"] for v in game["variants"])
-                variants.append(wrap(own, WIDTH, initial_indent="    variants ", subsequent_indent=" " * 13))
+                named = ", ".join(v["name"] for v in game["variants"])
+                variants.append(wrap(named, WIDTH, initial_indent="    variants ", subsequent_indent=" " * 13))
     head, *lines = align([("game", "agents", "map", "actions"), *(row for found in rows.values() for row in found)])
     table, below = [head], zip(lines, variants, strict=True)
     for title, found in rows.items():

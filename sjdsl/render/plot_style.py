@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 BLACK, FAINT = hexadecimal(INK), hexadecimal(mixed(INK, PAPER, 0.4))
 COOPERATE, DEFECT = hexadecimal(WORDS["cooperate"]), hexadecimal(WORDS["defect"])
-PUBLISHED = {"color": BLACK, "linestyle": "--", "marker": "x", "linewidth": 1}
+PUBLISHED: dict[str, Any] = {"color": BLACK, "linestyle": "--", "marker": "x", "linewidth": 1}
 LABEL = 22  # letters of a line of a label
 _LINE = 0.052  # of the height of a plot, by which a line of text moves the next label
 # Colours that lines are told apart by: those of agents, the first two exchanged, without what can't be seen on white.
@@ -46,7 +46,7 @@ def plot_style() -> Iterator[None]:
     import matplotlib  # here: importing it costs as much as a short test
     from cycler import cycler
 
-    style: dict[str, Any] = {
+    style: Any = {
         "axes.prop_cycle": cycler(color=PALETTE),
         "axes.spines.top": False,
         "axes.spines.right": False,
@@ -84,7 +84,7 @@ def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
     """
     labels = sorted((label for label in labels if label.text and np.isfinite(label.at)), key=lambda label: label.at)
     texts = [fill(label.text, LABEL) for label in labels]
-    ends = axes.transLimits.transform([(0, axes.transScale.transform((1, label.at))[1]) for label in labels])[:, 1] if labels else []
+    ends: Any = axes.transLimits.transform([(0, axes.transScale.transform((1, label.at))[1]) for label in labels])[:, 1] if labels else []
     heights = [_LINE * (text.count("\n") + 1) for text in texts]
     for label, text, place in zip(labels, texts, apart(list(ends), heights), strict=True):
         axes.annotate(

@@ -115,7 +115,7 @@ def draw_profiles(scores: Scores) -> "Figure":
             for way in group:
                 with _rliable() as library:
                     profile, band = library.create_performance_profile({way: scores[way]}, scale, reps=RESAMPLES)
-                axes.plot(scale, profile[way], color=colour[way])
+                axes.plot(scale, profile[way], color=colour[way], label=way)
                 axes.fill_between(scale, *band[way], color=colour[way], alpha=0.2, linewidth=0)
                 labels.append(Label(way, float(profile[way].mean()), colour[way]))  # the ends of all lines are near 0
             axes.set(xlabel="score", ylabel="share of seeds and games above it", ylim=(0, 1.02))

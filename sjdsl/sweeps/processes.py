@@ -6,15 +6,17 @@ operation that is divided among threads; with cores of its own each waits for no
 
 import multiprocessing
 import os
-from collections.abc import Sequence
+import signal
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from itertools import pairwise
 
 from sjdsl.sweeps.folder import cells_at, progress_of, record_failure
 from sjdsl.sweeps.work import Tell, run_cells
 
+INTERRUPTED = 130  # the exit status of what Ctrl-C ended
 Batch = tuple[str, ...]  # folders of cells for one call of `run_cells`
 KILLED = "its process was killed, perhaps because memory ran out; --retry resumes it from its last checkpoint"
 
@@ -41,7 +43,8 @@ def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None
             while left and free:
                 pool, cores = free.pop(0)
                 try:
-                    future = pool.submit(run_cells, left[0])
+                    with _interrupts_held_back():  # here the process starts
+                        future = pool.submit(run_cells, left[0])
                 except BrokenProcessPool:  # its process was killed while idle
                     free.append((start(cores), cores))
                     continue
@@ -85,3 +88,17 @@ def _keep_to(cores: tuple[int, ...]) -> None:
     """Keeps this process to its cores; called before the process has started JAX, whose threads are then as many."""
     if cores:
         os.sched_setaffinity(0, cores)
+    try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    except KeyboardInterrupt:  # pressed while modules were loaded: nothing has begun
+        os._exit(INTERRUPTED)
+
+
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Delays Ctrl-C, which reaches all processes of a terminal: one that starts inherits this, and would print a traceback while it loads."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

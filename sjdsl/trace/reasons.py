@@ -72,7 +72,8 @@ class Explainer:
         """Yields the conditions and draws around a statement, outermost first, and then the values that it reads itself."""
         draws = {id(drawn.statement): drawn for drawn in done.causes}
         if self.is_told:
-            here, inner, conditions = self.here.only(done.names), done.statement, list[Reason]()
+            here, conditions = self.here.only(done.names), list[Reason]()
+            inner: ir.Node = done.statement
             while (outer := self.around.get(id(inner))) is not None:
                 conditions += reversed([*self._around(outer, inner, here, draws)])
                 inner = outer

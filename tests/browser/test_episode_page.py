@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
@@ -58,6 +59,27 @@ def test_buttons_keys_and_the_slider_lead_to_any_moment(opened: Page) -> None:
     opened.locator("h1").click()
     opened.keyboard.press("End")
     expect(part(opened, "step")).to_have_text(f"step {STEPS}, the episode is over")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(opened: Page, scheme: str) -> None:
+    opened.emulate_media(color_scheme=scheme)
+    found = Axe().run(opened).response["violations"]
+    assert [(violation["id"], [node["target"] for node in violation["nodes"]]) for violation in found] == []
+
+
+def test_the_board_fits_a_frame_that_gets_wider(page: Page, file: Path) -> None:
+    """As in a page that loads it before it has a place for it."""
+    page.set_content('<iframe style="width: 0; height: 600px"></iframe>')
+    page.locator("iframe").evaluate("(frame, text) => { frame.srcdoc = text; }", file.read_text("utf-8"))
+    board = page.frame_locator("iframe").locator('[data-part="board"]')
+    expect(board).to_be_attached()
+    page.locator("iframe").evaluate("frame => { frame.style.width = '900px'; }")
+    stage = page.frame_locator("iframe").locator('[data-part="stage"]')
+    page.wait_for_timeout(300)
+    sizes = [part.bounding_box() for part in (stage, board)]
+    assert all(sizes)
+    assert sizes[1]["width"] > 0.8 * min(sizes[0]["width"], 11 * 48)
 
 
 def test_it_plays_to_the_end_and_again(opened: Page) -> None:

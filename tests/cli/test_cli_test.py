@@ -92,7 +92,7 @@ def test_json_has_verdicts_and_traces(sjdsl: Sjdsl) -> None:
         ("passed", "episodes"),
         ("failed", "episodes"),
     ]
-    assert "    chance growth[soil.fruit]" in "\n".join(document["checks"][1]["trace"])
+    assert "  because chance growth[soil.fruit]" in "\n".join(document["checks"][1]["trace"])
     lines = with_checks(FAILING).splitlines()
     assert all(p["check"] in lines[p["line"] - 1] for p in document["checks"])
 

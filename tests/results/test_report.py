@@ -73,7 +73,7 @@ def test_curves_are_at_the_steps_of_all_seeds(tmp_path: Path) -> None:
     one_less = curves[~((curves.seed == 1) & (curves.env_steps == 300))]
     (picture,) = learning_curves(frame, one_less).pictures
     (line,) = picture.draw().axes[0].get_lines()
-    assert (picture.name, line.get_label()) == ("curves_coins", "IPPO, individual, 2 seeds")
+    assert (picture.name, line.get_label()) == ("curves_coins", "IPPO, individual")
     assert line.get_xydata().tolist() == [[200, 7.5], [400, 15]]
 
 

@@ -1,4 +1,4 @@
-"""The built site in Chromium, where one is installed: search finds, a live board plays, and nothing is asked of any other server."""
+"""The built site in Chromium, where one is installed: search finds, live boards play and fit, axe finds nothing, and no other server is asked."""
 
 import shutil
 import threading
@@ -63,10 +63,52 @@ def test_search_works_in_pages_opened_from_a_disk(page: object) -> None:
     opened.close()
 
 
-def test_a_live_board_is_stepped_through(page: object, address: str) -> None:
+def test_a_live_board_is_stepped_through_and_fits(page: object, address: str) -> None:
     page.goto(f"{address}/gallery/coins.html")
     board = page.frame_locator("iframe.board").first
     board.locator('[data-part="forward"]').click()
     playwright.expect(board.locator('[data-part="step"]')).to_have_text("step 1", timeout=WAIT)
+    for width in (390, 1440):
+        page.set_viewport_size({"width": width, "height": 800})
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        page.wait_for_timeout(500)
+        sizes = [board.locator(f'[data-part="{name}"]').bounding_box() for name in ("stage", "board")]
+        assert sizes[1]["width"] > 0.8 * min(sizes[0]["width"], 11 * 48), (
+            "the board fills its pane, or its pictures are as large as they get"
+        )
+        frame = page.locator("iframe.board").first.bounding_box()
+        assert abs(frame["height"] - board.locator("html").evaluate("page => page.offsetHeight")) <= 4, "no empty space, nothing hidden"
+
+
+def test_the_front_page_begins_with_the_playground_and_fits_a_phone(page: object, address: str) -> None:
     page.set_viewport_size({"width": 390, "height": 800})
+    page.goto(f"{address}/index.html")
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    first, *_ = page.locator(".md-button").all()
+    assert (first.inner_text(), first.get_attribute("href")) == ("Playground", "https://sjdsl.github.io/sjdsl/playground/")
+    film, text = page.locator("article picture").first.bounding_box(), page.locator("article pre").first.bounding_box()
+    assert text["y"] >= film["y"] + film["height"], "the text isn't under the film"
+
+
+def test_films_stand_still_for_those_who_ask(page: object, address: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{address}/index.html")
+    shown = page.evaluate(
+        "[...document.querySelectorAll('article img')].map(image => { image.loading = 'eager'; return image.currentSrc || image.src; })"
+    )
+    page.emulate_media(reduced_motion="no-preference")
+    assert shown
+    assert [source for source in shown if source.endswith(".gif") and "orchard" in source] == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", ["index.html", "gallery/index.html", "gallery/coins.html"])
+def test_axe_finds_nothing(name: str, scheme: str, page: object, address: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="make test-browser installs it").Axe()
+    page.set_viewport_size({"width": 1100, "height": 900})
+    page.emulate_media(color_scheme=scheme)
+    page.goto(f"{address}/{name}")
+    page.locator(".md-code__nav[aria-label]").first.wait_for(state="attached") if name == "index.html" else None
+    found = axe.run(page).response["violations"]
+    page.emulate_media(color_scheme="light")
+    assert [(violation["id"], [node["target"] for node in violation["nodes"]]) for violation in found] == []

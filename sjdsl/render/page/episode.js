@@ -7,6 +7,7 @@ const SPEEDS = [1, 2, 4, 8, 16, 32]; // moments a second
 async function showEpisode(root, data) {
   const find = (name) => root.querySelector(`[data-part="${name}"]`);
   if (data.format !== FORMAT) {
+    find("message").hidden = false;
     find("message").textContent = `This page shows episodes of format ${FORMAT}, and this is one of format ${data.format}.`;
     return;
   }
@@ -39,11 +40,13 @@ async function showEpisode(root, data) {
     clearInterval(timer);
     timer = null;
     play.textContent = "Play";
+    find("step").ariaLive = "polite";
   }
 
   function start() {
     if (number === last) show(0);
     play.textContent = "Pause";
+    find("step").ariaLive = "off"; // many steps a second are too many to be read out
     timer = setInterval(() => (number < last ? show(number + 1) : pause()), 1000 / Number(speed.value));
   }
 
@@ -52,7 +55,8 @@ async function showEpisode(root, data) {
   find("forward").addEventListener("click", () => { pause(); show(number + 1); });
   scrub.addEventListener("input", () => { pause(); show(Number(scrub.value)); });
   speed.addEventListener("change", () => { if (timer !== null) { pause(); start(); } });
-  window.addEventListener("resize", () => show(number));
+  new ResizeObserver(() => show(number)).observe(find("stage"));
+  if (window.parent !== window) new ResizeObserver(tellHeight).observe(root);
   root.ownerDocument.addEventListener("keydown", (event) => {
     if (event.target.matches("input, select, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === " ") play.click();
@@ -64,6 +68,11 @@ async function showEpisode(root, data) {
     event.preventDefault();
   });
   show(0);
+}
+
+// Tells the page around this one how high it is, so that its frame can be as high.
+function tellHeight() {
+  window.parent.postMessage({ episodeHeight: document.documentElement.offsetHeight }, "*");
 }
 
 // Makes a row for each agent; returns what fills each of them from a moment.
