@@ -58,6 +58,6 @@ export class Problems {
       const repairs = row.actions.map((action) => element("button", { class: "fix", title: action.name, onclick: () => action.apply(view, row.from, row.from) }, `Fix: ${action.name}`));
       return element("li", {}, go, ...repairs);
     }));
-    if (view.hasFocus) view.dispatch({ effects: EditorView.scrollIntoView(view.state.selection.main.head) }); // the strip may have grown over it
+    if (view?.hasFocus) view.dispatch({ effects: EditorView.scrollIntoView(view.state.selection.main.head) }); // the strip may have grown over it
   }
 }
