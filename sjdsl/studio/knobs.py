@@ -5,6 +5,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import Level
+from sjdsl.interpreter.numbers import real
 
 INFINITE = 1e9  # a limit beyond it is none
 MOST = 400  # entries of one table that are shown
@@ -20,7 +21,8 @@ def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
     for param in game.params:
         type_ = param.type
         low, high = (limit if abs(limit) < INFINITE else None for limit in (type_.low, type_.high))
-        entries = list(_entries(values[param.name], param.value, type_.by, type_.kind == "word"))
+        written = real(param.value) if type_.kind == "real" else param.value
+        entries = list(_entries(values[param.name], written, type_.by, type_.kind == "word"))
         found.append(
             {
                 "name": param.name,

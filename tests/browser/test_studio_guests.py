@@ -86,18 +86,18 @@ def test_what_a_variant_changes_stands_beside(opened: Page) -> None:
 
 def test_tables_act_at_once(opened: Page) -> None:
     type_over(opened, TABLES)
-    cell = opened.get_by_label("pay ripe none")
+    cell = opened.get_by_label("pay ripe none", exact=True)
     expect(cell).to_have_value("3")
     part(opened, "others").select_option("stay")
     drag_agent_to_soil(opened)
     cell.fill("10")
-    opened.get_by_label("wage ripe").fill("5")
+    opened.get_by_label("wage ripe", exact=True).fill("5")
     cell.fill("")  # no number: nothing is set
     part(opened, "forward").click()
     rewards = part(opened, "agents").locator("tr td:nth-child(3)")
     expect(rewards.filter(has_text="16")).to_have_count(1)
     type_over(opened, TABLES + "# mine\n")
-    expect(opened.get_by_label("pay ripe none")).to_have_value("10")
+    expect(opened.get_by_label("pay ripe none", exact=True)).to_have_value("10")
 
 
 def drag_agent_to_soil(page: Page) -> None:

@@ -184,6 +184,8 @@ def test_a_require_is_kept_whatever_is_set(bench: Bench) -> None:
     ask(bench, do="number", name="fine", value=3)
     assert "refused" not in ask(bench, do="number", name="tax", value=2)
     assert opened(bench, text, params={"fine": 3, "tax": 2})["game"]["left"] == []
+    (tenth,) = opened(bench, GAME.replace("fine : reward = 1", "fine : reward = 0.1"))["game"]["numbers"]
+    assert tenth["entries"][0][1] == tenth["entries"][0][2], "no reason to offer a way back"
     later = opened(bench, text.replace("tax <= fine", "tax == 0"), params={"fine": 3, "tax": 2})["game"]
     assert later["left"] == ["tax"], "the last one set goes"
     assert {n["name"]: n["entries"][0][1] for n in later["numbers"]} == {"tax": 0, "fine": 3}

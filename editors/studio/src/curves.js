@@ -13,6 +13,7 @@ export class Curves {
     this.at = 0;
     find("returns").addEventListener("click", (event) => this.clicked(event));
     new ResizeObserver(() => this.paint()).observe(find("curves"));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.soon());
   }
 
   // Another game or other rules. metrics: each [name, whether its counts add up].

@@ -174,7 +174,7 @@ function isUnsaved() {
 }
 
 function toLine(number, at = null) {
-  const from = at ?? view.state.doc.line(Math.min(number, view.state.doc.lines)).from;
+  const { doc } = view.state, from = Math.min(at ?? doc.line(Math.min(number, doc.lines)).from, doc.length);
   showPane("text");
   view.dispatch({ selection: { anchor: from }, effects: EditorView.scrollIntoView(from, { y: "center" }) });
   view.focus();

@@ -13,7 +13,7 @@ export function makePanes(moved) {
   const show = () => {
     for (const bar of bars) {
       const side = bar.dataset.side;
-      main.style.setProperty(`--${side}`, `${sides[side]}%`);
+      main.style.setProperty(`--${side}-pane`, `${sides[side]}%`);
       bar.setAttribute("aria-valuenow", Math.round(sides[side]));
     }
     moved();

@@ -1,5 +1,6 @@
 // What is wrong with the text, in a strip under it: each message with its line and its repairs; a click leads there.
 
+import { EditorView } from "@codemirror/view";
 import { diagnosticsOf } from "./language.js";
 import { element, find } from "./dom.js";
 
@@ -57,5 +58,6 @@ export class Problems {
       const repairs = row.actions.map((action) => element("button", { class: "fix", title: action.name, onclick: () => action.apply(view, row.from, row.from) }, `Fix: ${action.name}`));
       return element("li", {}, go, ...repairs);
     }));
+    if (view?.hasFocus) view.dispatch({ effects: EditorView.scrollIntoView(view.state.selection.main.head) }); // the strip may have grown over it
   }
 }
