@@ -46,17 +46,17 @@ SHOWN = "sjdsl:shown"  # the key of its digest in a picture's file
 OURS = "our_"
 GAMES = """These games come with sjdsl. Each is a text of about eighty lines in [games/](../games), and this page is generated from them with
 `make docs`. `sjdsl doc GAME` prints all the rules of a game in plain English, and `sjdsl diff GAME --variants A B`
-prints what a variant changes. The further families of Melting Pot have a page of their own, [meltingpot.md](meltingpot.md).
+prints what a variant changes. Melting Pot's other games are on the page [meltingpot.md](meltingpot.md).
 
 Paradigm, long term impact, multi task and difficulty are those of the SocialJax paper (ICLR 2026), for the games it has. Columns that begin
-with `our` are our own judgement. A comment beside the line in the game gives the reason."""
+with `our` are our own judgement; a comment in the game's file gives the reason."""
 VARIANT = "socialjax"
 HEADINGS = ("agent: self", "agent: other same heading", "agent: other turned right", "agent: other opposite", "agent: other turned left")
 OWN_HEADING = tuple(f"agent.heading: {way}" for way in ("north", "east", "south", "west"))  # in the table's row on windows
 RELEASED = """Each game of the paper has a variant `socialjax` with the rules and the observation of the released code. Things that look alike
-to its agents look alike here too. This table lists all remaining differences. Its first rows are found by comparing the channels."""
-MELTING_POT = """Each substrate of Melting Pot 2 is a bundled game in one of its variants. Families that are also among
-[sjdsl's own games](games.md) are variants there; all others are files in [games/meltingpot/](../games/meltingpot).
+to its agents look alike here too. This table lists all remaining differences. The first rows come from comparing the observations' channels."""
+MELTING_POT = """Each substrate of Melting Pot 2 is a bundled game, or a variant of one. Where [sjdsl already has the game](games.md) (Clean Up,
+Coins, ...), the substrate is its variant `meltingpot`; otherwise it has its own file in [games/meltingpot/](../games/meltingpot).
 `make docs` generates this page from [games/meltingpot.toml](../games/meltingpot.toml)."""
 USE = """Make one with `sjdsl.make("GAME", variant="VARIANT")`, or by the substrate's own name with [`sjdsl.interop.dm_env`](interop/dm_env.md):
 
@@ -75,8 +75,8 @@ EVERYWHERE = (
     "Waits, pauses and periods are as long as in the original: tests compare them with "
     "[its figures](../tests/meltingpot/original.toml), which [a script](../bench/meltingpot_figures.py) measures.",
     "Starting places are visible, except in games that hide them; in the original, they look like floor.",
-    "A player who comes back can fire in the next step; in some games of the original, only after a whole pause.",
-    "`sjdsl.interop.dm_env` gives the observations that a substrate lists beside its picture, except `MY_OFFER`, `OFFERS`, `HUNGER`, "
+    "A player who comes back can fire in the next step; in some games of the original, only after a full waiting time.",
+    "`sjdsl.interop.dm_env` gives the observations that a substrate lists in addition to its picture, except `MY_OFFER`, `OFFERS`, `HUNGER`, "
     "`NUM_OTHERS_WHO_CLEANED_THIS_STEP` and `MISMATCHED_COIN_COLLECTED_BY_PARTNER`.",
 )
 
@@ -348,7 +348,7 @@ def melting_pot_page() -> str:
         for e in written
     ]
     lines += [*table(("substrate", "game", "variant", "agents", "map"), rows), ""]
-    lines += ["## What differs", "", "A sentence that names no substrate applies to all substrates of its game.", ""]
+    lines += ["## What differs", "", "A sentence applies to all substrates of its game, unless it names one.", ""]
     lines += [
         *table(
             ("game", "what differs from the original, and why", "what the language can't express, and what it would need"),

@@ -155,17 +155,22 @@ def in_folder(run: str, variant: str) -> str:
     return f"{run}_{variant}" if variant else run
 
 
+def opening(found: Iterable[Game]) -> str:
+    """Returns the first paragraph of the page: which experiments these are, how long they ran here and in the paper, under which rules."""
+    steps = pd.concat([game.rows for game in found if game.name in published.suite()]).steps
+    ours = " to ".join(dict.fromkeys((short(steps.min()), short(steps.max())))) if len(steps) else "no"
+    return (
+        f"We reran experiments of the SocialJax paper (ICLR 2026) for {ours} environment steps per seed; the paper used {published.length()}. "
+        "So any difference from a published figure may be due to the length of training. "
+        "The findings use the paper's rules (rows with `variant socialjax`); all other rows use our own rules."
+    )
+
+
 def method(found: Iterable[Game]) -> list[str]:
-    """Returns paragraphs on the length of training here and in the paper, and on what common reward is."""
+    """Returns paragraphs on where training began, and on what common reward is."""
     seeds = pd.concat([game.rows for game in found])
     suite = seeds[seeds.game.isin(published.suite())]
     paragraphs = []
-    if not suite.empty:
-        ours = " to ".join(dict.fromkeys((short(suite.steps.min()), short(suite.steps.max()))))
-        paragraphs.append(
-            f"A seed here was trained for {ours} environment steps, one of the paper for {published.length()}. "
-            "So any difference from a published figure may be due to the length of training."
-        )
     common = seeds[seeds.reward == "common"]
     kinds = ["sum" if row.algorithm == "vdn" else json.loads(row.settings).get("common_reward", "sum") for row in common.itertuples()]
     names = common.assign(kind=kinds).drop_duplicates(["kind", "algorithm"]).groupby("kind").algorithm.apply(sorted)
@@ -177,8 +182,9 @@ def method(found: Iterable[Game]) -> list[str]:
     begun = suite[suite.settings.str.contains('"init_from"')]
     if not begun.empty:
         paragraphs.append(
-            f"In {', '.join(dict.fromkeys(begun.game))}, each seed started from a policy of its own, trained on a smaller map with the same rules "
-            "(`bench/small_maps`); the steps of that training are not counted. All results are from the game's own map."
+            f"In {', '.join(dict.fromkeys(begun.game))}, each seed with {' or '.join(dict.fromkeys(begun.reward))} reward started from a policy "
+            "of its own, trained on a smaller map with the same rules (`bench/small_maps`); the steps of that training are not counted. "
+            "All results are from the game's own map."
         )
     if said:
         paragraphs.append(f"Common reward combines all agents' rewards: {'; '.join(said)}; in the paper, their sum.")

@@ -21,6 +21,7 @@ from bench.paper.contents import (
     exchanged,
     in_folder,
     in_order,
+    opening,
     sweeps_of,
 )
 from bench.paper.ninety_five_percent_rule import RESAMPLES, choice_frequencies, chosen_ratio
@@ -69,9 +70,9 @@ PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (_angle(90.0), OWN), (_angle(67.5
 
 
 DECIDING = (
-    "Each claim of the paper was tested with runs under its rules. In each game, a claim about returns is decided if p is below "
+    "We tested each claim of the paper with runs under its rules. In each game, a claim about returns is decided if p is below "
     f"{SURE} (Welch's test over seeds): it holds if the difference has the paper's sign. Otherwise it is undecided. We take the paper to "
-    "claim an ordering if its means differ by more than the numbers it prints after ±, or by 5 % if it prints none.",
+    "claim an order of two returns if its means differ by more than the numbers it prints after ±, or by 5 % if it prints none.",
     "A claim about a diagram holds if the verdict over training seeds is a dilemma with the paper's fear or greed. "
     f"Two ways of training converge alike if the 95 % interval of their difference lies within {ALIKE:.0%} of the return.",
 )
@@ -81,9 +82,7 @@ def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the first section of the page: one line for each claim."""
     suite = {game.published: game for game in games if game.published}
     found = [_order(suite, more, less) for more, less in PAIRS]
-    found.append(
-        ("The diagram of trained agents is a dilemma, with the fear or greed that the paper names", "in 9 games", _dilemmas(suite, frame))
-    )
+    found.append(("The diagram of trained agents is a dilemma with the paper's fear or greed", "in 9 games", _dilemmas(suite, frame)))
     alike = {name: _alike(game) for name, game in suite.items()}
     found.append(("IPPO with shared and with separate parameters converge alike", "stated, without figures", alike))
     rows = []
@@ -91,10 +90,13 @@ def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         by_verdict = {verdict: [game for game, one in verdicts.items() if one == verdict] for verdict in (HOLDS, FAILS, UNDECIDED, UNKNOWN)}
         said = [f"{name}: {'all' if len(own) == len(verdicts) else ', '.join(own)}" for name, own in by_verdict.items() if own]
         rows.append((claim, theirs, Figure("; ".join(said), verdicts), f"{len(by_verdict[HOLDS])} of {len(verdicts)}"))
-    told = [(f"{claim} (or less, where the paper has less)" if "less" in theirs else claim, verdicts) for claim, theirs, verdicts in found]
+    told = [
+        (f"the paper's order of {claim.replace(' earns more than ', ' and ')} holds" if "less" in theirs else claim, verdicts)
+        for claim, theirs, verdicts in found
+    ]
     return Section(
         "Findings",
-        ("\n".join(_in_sentences(told)),),
+        (opening(games), "\n".join(_in_sentences(told))),
         (Table("findings", "Claims of the paper", ("claim", "the paper", "ours", "holds in"), rows, 3),),
     )
 
@@ -115,9 +117,10 @@ def _in_sentences(found: Iterable[tuple[str, Mapping[str, str]]]) -> Iterator[st
         ]
         holds = by_verdict[HOLDS]
         named = f" ({', '.join(holds)})" if holds and len(holds) < run else ""
-        yield f"* **{claim[0].upper()}{claim[1:]} in {len(holds)} of {run} games it was run in**{named}{'; ' if others else ''}{'; '.join(others)}."
+        where = f"in {len(holds)} of {run} games that we ran under the paper's rules"
+        yield f"* **{claim[0].upper()}{claim[1:]} {where}**{named}{'; ' if others else ''}{'; '.join(others)}."
     if missing:
-        yield f"* Not run yet: {'; '.join(missing)}."
+        yield f"* Not run yet under the paper's rules: {'; '.join(missing)}."
 
 
 def _order(suite: Mapping[str, Game], more: Compared, less: Compared) -> tuple[str, str, dict[str, str]]:
@@ -193,13 +196,13 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     words = ("game", "the paper calls it", "random policy, over episodes")
     table = compared_table("own_and_common", "Collective return of IPPO", words, ("individual", "common"), lines)
     text = [
-        "If common reward earns the group more, agents that learnt from their own reward ended up worse for the group after this many steps. "
-        "Whether a game is a dilemma is answered by the Schelling diagrams below. p is for each game alone, not corrected for their number."
+        "A higher return under common reward doesn't make the game a dilemma; the Schelling diagrams below test that. "
+        "p is for each game alone, not corrected for the number of games."
     ]
     if below:
         text.append(
             f"Returns below those of a random policy: {'; '.join(below)}. "
-            "Where resources regrow, agents that have only learnt to harvest fast can leave less than agents that have learnt nothing."
+            "If resources regrow, agents that have only learnt to harvest fast can earn less than agents that have learnt nothing."
         )
     for (label, *_), *pair in lines:
         text += [f"* {label}: {said}" for said in unlike_settings(dict(zip(("individual", "common"), pair, strict=True)), OF_COMMON)]
@@ -306,7 +309,7 @@ def exchange(games: Sequence[Game]) -> Section:
         title = f"How often the rule chooses each ratio in {RESAMPLES:,} resamplings of seeds"
         tables.append(Table("exchange_choices", title, ("game", *names.values(), "none"), choices))
         text.append(
-            "The trained seeds are resampled to see how often each ratio is chosen. With few seeds, that says little about other seeds."
+            "We resample the trained seeds to see how often the rule chooses each ratio. With few seeds, this says little about other seeds."
         )
     pictures = (Picture("exchange", "returns by exchange ratio", partial(draw_series, panels, "exchange ratio", "collective return")),)
     fill = sweeps_of(missing, "--protocol exchange", "runs/exchange")
@@ -334,7 +337,7 @@ def svo(games: Sequence[Game]) -> Section:
         "The weight is the best one at 90 degrees, in the first table. The angles are trained at that weight with other seeds, because the best "
         "of several noisy means is too high on average.",
         "An agent that seeks 90 degrees gains 1.57 times the weight (a quarter turn in radians) in each step in which others are rewarded and it "
-        "is not, counted from a step in which nobody is: `svo_at_rest=selfish`, as in the released code.",
+        "is not, compared with a step in which nobody is rewarded: `svo_at_rest=selfish`, as in the released code.",
     ]
     if alone:
         text.append(
@@ -403,8 +406,8 @@ def metrics(games: Sequence[Game]) -> Section:
         lines += beside(game.label, cells, printed, (metric.what, "; ".join(chosen)))
     text = [
         "The paper measures cooperation in each game by one figure. "
-        "The exchange column has the ratio with the best return, and the SVO column has 90 degrees at the weight shown. "
-        "Each says how many were tried here; the paper tried four ratios and six weights.",
+        "The exchange column shows the ratio with the best return, and the SVO column 90 degrees at the weight shown. "
+        "The column `chosen` says how many ratios and weights we tried; the paper tried four ratios and six weights.",
         f"Published: {published.source('metrics')}.",
         *_remarks(games, "metrics"),
     ]

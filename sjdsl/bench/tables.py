@@ -59,7 +59,7 @@ def cost_table(report: Report) -> Table:
         slowest = max(speed.loop_compile_s for speed in speeds.values())
         rows.append((*_labels(form), *_step_cells(steps.get(form)), f"{slowest:.1f} s", *memory))
     headings = (*FORM, "step compile", "StableHLO lines", "loop compile", *columns(numbers))
-    return Table("one step compiled, its size; the loop compiled, the memory XLA needs for it", headings, tuple(rows), len(FORM))
+    return Table("compile time and size of one step; compile time of the loop, and the memory it needs", headings, tuple(rows), len(FORM))
 
 
 def relation_table(report: Report) -> Table:

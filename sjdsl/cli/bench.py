@@ -186,7 +186,7 @@ def choose_tasks(
                 tasks += _tasks_of(game, variant, number, observations)
             except CompileError as error:
                 messages = "; ".join(mistake.message for mistake in error.diagnostics)
-                refused.append(f"{game} is left out with {number} agents: {messages}")
+                refused.append(f"{game} can't have {number} agents: {messages}")
     if not tasks:
         raise click.ClickException("; ".join(refused))
     return tasks, refused

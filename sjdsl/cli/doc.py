@@ -16,7 +16,10 @@ from sjdsl.files import write_whole
 @variant_option
 @click.option("-o", "output", metavar="FILE", help="Write to this file instead of printing.")
 def command(game: str, variant: str | None, output: str | None) -> None:
-    """Prints the rules of GAME, a `.sj` file or a bundled or installed game, in plain English, in the order of the ODD protocol."""
+    """Prints the rules of GAME in plain English, in the order of ODD, a standard for describing agent-based models.
+
+    GAME is a `.sj` file or a bundled or installed game.
+    """
     if output is not None:
         require_folder_of(Path(output))
     text = rule_sheet(read_written(open_game(game), split_variants(variant)))

@@ -117,7 +117,11 @@ def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ())
         places: dict[str, list[str]] = {}
         for place, own in settings.items():
             places.setdefault(json.dumps(own[name]) if name in own else "the default", []).append(place)
-        if len(places) > 1:
+        fresh = places.get("the default", [])
+        if name == "init_from" and fresh and len(places) > 1:
+            begun = ", ".join(place for place in settings if place not in fresh)
+            found.append(f"the seeds of {begun} started from a trained policy; those of {', '.join(fresh)} didn't.")
+        elif len(places) > 1:
             said = (f"{value} in {', '.join(named)}" for value, named in places.items())
             found.append(f"`{name}` is {'; '.join(said)}.")
     return found

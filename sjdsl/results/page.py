@@ -55,7 +55,7 @@ def _section_text(section: Section, folder: str) -> str:
         parts += [f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):", _table_text(table)]
     parts += [f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
     if section.fill:
-        missing = "To fill the empty cells:" if section.tables or section.pictures else "There are no results yet. To produce them:"
+        missing = "To add the missing results:" if section.tables or section.pictures else "There are no results yet. To produce them:"
         parts += [missing, "```\n" + "\n".join(section.fill) + "\n```"]
     return "\n\n".join(parts)
 

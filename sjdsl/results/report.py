@@ -25,7 +25,7 @@ METHOD = (
     "A cell is the mean over training seeds, with its 95 % interval (Student's t) in brackets. A single seed has no interval. "
     "A cell with a diverged seed (non-finite loss) has failed, and has no mean. "
     "Returns are summed over agents, and averaged over the episodes in which the last policy of a seed was evaluated.",
-    "Seeds with different settings are never averaged. `rules` and six letters mark results under rules that the bundled game no longer has.",
+    "Seeds with different settings are never averaged. `rules 1a2b3c` (the start of a hash) marks results under an older version of the game's rules.",
 )
 
 

@@ -17,7 +17,7 @@ def test_a_game_without_room_comes_as_its_crowd_and_one_that_refuses_is_named() 
         ("pd_arena", 20, 20),
     ]
     (line,) = refused
-    assert line == "coins is left out with 20 agents: `players` is 20, outside 2 .. 2 (two colours, an agent for each)"
+    assert line == "coins can't have 20 agents: `players` is 20, outside 2 .. 2 (two colours, an agent for each)"
 
 
 def test_each_observation_is_a_task() -> None:
