@@ -1,4 +1,4 @@
-"""Games of the tests, made once: a matrix game of two, and public goods of several; and policies that always do the same."""
+"""Games of the tests, made once: a matrix game of two, and public goods of several, linear or with a threshold; and policies that always do the same."""
 
 from collections.abc import Callable
 from functools import cache
@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import sjdsl
 
 GAMES = Path(__file__).parent / "games"
-MATRIX, GOODS = GAMES / "matrix_game.sj", GAMES / "public_goods.sj"
+MATRIX, GOODS, THRESHOLD = GAMES / "matrix_game.sj", GAMES / "public_goods.sj", GAMES / "threshold_goods.sj"
 
 
 @cache
@@ -24,6 +24,12 @@ def matrix_game(variant: str | None = None) -> Any:
 def public_goods(players: int, ranked: float = 0.0) -> Any:
     """Two steps; who stays gives 1, who `keep`s does not. With `ranked` the agent's number is added, or a hundred of it taken."""
     return sjdsl.make(GOODS, params={"players": players, "ranked": ranked})
+
+
+@cache
+def threshold_goods(players: int) -> Any:
+    """Two steps; who stays pays 1, who `keep`s does not, and all have 4 where 2 at least have paid."""
+    return sjdsl.make(THRESHOLD, params={"players": players})
 
 
 @cache

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sjdsl.experiments.contrasts import JOINT_CONFIDENCE, Returns, contrast_samples, estimate_contrasts, estimate_lines, preferences
-from sjdsl.experiments.verdict import judge, samples_wanted
+from sjdsl.experiments.verdict import judge, samples_wanted, share_that_may_differ
 
 DATA_SETS = 2000
 
@@ -92,6 +92,14 @@ def test_a_verdict_that_rests_on_equal_samples_names_them(samples: tuple[np.ndar
     assert (found.outcome, found.without_spread) == (outcome, named)
 
 
+@pytest.mark.parametrize("number", [2, 30, 300])
+def test_the_share_that_may_differ_is_seldom_exceeded(number: int) -> None:
+    """Were it larger than the bound, so many equal samples would be found in fewer than 5 % of all data sets."""
+    bound = share_that_may_differ(number)
+    assert (1 - bound) ** number == pytest.approx(0.05)
+    assert f"{100 * bound:.2g}" == {2: "78", 30: "9.5", 300: "0.99"}[number]
+
+
 def test_one_episode_decides_nothing() -> None:
     found = judge(contrast_samples(returns_of([0.0, 3.0], [1.0, 5.0], episodes=1)))
     assert (found.outcome, found.wanted) == ("undecided", None)
@@ -155,6 +163,33 @@ def test_the_four_intervals_hold_together(game: str, units: int) -> None:
         held += all(found[name].low <= value <= found[name].high for name, value in truth.items())
     assert held / DATA_SETS >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / DATA_SETS)
     assert pytest.approx(0.9875) == JOINT_CONFIDENCE
+
+
+@pytest.mark.parametrize(("corners", "right"), [((0.0, 1.0, 1.0, 2.0), "no dilemma"), ((1.0, 3.0, 0.0, 3.0), "no dilemma")])
+def test_verdicts_at_the_border_are_seldom_wrong(corners: tuple[float, float, float, float], right: str) -> None:
+    """R = P, and neither fear nor greed (T = R, P < S): the other verdict in at most 5 % of 2,000 data sets."""
+    outcomes = [judge_fast(samples) for samples in noisy(np.random.default_rng(5), DATA_SETS, corners, 1.0, 12)]
+    wrong = sum(outcome not in (right, "undecided") for outcome in outcomes)
+    assert wrong / DATA_SETS <= 0.05
+
+
+LINES = {  # of N players: C(l) and D(l)
+    "linear": lambda n, other: (2.0 * (other + 1) / n - 1, 2.0 * other / n),  # doubled
+    "threshold": lambda n, other: (3.0 * (other + 1 >= n // 2 + 1) - 1, 3.0 * (other >= n // 2 + 1)),  # a benefit of 3 at a cost of 1
+}
+
+
+@pytest.mark.parametrize("players", [4, *(pytest.param(n, marks=pytest.mark.thorough) for n in (2, 3, 5, 6, 7, 8))])
+@pytest.mark.parametrize("goods", LINES)
+def test_the_intervals_hold_together_for_games_of_more_agents(goods: str, players: int) -> None:
+    """Noise on both lines, for N = 2..8: at least 95 % of 2,000 data sets, less three standard errors of such a share."""
+    c, d = zip(*(LINES[goods](players, other) for other in range(players)), strict=True)
+    truth = {"A": c[-1] - d[0], "B": c[-1] - c[0], "fear": d[0] - c[0], "greed": d[-1] - c[-1]}
+    held = 0
+    for samples in noisy_lines(np.random.default_rng(players), DATA_SETS, c, d, 2.0, 10):
+        found = estimate_contrasts(samples)
+        held += all(found[name].low <= value <= found[name].high for name, value in truth.items())
+    assert held / DATA_SETS >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / DATA_SETS)
 
 
 def judge_fast(samples: dict[str, np.ndarray]) -> str:

@@ -74,6 +74,16 @@ def test_a_line_up_of_one_policy_is_its_evaluation(tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
+def test_a_mixture_of_one_policy_with_itself_is_its_evaluation_among_others_too(tmp_path: Path) -> None:
+    env = matrix_game()
+    names = [*(str(store(tmp_path / str(seed), env, seed, memory="gru")) for seed in range(2)), "random"]
+    found = cross_play(env, policies=names, mix="pairs", episodes=6, seed=4)
+    for number, name in enumerate(names):
+        alone = next(part for part in found.parts if part.lineup == (number, number))
+        np.testing.assert_array_equal(alone.played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns)
+
+
+@pytest.mark.thorough
 def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path: Path) -> None:
     env = matrix_game()
     pool = str(store_pool(tmp_path / "run", env, (4, 5, 6)))

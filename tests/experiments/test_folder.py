@@ -151,3 +151,12 @@ def test_a_half_written_folder(tmp_path: Path, played: list[Any]) -> None:
     with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to resume"):
         play("schelling", folder)
     assert {path: path.read_bytes() for path in before if path != asked} == {path: text for path, text in before.items() if path != asked}
+
+
+def test_a_folder_in_use_is_not_written_to(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ExperimentError, match=r"not empty and holds no experiment to resume \(notes.txt\)"):
+        play("schelling", tmp_path)
+    with pytest.raises(ExperimentError, match="is a file"):
+        play("schelling", tmp_path / "notes.txt")
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]

@@ -1,10 +1,14 @@
 """Line-ups: how many there are, and who gets which slot."""
 
+from collections import Counter
+from math import factorial
+
 import numpy as np
 import pytest
+from scipy import stats
 
 from sjdsl.experiments import ExperimentError
-from sjdsl.experiments.lineups import all_mixtures, as_given, key_words, orders_of, paired_mixtures, play_key, visiting
+from sjdsl.experiments.lineups import all_mixtures, as_given, cooperating, key_words, orders_of, paired_mixtures, play_key, visiting
 from sjdsl.trainers.evaluation import evaluation_key
 
 
@@ -31,12 +35,24 @@ def test_pairs() -> None:
     assert visiting(1, 0, 4) == (0, 0, 0, 1)
 
 
+def test_cooperators_come_first() -> None:
+    assert [cooperating(k, 3) for k in range(4)] == [(1, 1, 1), (0, 1, 1), (0, 0, 1), (0, 0, 0)]
+
+
 def test_orders_do_not_depend_on_the_number_of_episodes() -> None:
     orders = orders_of(3, 1, 50, 5)
     np.testing.assert_array_equal(orders[:20], orders_of(3, 1, 20, 5))
     np.testing.assert_array_equal(np.sort(orders, axis=1), as_given(50, 5))
     assert (orders != orders_of(3, 0, 50, 5)).any()
     assert (orders != orders_of(4, 1, 50, 5)).any()
+
+
+def test_every_order_is_as_likely() -> None:
+    """Chi-square of 3,000 orders of four slots, at one in a million."""
+    found = Counter(map(tuple, orders_of(0, 0, 3000, 4).tolist()))
+    expected = 3000 / factorial(4)
+    assert len(found) == factorial(4)
+    assert sum((count - expected) ** 2 / expected for count in found.values()) < stats.chi2.ppf(1 - 1e-6, factorial(4) - 1)
 
 
 def test_replicates_have_keys_of_their_own() -> None:

@@ -8,14 +8,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_games import GAMES
+from small_games import GAMES, matrix_game
+from stored_policies import store, store_pool
 
 import sjdsl
 from sjdsl.compiler import ir
 from sjdsl.experiments import ExperimentError, play_scenarios
-from sjdsl.experiments.lineups import orders_of
+from sjdsl.experiments.lineups import orders_of, play_key
 from sjdsl.experiments.scenario_scores import ScenarioScore, ScenarioScores
+from sjdsl.experiments.scenarios import plan_scenarios
 from sjdsl.experiments.summaries import scenarios_text
+from sjdsl.trainers import PolicyError, evaluate, find_policy, make_config, train
+from tests.trainers.probes import constant
 
 VISITORS = GAMES / "visitors.sj"
 FITTING = ("visitor", "intruded", "alone")  # with four agents
@@ -146,10 +150,47 @@ def test_a_score_that_is_not_defined(best: list[float]) -> None:
     assert "the score is undefined: the best scripted focal policy, cooperator, earns" in score.caution
 
 
+def test_a_score_that_may_be_a_share_of_nothing() -> None:
+    score = scored([[3.0, 5.0]], random=[1, 1], stay=[0, 4])
+    assert score.score == 3.0
+    assert "the score is uncertain: stay minus random is 1, with the interval [-24.41, 26.41]" in score.caution
+    assert "of unknown width" in scored([[3.0]], random=[1], stay=[2]).caution
+
+
 def test_intervals_are_over_training_seeds_where_there_are_two() -> None:
     seeds = scored([[1.0, 3.0], [5.0, 5.0], [8.0, 8.0]], random=[1, 1], stay=[9, 9])
     assert seeds.focal.mean == 5.0
     assert seeds.focal.high - seeds.focal.mean == pytest.approx(4.302653 * 3 / np.sqrt(3))  # t(0.975, 2), standard deviation 3
+
+
+@pytest.mark.thorough
+def test_networks_with_memory_of_their_own_and_several_seeds(tmp_path: Path) -> None:
+    """Who visits those who keep has, of each 1 that it gives, a half: what it gives in slot i is known from its evaluation."""
+    env = visitors(4, 0.0)
+    pool = store_pool(tmp_path / "run", env, (5, 6), sharing="per_agent", memory="gru")
+    found = play_scenarios(env, pool, "visitor", EPISODES, SEED, folder=pool)
+    assert (found.unit, found.population, found.asked) == ("training seed", "2 training seeds", ("visitor",))
+    for replicate, seed in enumerate((5, 6)):
+        alone = evaluate(env, find_policy(f"{pool}/seed_{seed}", env), play_key(SEED, 0), EPISODES).events["given"]
+        assert (alone == alone[0]).all(), "actions are certain"
+        orders = orders_of(SEED, replicate, EPISODES, 4)
+        assert found["visitor"].focal_returns[replicate].tolist() == [-alone[0][order[0]] / 2 for order in orders]
+    assert len(set(found["visitor"].focal_returns.ravel())) > 1
+    stored = json.loads((pool / "scenarios.json").read_text())
+    assert (stored["unit"], stored["units"], stored["training_seeds"]) == ("training seed", 2, [5, 6])
+    assert np.shape(stored["scenarios"]["visitor"]["returns"]["focal"]) == (2, EPISODES)
+
+
+@pytest.mark.thorough
+def test_who_learns_to_keep_scores_as_who_keeps(tmp_path: Path) -> None:
+    env = visitors(4, 0.0)
+    values = {"network": "mlp", "network_width": 8, "num_envs": 32, "num_steps": 8, "num_minibatches": 1, "learning_rate": 0.02}
+    train(env, make_config(values, total_timesteps=10_240, anneal_learning_rate=False, seed=1), tmp_path / "run", progress="none")
+    found = play_scenarios(env, tmp_path / "run", "visitor", 20)
+    assert found["visitor"].best == "keeper"
+    score = found["visitor"].score
+    assert score is not None
+    assert score > 0.8
 
 
 def test_the_example_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -166,3 +207,55 @@ def test_the_example_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         pytest.approx((4.0 - visitor.baseline("random").mean) / (16 / 3 - visitor.baseline("random").mean)),
     )
     assert "Estimate(mean=" in capsys.readouterr().out
+
+
+def test_what_is_refused() -> None:
+    env = visitors()
+    for names, said in (
+        ("visitr", r"there is no scenario `visitr`; did you mean `visitor`\?"),
+        ("nobody", "there is no scenario `nobody`; those of visitors are visitor, intruded, three, alone"),
+        ((), "name at least one scenario"),
+        ("three", "the scenario `three` doesn't fit 4 agents: it has 3 slots; name another, such as visitor"),
+        ("all", "the scenario `three` doesn't fit 4 agents"),
+    ):
+        with pytest.raises(ExperimentError, match=said):
+            plan_scenarios(env, "giver", names, 2, 0)
+    with pytest.raises(ExperimentError, match="`three` doesn't fit 2 agents: it has 3 slots"):
+        plan_scenarios(visitors(2), "giver", "all", 2, 0)
+    with pytest.raises(
+        ExperimentError, match="a scenario needs at least two agents, and visitors has one here; ask for more with --agents"
+    ):
+        plan_scenarios(visitors(1), "giver", "all", 2, 0)
+    with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
+        plan_scenarios(env, "giver", "visitor", 0, 0)
+    with pytest.raises(PolicyError, match=r"there is no policy `givr`; did you mean `giver`\?"):
+        plan_scenarios(env, "givr", "visitor", 2, 0)
+    for without in (matrix_game(), constant(1.0)):
+        with pytest.raises(
+            ExperimentError, match=r"has no scenarios; write one into the game's file, such as `scenario visitors .* slots 1 focal"
+        ):
+            plan_scenarios(without, "random", "all", 2, 0)
+
+
+def test_a_scenario_of_fewer_agents_than_its_slots(tmp_path: Path) -> None:
+    """A number of slots that is counted from that of agents can be below none, or none for the focal agents."""
+    text = VISITORS.read_text().replace("slots 1 focal  slots players - 1 policy", "slots players - 3 focal  slots 3 policy")
+    (tmp_path / "few.sj").write_text(text.replace("count  = 3", "count  = 4").replace("slots 1 policy giver", "slots 2 policy giver"))
+    with pytest.raises(ExperimentError, match="`visitor` doesn't fit 3 agents: it has no focal slot"):
+        plan_scenarios(sjdsl.make(tmp_path / "few.sj", num_agents=3), "giver", "visitor", 2, 0)
+    with pytest.raises(ExperimentError, match="`visitor` doesn't fit 2 agents: it would have -1 slots of focal agents"):
+        plan_scenarios(sjdsl.make(tmp_path / "few.sj", num_agents=2), "giver", "visitor", 2, 0)
+
+
+def test_runs_of_another_game_and_of_another_form(tmp_path: Path) -> None:
+    env = visitors()
+    file = store(tmp_path / "other", env, 0, game={"name": "coins"})
+    with pytest.raises(ExperimentError, match="was trained on another game: coins there, visitors here"):
+        plan_scenarios(env, str(file), "visitor", 2, 0)
+    file = store(tmp_path / "form", env, 0, game={"hash": "0123456789abcdef"})
+    with pytest.warns(UserWarning, match="another form of the game: visitors 0123456789abcdef"):
+        planned = plan_scenarios(env, str(file), "visitor", 2, 0)
+    assert "another form of the game" in planned.describe()["notes"][0], "it is in the files, too"
+    planned_again = plan_scenarios(env, str(store(tmp_path / "a", env, 0)), "visitor", 2, 0).describe()
+    moved = plan_scenarios(env, str(store(tmp_path / "b", env, 0)), "visitor", 2, 0).describe()
+    assert planned_again == moved, "a policy is known by what it is, not by where it lies"

@@ -9,15 +9,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax import Array
-from small_games import OTHER, STAY, matrix_game, public_goods
+from small_games import OTHER, STAY, matrix_game, public_goods, threshold_goods
 
 from sjdsl.experiments import ExperimentError, schelling_diagram
 from sjdsl.experiments.contrasts import Returns
 from sjdsl.experiments.lineups import orders_of, play_key
 from sjdsl.experiments.pictures import draw_diagram
 from sjdsl.experiments.playing import Experiment, play_experiment
-from sjdsl.experiments.schelling import plan_diagram
+from sjdsl.experiments.schelling import plan_diagram, play_diagram
 from sjdsl.experiments.summaries import diagram_text
+from sjdsl.trainers import evaluate
 
 STEPS = 4
 # S, R, P, T a step, and what they make.
@@ -47,6 +48,38 @@ def test_matrix_games_exactly(variant: str | None) -> None:
     assert [sign for _, sign in found.preferences] == ["defect" if value > 0 else "cooperate" for value in (p - s, t - r)]
 
 
+CROWDS = [2, 5, *(pytest.param(players, marks=pytest.mark.thorough) for players in (3, 4, 6, 7, 8))]
+
+
+@pytest.mark.parametrize("players", CROWDS)
+def test_linear_public_goods_exactly(players: int) -> None:
+    """C(l) = r (l + 1) / N - 1 and D(l) = r l / N a step, of two steps: a dilemma exactly if 1 < r < N, with the borders."""
+    for r in (0.5, 1.0, (1 + players) / 2, float(players), players + 1.0):
+        env = public_goods(players)
+        found = schelling_diagram(env.with_params(replace(env.params, multiplier=jnp.float32(r))), STAY, OTHER, episodes=2)
+        rounding = 2 * max(r, 1) * 4 * 2**-24  # of float32, in two steps: 1 / N, the share, the subtraction, the sum
+        exact = pytest.approx([2 * (r * (others + 1) / players - 1) for others in range(players)], rel=0, abs=rounding)
+        assert [figure.mean for figure in found.cooperating] == exact, r
+        exact = pytest.approx([2 * r * others / players for others in range(players)], rel=0, abs=rounding)
+        assert [figure.mean for figure in found.defecting] == exact, r
+        assert [figure.high - figure.low for figure in found.everybody] == [0.0] * (players + 1)
+        assert found.verdict.outcome == ("dilemma" if 1 < r < players else "no dilemma"), r
+        assert [sign for _, sign in found.preferences] == ["defect" if r < players else "equal" if r == players else "cooperate"] * players
+
+
+@pytest.mark.parametrize("players", CROWDS)
+def test_threshold_public_goods_exactly(players: int) -> None:
+    """Everybody has b where k agents at least have paid c: the lines cross only at l = k - 1, where one more payment is the one that is missing."""
+    b, c = 4, 1
+    for k in range(1, players + 1):
+        env = threshold_goods(players)
+        found = schelling_diagram(env.with_params(replace(env.params, needed=jnp.int32(k))), STAY, OTHER, episodes=2)
+        assert [figure.mean for figure in found.cooperating] == [2 * (b * (others + 1 >= k) - c) for others in range(players)], k
+        assert [figure.mean for figure in found.defecting] == [2 * b * (others >= k) for others in range(players)], k
+        assert [sign for _, sign in found.preferences] == ["cooperate" if others == k - 1 else "defect" for others in range(players)], k
+        assert found.verdict.outcome == ("no dilemma" if k == 1 else "dilemma"), "where one who pays is enough, all who pay have no more"
+
+
 def test_what_a_cooperator_earns_is_in_the_cooperators_line() -> None:
     """Each is paid by its number, more where it gives, less where it keeps: a slot in the wrong line would show."""
     env, episodes, seed = public_goods(4, ranked=1.0), 6, 3
@@ -62,6 +95,16 @@ def test_what_a_cooperator_earns_is_in_the_cooperators_line() -> None:
             assert np.isnan(of_givers) if k == 0 else of_givers == np.mean(givers)
             assert np.isnan(of_keepers) if k == 4 else of_keepers == np.mean(keepers)
             assert found.returns.everybody[k, 0, episode] == np.mean(givers + keepers)
+
+
+def test_a_policy_against_itself_is_its_evaluation() -> None:
+    """In each line-up the same episodes, which are those that `evaluate` plays."""
+    env = public_goods(3, ranked=1.0)
+    found = schelling_diagram(env, "random", "random", episodes=5, seed=7)
+    played = evaluate(env, jax.jit(lambda key, _: jax.random.randint(key, (3,), 0, 2, np.int32)), play_key(7, 0), 5)
+    for k in range(4):
+        np.testing.assert_array_equal(found.returns.everybody[k, 0], played.returns.mean(axis=1, dtype=np.float64))
+    assert len(set(found.returns.everybody[0, 0])) > 1
 
 
 def test_figures_are_in_the_files(tmp_path: Path) -> None:
@@ -94,7 +137,7 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     stored = json.loads((tmp_path / "diagram/schelling.json").read_text())["verdict"]
     assert (stored["outcome"], stored["without_spread"], stored["caution"]) == ("no dilemma", ["A"], said)
     assert f"verdict: no dilemma: the upper bound of A is not above 0\n{said}" in diagram_text(found)
-    assert "the verdict rests on samples without spread" in draw_diagram(found).axes[0].get_title("left")
+    assert "the verdict rests on samples without spread" in draw_diagram(found).axes[0].get_title(loc="left")
 
     seeds = replace(found, returns=Returns(*(np.repeat(values, 2, axis=1) for values in astuple(found.returns))))
     assert "up to" in (seeds.caution or "")
@@ -103,7 +146,7 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     noise = np.random.default_rng(0).normal(0, 0.01, (3, 1, 3))
     spread = replace(found, returns=Returns(*(values + noise for values in astuple(found.returns))))
     assert (spread.verdict.outcome, spread.caution) == ("no dilemma", None)
-    assert "spread" not in draw_diagram(spread).axes[0].get_title("left")
+    assert "spread" not in draw_diagram(spread).axes[0].get_title(loc="left")
 
 
 class Stopped(Exception):
@@ -131,6 +174,20 @@ def test_a_stopped_diagram_goes_on_to_the_same_result(tmp_path: Path) -> None:
         assert (tmp_path / "stopped" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
+def test_another_experiment_does_not_go_on_in_the_folder(tmp_path: Path) -> None:
+    plan = plan_diagram(matrix_game(), "stay", OTHER, 2, 0)
+    play_diagram(plan, tmp_path / "diagram", lambda _: None)
+    changed = {
+        "episodes 2 there, 3 here": plan_diagram(matrix_game(), "stay", OTHER, 3, 0),
+        "seed 0 there, 1 here": plan_diagram(matrix_game(), "stay", OTHER, 2, 1),
+        "its policies differ": plan_diagram(matrix_game(), "random", OTHER, 2, 0),
+        "game params its payoff differ": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
+    }
+    for message, other in changed.items():
+        with pytest.raises(ExperimentError, match=message):
+            play_diagram(other, tmp_path / "diagram", lambda _: None)
+
+
 def test_a_function_of_python_is_known_by_what_it_does() -> None:
     """Across processes, where names begin anew: the same program has the same digest, with another number in it another."""
 
@@ -152,3 +209,12 @@ def test_returns_that_are_not_finite_are_refused() -> None:
     experiment = Experiment(env, plan_diagram(env, STAY, OTHER, 1, 0).pools, ((0, 0),), 1, 0, permuted=False)
     with pytest.raises(ExperimentError, match="the return of agent 0 in episode 0 of lineup_000_replicate_00 is not finite"):
         play_experiment(experiment, None, lambda _: None)
+
+
+def test_one_agent_has_no_dilemma() -> None:
+    from tests.trainers.probes import constant
+
+    with pytest.raises(ExperimentError, match="needs at least two agents, and constant has one here"):
+        schelling_diagram(constant(1.0, num_agents=1), STAY, OTHER)
+    with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
+        schelling_diagram(constant(1.0), STAY, OTHER, episodes=0)

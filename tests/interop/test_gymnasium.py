@@ -18,6 +18,17 @@ def actions_of(env: VectorGame, step: int) -> np.ndarray:
     return (3 * step + np.arange(env.num_envs)) % env.env.num_actions
 
 
+def trajectory(env: VectorGame, seed: int, steps: int) -> list[np.ndarray]:
+    seen = [env.reset(seed=seed)[0]]
+    for step in range(steps):
+        seen += env.step(actions_of(env, step))[:4]
+    return seen
+
+
+def alike(first: list[np.ndarray], second: list[np.ndarray]) -> bool:
+    return all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
+
+
 def test_slots_and_spaces() -> None:
     env = VectorGame("coins", 3, **SHORT)
     assert env.num_envs == 6
@@ -50,6 +61,13 @@ def test_last_observations_of_episodes() -> None:
             np.testing.assert_array_equal(info["final_info"]["own_coins"], np.asarray(again[4]["events"]["own_coins"]).reshape(-1))
 
 
+def test_a_seed_is_a_course_of_500_steps() -> None:
+    env = VectorGame("coins", 2, **SHORT)
+    first = trajectory(env, 5, 500)
+    assert alike(first, trajectory(VectorGame("coins", 2, **SHORT), 5, 500))
+    assert not alike(first, trajectory(env, 6, 500))
+
+
 def test_common_rewards_are_sums_of_an_environment() -> None:
     own, common = VectorGame("coins", 8), VectorGame("coins", 8, common_reward=True)
     own.reset(seed=2), common.reset(seed=2)
@@ -60,6 +78,18 @@ def test_common_rewards_are_sums_of_an_environment() -> None:
         np.testing.assert_array_equal(paid, np.repeat(raw.sum(axis=1, keepdims=True), 2, axis=1))
         seen |= bool((raw[:, 0] != raw[:, 1]).any())
     assert seen
+
+
+def test_its_wrappers_work() -> None:
+    """Returns by Gymnasium's own statistics, over episodes of one length."""
+    env = gymnasium.wrappers.vector.RecordEpisodeStatistics(VectorGame("coins", 2, **SHORT))
+    env.reset(seed=3)
+    total = np.zeros(4)
+    for step in range(LENGTH):
+        _, reward, _, _, info = env.step(actions_of(env.unwrapped, step))
+        total += reward
+    np.testing.assert_allclose(info["episode"]["r"], total)
+    assert info["episode"]["l"].tolist() == [LENGTH] * 4
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +157,19 @@ def test_without_autoreset_episodes_wait(certain: str) -> None:
             np.testing.assert_array_equal(ours.reset(options={"reset_mask": over})[0], theirs.reset(options={"reset_mask": over.copy()})[0])
             resets += 0 < over.sum() < 3
     assert resets > 0
+
+
+def test_the_next_step_begins_an_episode() -> None:
+    """With several agents and chance: nothing is paid or counted, no action matters, all agents begin together."""
+    env = VectorGame("coins", 2, autoreset_mode="NEXT_STEP", **SHORT)
+    env.reset(seed=3)
+    for step in range(2 * (LENGTH + 1)):
+        _, reward, terminated, truncated, info = env.step(actions_of(env, step))
+        began = step % (LENGTH + 1) == LENGTH
+        assert truncated.tolist() == [step % (LENGTH + 1) == LENGTH - 1] * 4 and not terminated.any()
+        assert info["_own_coins"].tolist() == [not began] * 4
+        assert not (began and (reward.any() or info["own_coins"].any()))
+        assert np.asarray(env._slots._state.step).tolist() == [0 if began else step % (LENGTH + 1) + 1] * 2
 
 
 def test_wrong_calls_are_refused() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from jaxmarl.environments import MultiAgentEnv
 from jaxmarl.environments.spaces import Space
-from jaxmarl.wrappers.baselines import CTRolloutManager
+from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
 
 import sjdsl
 from sjdsl.interop.__main__ import main
@@ -93,6 +93,18 @@ def test_without_resets_the_end_stays(coins: JaxMARLGame) -> None:
     late = state.replace(step=coins.max_steps - 1)
     _, ended, _, done, _ = coins.step_env(jax.random.key(6), late, actions_of(coins, 0))
     assert done["__all__"] and ended.done and int(ended.step) == LENGTH
+
+
+def test_its_log_wrapper_adds_up_returns(coins: JaxMARLGame) -> None:
+    env = LogWrapper(coins)
+    _, state = env.reset(jax.random.key(7))
+    total = np.zeros(2)
+    for number, key in enumerate(jax.random.split(jax.random.key(8), LENGTH)):
+        _, state, reward, _, info = env.step(key, state, actions_of(coins, number))
+        total += [float(r) for r in reward.values()]
+    assert info["returned_episode"].all()
+    np.testing.assert_allclose(info["returned_episode_returns"], total)
+    assert info["returned_episode_lengths"].tolist() == [LENGTH] * 2
 
 
 def test_its_rollout_manager_plays_batches(coins: JaxMARLGame) -> None:

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from jumanji import specs
 from jumanji.testing.env_not_smoke import check_env_does_not_smoke, check_env_specs_does_not_smoke
+from jumanji.types import StepType
+from jumanji.wrappers import VmapAutoResetWrapper
 
 import sjdsl
 from sjdsl.interop.mava import MavaGame
@@ -110,6 +112,20 @@ def test_common_rewards_and_global_states() -> None:
     )
     with pytest.raises(ValueError, match="global_state must be None, `observations` or `state`, not 'all'"):
         MavaGame("coins", global_state="all")
+
+
+def test_jumanjis_wrapper_begins_episodes_anew() -> None:
+    env = VmapAutoResetWrapper(MavaGame("coins", **SHORT))
+    state, timestep = env.reset(jax.random.split(jax.random.PRNGKey(0), 3))
+    starts = [timestep.observation.agents_view]
+    step = jax.jit(env.step)
+    for number in range(2 * LENGTH):
+        state, timestep = step(state, jnp.full((3, 2), number % 7))
+        assert (timestep.step_type == (StepType.LAST if number % LENGTH == LENGTH - 1 else StepType.MID)).all()
+        if timestep.last().all():
+            assert not timestep.observation.step_count.any()
+            starts.append(timestep.observation.agents_view)
+    assert len({np.asarray(start).tobytes() for start in starts}) == 3
 
 
 TINY = {

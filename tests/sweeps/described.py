@@ -11,6 +11,7 @@ from sjdsl.sweeps.plan import Plan, plan_sweep
 GAME = str(Path(__file__).parents[1] / "experiments" / "games" / "matrix_game.sj")
 TINY: dict[str, Any] = {"network": "mlp", "network_width": 4, "num_envs": 4, "num_steps": 4, "num_minibatches": 1, "num_epochs": 1}
 TINY |= {"total_timesteps": 16 * 4, "checkpoint_updates": 1, "seeds": 2}
+KNOWN = ("coins", "clean_up", "mine")
 
 
 def describe(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple[dict[str, Any], str, str]:

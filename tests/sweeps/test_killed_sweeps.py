@@ -75,6 +75,31 @@ def test_kill_minus_nine(whole: Path, tmp_path: Path, cell: int, rows: int) -> N
     assert len(trained) == 3 - cell, "what was done is kept"
 
 
+@pytest.mark.thorough
+def test_two_processes_on_one_folder(whole: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    both = [start(folder), start(folder)]
+    said = [process.communicate(timeout=PATIENCE)[1] for process in both]
+    assert [process.returncode for process in both] == [0, 0], said
+    trained = sorted(line.partition(":")[0] for text in said for line in text.splitlines() if ": training" in line)
+    assert trained == sorted(CELLS)
+    assert results(folder) == results(whole)
+
+
+@pytest.mark.slow
+def test_one_of_two_processes_is_killed_and_the_other_takes_over(whole: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    first = start(folder)
+    wait_for(lambda: rows_in(folder, CELLS[0]) >= 50, first)
+    second = start(folder)
+    wait_for(lambda: (folder / "locks" / f"{CELLS[1]}.lock").exists(), second)
+    first.kill()
+    first.communicate()
+    _, said = second.communicate(timeout=PATIENCE)
+    assert second.returncode == 0, said[-3000:]
+    assert results(folder) == results(whole)
+
+
 @pytest.mark.slow
 def test_a_worker_that_the_system_kills_costs_its_cell(whole: Path, tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
@@ -90,4 +115,20 @@ def test_a_worker_that_the_system_kills_costs_its_cell(whole: Path, tmp_path: Pa
     _, said = again.communicate(timeout=PATIENCE)
     assert again.returncode == 0, said[-3000:]
     assert f"{CELLS[0]}: training, from its last checkpoint" in said
+    assert results(folder) == results(whole)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", [3000, 20_000])
+def test_a_full_disk(whole: Path, tmp_path: Path, limit: int) -> None:
+    """The system refuses what goes beyond so many bytes of a file: `sweep.json`, and then the metrics of a run."""
+    folder = tmp_path / "sweep"
+    process = start(folder, limit=limit)
+    _, said = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1, said[-3000:]
+    assert "Traceback" not in said
+    assert "too large" in said.splitlines()[-1].lower()
+    again = start(folder)
+    _, said = again.communicate(timeout=PATIENCE)
+    assert again.returncode == 0, said[-3000:]
     assert results(folder) == results(whole)

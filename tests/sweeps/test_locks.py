@@ -51,6 +51,21 @@ def test_a_process_that_died_holds_nothing(tmp_path: Path) -> None:
     lock.release()
 
 
+def test_of_many_at_once_one_succeeds(tmp_path: Path) -> None:
+    taken, begin = [], threading.Barrier(20)
+
+    def contend() -> None:
+        begin.wait()
+        taken.append(take(tmp_path, "cell"))
+
+    contenders = [threading.Thread(target=contend) for _ in range(20)]
+    for thread in contenders:
+        thread.start()
+    for thread in contenders:
+        thread.join()
+    assert sum(lock is not None for lock in taken) == 1
+
+
 def test_who_looks_is_in_nobodys_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A look takes the lock for a moment: who wants the cell just then waits for that long, and gets it."""
     monkeypatch.setattr(locks, "PATIENCE", 10.0)

@@ -12,6 +12,7 @@ import jax
 import pytest
 
 import sjdsl
+from sjdsl.experiments import find_pool
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps import work
 from sjdsl.sweeps.axes import Axis
@@ -98,6 +99,11 @@ def test_results_are_the_evaluations_of_the_last_policies(grown: tuple[Path, lis
     assert row["hardware"].startswith("cpu x1")
 
 
+def test_a_cell_is_a_pool_of_its_seeds(grown: tuple[Path, list[str], Outcome]) -> None:
+    pool = find_pool(grown[0] / "cells" / LOW, sjdsl.make(GAME))
+    assert [player.seed for player in pool.players] == [0, 1]
+
+
 def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(work, "train_side_by_side", None)
     before = table_of(grown[0])
@@ -106,6 +112,16 @@ def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], mon
     assert outcome.done == (LOW, HIGH)
     assert said == []
     assert table_of(grown[0]) == before
+
+
+@pytest.mark.thorough
+def test_killed_it_goes_on_to_the_same_results(grown: tuple[Path, list[str], Outcome]) -> None:
+    folder = grown[0].parent / "killed"
+    assert (folder / "locks" / f"{HIGH}.lock").exists(), "a file that nobody holds is in no one's way"
+    said: list[str] = []
+    sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append))
+    assert said[0] == f"{HIGH}: training, from its last checkpoint"
+    assert table_of(folder) == table_of(grown[0])
 
 
 def test_what_another_process_runs_is_waited_for(
@@ -155,6 +171,13 @@ REFUSED: list[tuple[Any, str]] = [
         "it has 3 episodes of each seed, here 30",
     ),
     (asked(0.25, variant="chicken"), "hash of the game"),
+    # a new value alone, with something else than before
+    (
+        asked(0.5, settings={"seeds": 3}),
+        f"its cell {LOW} has seeds 2 there, 3 here. Ask for new values of its axes with all else as it was",
+    ),
+    (asked(0.5, settings={"network_width": 8, "seed": 1}), f"its cell {LOW} has network_width 4 there, 8 here; seed 0 there, 1 here"),
+    (asked(0.5, variant="chicken"), f"its cell {LOW} has hash of the game"),
 ]
 
 
@@ -312,3 +335,12 @@ def test_an_interrupted_cell_is_run_by_nobody(tmp_path: Path, monkeypatch: pytes
     with pytest.raises(KeyboardInterrupt):
         sweep(asked(0.25), tmp_path / "sweep")
     assert states_of(tmp_path / "sweep")[LOW] == "waiting"
+
+
+@pytest.mark.slow
+def test_the_python_lines_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    lines = page.partition("```python\n")[2].partition("```")[0]
+    monkeypatch.chdir(tmp_path)
+    exec(lines, {})
+    assert capsys.readouterr().out.splitlines()[-1] == "('coins_reward-individual', 'coins_reward-common') {}"

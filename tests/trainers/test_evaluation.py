@@ -6,9 +6,10 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from probes import matching, uneven
 
-from sjdsl.trainers import Evaluation, evaluate, random_policy, save_evaluation, summarise
+from sjdsl.trainers import Evaluation, estimate, evaluate, random_policy, save_evaluation, summarise
 from sjdsl.trainers.evaluation import evaluation_key
 
 EPISODES = 64
@@ -45,6 +46,26 @@ def test_the_random_policy_draws_for_each_agent_and_episode() -> None:
     assert 0.4 < alike < 0.6
     interval = summarise(evaluation)["collective return"]
     assert interval.low < 1.0 < interval.high
+
+
+def test_the_same_key_gives_the_same_episodes() -> None:
+    first, again, other = (evaluate(matching(), random_policy(matching()), jax.random.key(seed), EPISODES).returns for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first, again)
+    assert (first != other).any()
+
+
+def test_intervals_are_students() -> None:
+    """Five samples with mean 3 and standard deviation sqrt(2.5); t(0.975, 4) = 2.776445."""
+    interval = estimate(np.arange(1.0, 6.0))
+    margin = 2.776445 * np.sqrt(2.5) / np.sqrt(5)
+    assert (interval.mean, interval.low, interval.high) == pytest.approx((3.0, 3.0 - margin, 3.0 + margin), rel=1e-6)
+    assert estimate(np.array([1.0])).high == np.inf
+
+
+def test_equality() -> None:
+    returns = np.array([[2.0, 2.0], [4.0, 0.0], [3.0, 1.0], [0.0, 0.0], [5.0, -1.0]])
+    evaluation = Evaluation(returns, np.ones(5), {}, {}, {})
+    np.testing.assert_allclose(evaluation.equalities, [1.0, 0.5, 0.75, np.nan, np.nan])
 
 
 def test_what_is_not_defined_is_null(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import QUICK, matching, quick
+from probes import QUICK, matching, quick, run_of
 from run_outcomes import SHORT, assert_same_end, compiled_once, counting, outcome, read_lines, read_manifest
 from safetensors.numpy import load_file
 
@@ -121,6 +121,25 @@ def test_a_callback_is_told_after_each_update(brought: tuple[Path, list[Update]]
     assert all(update.rows[0]["loss"] == update.row["loss"] for update in told)
 
 
+@pytest.mark.thorough
+def test_agents_learn_beside_a_partner_that_does_not() -> None:
+    """Agent 0 learns to say what it sees; agent 1, of the same network otherwise, says always the same and is right half of the time."""
+    config = quick(partners={1: always_second}, sharing="shared")
+    with jax.debug_key_reuse(False):
+        _, metrics = run_of(matching(), config)(jax.random.key(0))
+    assert metrics["agent_return"][-10:, 0].mean() > 0.9
+    assert 0.4 < metrics["agent_return"][:, 1].mean() < 0.6
+    assert (metrics["event"]["second_action"][:, 1] == 1).all()
+
+
+@pytest.mark.slow
+def test_values_are_learnt_beside_a_partner() -> None:
+    with jax.debug_key_reuse(False):
+        _, metrics = run_of(matching(), quick(algorithm="vdn", partners={1: always_second}))(jax.random.key(0))
+    assert metrics["agent_return"][-10:, 0].mean() > 0.85
+    assert (metrics["event"]["second_action"][:, 1] == 1).all()
+
+
 def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     """By hand: Q is 1 for every action before, 2 after; one of two agents learns, so y = 3 + 0.5 * 2 and the error 3."""
     from sjdsl.trainers.vdn import Transition, vdn_loss
@@ -137,6 +156,20 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     assert (float(loss), float(parts["team_value"])) == (9.0, 1.0)
 
 
+@pytest.mark.parametrize(
+    ("partners", "said"),
+    [
+        ({2: "random"}, r"`partners` names agent 2; the game has agents 0 to 1"),
+        ({0: "random", 1: "random"}, r"holds all 2 agents fixed: leave out at least one"),
+        ({1: "nobody"}, r"there is no policy `nobody`; a policy is random, stay, a policy of the game's file, the folder RUN of a run"),
+        ({1: "stay"}, r"`stay` is no action of matching; its actions are action_0, action_1"),
+    ],
+)
+def test_partners_that_cannot_be_are_refused(partners: dict[int, str], said: str) -> None:
+    with pytest.raises((ConfigError, PolicyError), match=said):
+        make_train(matching(), make_config(SMALL, partners=partners))
+
+
 def test_a_partners_memory_begins_anew_with_each_episode() -> None:
     """Its action is how many steps it remembers; the others' actions stay theirs."""
     counting_steps = MemoryPolicy(jnp.int32(0), lambda memory, _, observation: (memory + 1, jnp.full(len(observation), memory)))
@@ -147,6 +180,12 @@ def test_a_partners_memory_begins_anew_with_each_episode() -> None:
         memory, actions = partners.act(matching(), memory, jax.random.key(number), observation, jnp.zeros(3), jnp.array(fresh))
         taken.append(partners.in_place(jnp.full((3, 2), 7), actions).tolist())
     assert taken == [[[7, 0]] * 3, [[7, 1], [7, 0], [7, 1]], [[7, 2], [7, 1], [7, 2]]]
+
+
+def test_a_part_of_a_mixed_policy_may_be_of_nobody() -> None:
+    parts = [((), lambda *_: jnp.zeros(2, jnp.int32)), ((0, 1), lambda *_: jnp.ones(2, jnp.int32))]
+    ones = mixed_policy(2, parts)
+    assert ones.act(ones.start, jax.random.key(0), jnp.zeros(2))[1].tolist() == [1, 1]
 
 
 def test_partners_may_come_as_text() -> None:
@@ -194,6 +233,22 @@ def test_a_network_may_come_in_many_ways(tmp_path: Path, where: str) -> None:
     shapes = jax.tree.leaves(parameter_shapes(matching(), make_config(SMALL, network=name, sharing="shared")))
     width = {"module made before": 5, "function": 17, "file": 16}[where]
     assert (1, 1, width) in [leaf.shape for leaf in shapes]
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"network": "rnn"}, "`network` must be 'mlp', 'cnn', the name of a network that was registered, or FILE.py:NAME, not 'rnn'"),
+        ({"reward": "none.py:f"}, "none.py does not exist"),
+        ({"reward": "no_such_module:f"}, "the reward `no_such_module:f` is not found: No module named 'no_such_module'"),
+        ({"reward": "math:no_such"}, "is not found: math has no `no_such`"),
+        ({"algorithm": "vdn", "reward": one_for_the_second}, "`reward` must be 'common'"),
+    ],
+)
+def test_what_is_not_there_is_said_at_once(values: dict[str, Any], said: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        make_config(values)
+    assert said in str(error.value)
 
 
 def test_two_functions_of_one_place_have_two_names() -> None:

@@ -1,20 +1,25 @@
 """Agents with an individual and a team policy each: the loss term by term, who acts, what is learnt."""
 
+import json
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import matching, quick
+from probes import FAST_TO_COMPILE, Probe, dilemma, judge, learn, matching, quick, stream
+from run_outcomes import SHORT, assert_same_end, copy_run, read_lines
 
-from sjdsl.trainers import PPOConfig, make_train, trained_policy
+import sjdsl
+from sjdsl.trainers import PPOConfig, load_preset, make_config, make_train, resume, train, trained_policy
 from sjdsl.trainers.actor_critics import make_actor_critics
 from sjdsl.trainers.irat import both_rewards, irat_loss
 from sjdsl.trainers.losses import Batch
 from sjdsl.trainers.networks import INDIVIDUAL, TEAM
 from sjdsl.trainers.optimisers import gradient_norms, part_of_each
+from sjdsl.trainers.recorder import Recorder
 from sjdsl.trainers.rollout import Rollout
 
 IRAT = {"algorithm": "irat"}
@@ -171,7 +176,120 @@ def test_individual_policies_act_while_learning_and_team_policies_are_what_is_ke
         assert policy(jax.random.key(2), observation).tolist() == [1, 1]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"memory": "gru"},
+        {"sharing": "per_agent", "critic": "state", "agent_id": True},
+        {"sharing": "by_role", "roles": (0, 1, 1), "partners": {0: "random"}},
+        {"reward": "svo", "anneal_learning_rate": False, "team_kl": 1},
+    ],
+    ids=["memory", "own networks", "partners", "svo"],
+)
+def test_it_goes_with_the_other_settings(changes: dict[str, Any]) -> None:
+    env, config = matching(3), config_of(**changes)
+    program = make_train(env, config)
+    after, metrics = jax.jit(lambda key: program.update(program.init(key)), compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
+    assert np.isfinite(metrics["loss"])
+    assert not after.diverged
+
+
+@pytest.mark.slow
+def test_forbidden_actions_are_never_drawn() -> None:
+    env = sjdsl.make(Path(__file__).parent / "games" / "one_door.sj")
+    program = make_train(env, config_of(num_envs=4, num_minibatches=2))
+    state = program.init(jax.random.key(0))
+    after, played = jax.jit(program.collect)(state)
+    acting = played.rollout.acting
+    allowed = jnp.unpackbits(acting.allowed, axis=-1, count=env.num_actions).astype(bool)
+    assert not allowed.all()
+    assert jnp.take_along_axis(allowed, played.rollout.action[..., None], axis=-1).all()
+    assert np.isfinite(jax.jit(program.learn)(after, played)[1]["loss"])
+
+
 # what is learnt
 
 
+def _learnt(env: Probe, shown: int, **changes: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the probabilities `[N, 2, A]` and values `[N, 2]` of the individual and the team policies."""
+    state, metrics = learn(env, **IRAT, **changes)
+    assert np.isfinite(metrics["loss"]).all()
+    probabilities, values = judge(env, state, shown, **IRAT, **changes)
+    return np.asarray(probabilities), np.asarray(values)
+
+
+@pytest.mark.thorough
+def test_both_policies_learn_what_pays_both() -> None:
+    """An agent is paid 1 for the cue's action: with the sum, the two of them have 2."""
+    for cue in (0, 1):
+        probabilities, values = _learnt(matching(), cue, team_reward="sum")
+        assert (probabilities[:, :, cue] > 0.95).all()
+        np.testing.assert_allclose(values, [[1.0, 2.0]] * 2, atol=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("individual_kl", "action", "paid"), [((0.0, 10.0), 0, 3.0), ((0.0, 0.0), 1, 1.0)])
+def test_the_weight_of_the_team_decides_the_dilemma(individual_kl: tuple[float, float], action: int, paid: float) -> None:
+    """Individual policies that come ever closer to the team's cooperate, 3 each; left alone they defect, 1 each."""
+    team_kl = 0.0 if action == 0 else (1.5, 0.0)  # otherwise the team policies imitate the defectors before they have learnt anything
+    probabilities, values = _learnt(dilemma(), 0, individual_kl=individual_kl, team_kl=team_kl)
+    assert (probabilities[:, :, action] > 0.9).all()
+    np.testing.assert_allclose(values, paid, atol=0.15)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("ends", "worth"), [("truncated", [5.0, 5.0, 5.0]), ("terminated", [2.44, 1.8, 1.0])])
+def test_both_values_know_a_time_limit_from_an_ending(ends: Any, worth: list[float]) -> None:
+    """Ones at gamma 0.8: for ever, or for the steps that are left."""
+    for step, value in enumerate(worth):
+        np.testing.assert_allclose(_learnt(stream(ends), 1 + 2 * step)[1], value, atol=0.3)
+
+
 # runs
+
+
+@pytest.mark.thorough
+def test_a_stopped_run_goes_on_to_the_same_end(tmp_path: Path) -> None:
+    """Weights that change over the run included: stopped after update 7 of 12, with a checkpoint of update 6."""
+    config = make_config({**SHORT.model_dump(), **IRAT, **SPANS})
+    append = Recorder.append
+
+    def append_and_copy(self: Recorder, row: dict[str, Any]) -> None:
+        append(self, row)
+        if row["update"] == 7:
+            copy_run(tmp_path / "whole", tmp_path / "stopped")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Recorder, "append", append_and_copy)
+        train(matching(), config, tmp_path / "whole", "none")
+    assert len(read_lines(tmp_path / "stopped" / "metrics.jsonl")) == 7
+    resume(matching(), tmp_path / "stopped", "none")
+    assert_same_end(tmp_path / "stopped", tmp_path / "whole")
+    assert json.loads((tmp_path / "whole" / "manifest.json").read_text())["config"]["team_kl"] == [1.5, 0.5]
+
+
+def test_presets_have_the_released_configuration() -> None:
+    """`irat_base.yaml` of SocialJax 9df972d."""
+    for name, width, team_reward in (("paper", 64, "mean"), ("released", 16, "sum")):
+        config = load_preset(name, IRAT, "clean_up").config
+        assert isinstance(config, PPOConfig)
+        assert (config.reward, config.team_reward, config.network_width) == ("individual", team_reward, width)
+        assert (config.num_envs, config.num_steps, config.num_epochs, config.num_minibatches) == (5, 100, 2, 4)
+        assert (config.learning_rate, config.anneal_learning_rate, config.total_timesteps) == (5e-4, True, 3e8)
+        assert (config.gamma, config.gae_lambda, config.clip_epsilon, config.scale_clip_epsilon) == (0.99, 0.95, 0.2, True)
+        assert (config.entropy_coefficient, config.value_coefficient, config.max_gradient_norm, config.seed) == (0.01, 0.5, 0.5, 30)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"team_kl": "1,2,3"}, "`team_kl` must be one number, or two: at the start and at the end of the run, not '1,2,3'"),
+        ({"similarity_clip": "-1,2"}, "`similarity_clip` must be at least 0.0"),
+        ({"individual_kl": "a"}, "`individual_kl` must be a finite number, not 'a'"),
+    ],
+)
+def test_wrong_spans_are_explained(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(sjdsl.trainers.ConfigError, match=message):
+        make_config(given, **IRAT)
+    assert make_config(algorithm="irat", team_kl=2).team_kl == (2.0, 2.0)

@@ -14,12 +14,15 @@ import pytest
 from probes import FAST_TO_COMPILE, matching, quick
 
 import sjdsl
-from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, make_train, trained_policy
+from sjdsl.render import play
+from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, evaluate, make_train, trained_policy
+from sjdsl.trainers.actor_critics import make_actor_critics
 from sjdsl.trainers.losses import Batch
 from sjdsl.trainers.masks import draw_any, masked, pack_mask, unpack_mask, wants_masks
 from sjdsl.trainers.ppo import ppo_loss
 from sjdsl.trainers.vdn import Transition, vdn_loss
 
+STEPS = 8
 VDN = {"algorithm": "vdn"}
 ALLOWED = jnp.array([[True, False, True], [False, False, True]])
 
@@ -176,3 +179,30 @@ def learnt(**changes: Any) -> tuple[Any, TrainState, dict[str, Any]]:
 
     state, metrics = run(jax.random.key(0))
     return trained_policy(one_door(), config, program.parameters(state), greedy=True), state, metrics
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("changes", [{}, VDN, pytest.param({"algorithm": "mappo"}, marks=pytest.mark.slow)], ids=["ippo", "vdn", "mappo"])
+def test_who_knows_what_is_allowed_goes_through_every_door(changes: dict[str, Any]) -> None:
+    """Blind agents come to 1 a step, and without masks to 1 in 4 at most. The evaluation and films are told what is allowed as well."""
+    policy, _, _ = learnt(**changes, total_timesteps=16 * 16 * 25)
+    evaluation = evaluate(one_door(), policy, jax.random.key(1), 4)
+    np.testing.assert_array_equal(evaluation.returns, STEPS)
+    *_, last = play(one_door(), policy, STEPS)
+    assert last.returns.tolist() == [STEPS, STEPS]
+
+
+@pytest.mark.thorough
+def test_without_masks_closed_doors_are_chosen() -> None:
+    """Networks that have learnt nothing choose one of five actions, of which one is open and paid: 1.6 in eight steps, with masks 4.
+
+    512 agents' episodes: a standard error of 0.05. A policy without masks is not told what is allowed.
+    """
+    config = quick(mask_actions=False)
+    assert isinstance(config, PPOConfig)
+    networks = make_actor_critics(one_door(), config)
+    parameters = jax.jit(lambda key: networks.init(key, one_door()), compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
+    policy = trained_policy(one_door(), config, parameters)
+    assert callable(policy)
+    returns = evaluate(one_door(), policy, jax.random.key(1), 256).returns
+    assert returns.mean() == pytest.approx(STEPS / 5, abs=0.2)

@@ -133,6 +133,21 @@ def test_a_run_of_ones_own_algorithm_is_an_ordinary_one(counted: Path, tmp_path:
     assert evaluate(matching(), find_policy(counted, matching()), jax.random.key(0), 4).returns.shape == (4, 2)
 
 
+@pytest.mark.thorough
+def test_a_run_starts_from_a_policy_with_an_algorithm_of_ones_own(counted: Path) -> None:
+    config = make_config(SMALL, algorithm=counting, own={"factor": 1}, init_from=str(counted))
+    program = make_train(matching(), config)
+    started = program.init(jax.random.key(3))
+    stored = load_policy(counted, matching())
+    assert callable(stored)
+    again = make_train(matching(), make_config(SMALL, init_from=str(counted)))  # of the same networks
+    same = jax.tree.map(lambda a, b: bool((a == b).all()), program.parameters(started), again.parameters(again.init(jax.random.key(4))))
+    assert jax.tree.all(same)
+    assert int(started.own) == 3
+    with pytest.raises(ConfigError, match="can't start from a policy: its `Train` has no `adopt`"):
+        make_train(matching(), make_config(SMALL, algorithm=lambda *given: replace(as_it_is(*given), adopt=None), init_from=str(counted)))
+
+
 def test_settings_reach_the_hooks_that_take_them() -> None:
     own = {"factor": 1.0, "weight": 0.25, "times": 3, "penalty": 0.5}
     config = make_config(SMALL, algorithm=counting, reward=weighed, network=Wide, loss=penalised, own=own)
@@ -171,6 +186,7 @@ def test_settings_are_numbers_texts_and_truths(given: dict[str, Any], read: Any)
 @pytest.mark.parametrize(
     ("values", "said"),
     [
+        ({"own": {"weight": 1}}, "`own.weight` does nothing: there is no algorithm, loss, network or reward of your own to take it"),
         ({"own.wieght": 1, "reward": weighed}, "weighed` has no keyword-only argument of that name; did you mean `weight`?"),
         ({"own.other": 1, "reward": weighed}, "weighed` has no keyword-only argument of that name; the settings are weight"),
         (
@@ -186,6 +202,9 @@ def test_settings_are_numbers_texts_and_truths(given: dict[str, Any], read: Any)
         ({"algorithm": "irat", "loss": penalised}, "`loss` has no effect while `algorithm` is irat"),
         ({"algorithm": "vdn", "loss": penalised}, "unknown key `loss` here: it is one of ippo and mappo and irat"),
         ({"algorithm": as_it_is, "critic": "state"}, "`critic` has no effect while `algorithm` is test_own_algorithms:as_it_is"),
+        ({"algorithm": "dqn"}, "unknown algorithm 'dqn'; known: ippo, mappo, irat, vdn"),
+        ({"algorithm": "none.py:f"}, "none.py does not exist"),
+        ({"loss": "mse"}, "`loss` must be 'ppo', the name of a loss that was registered, or FILE.py:NAME, not 'mse'"),
     ],
 )
 def test_what_cannot_be_is_said_at_once(values: dict[str, Any], said: str) -> None:

@@ -35,6 +35,14 @@ def _store(folder: Path, fill: float = 0.0, **values: object) -> Path:
     return path
 
 
+def test_three_lines_load_one(tmp_path: Path) -> None:
+    path = _store(tmp_path)
+    env = matching()
+    policy = load_policy(str(path), env)
+    actions = policy(jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
+    assert actions.tolist() == [0, 0], "of equal values the first action is the best"
+
+
 @pytest.mark.parametrize("load", [load_policy, stored_policy], ids=["python", "command line"])
 @pytest.mark.parametrize(("greedy", "explores"), [(None, False), (True, False), (False, True)])
 def test_values_are_played_by_their_best_actions_unless_drawn(
@@ -45,6 +53,15 @@ def test_values_are_played_by_their_best_actions_unless_drawn(
     seen = jnp.zeros((2, 1, 1, 1), jnp.uint8)
     actions = np.asarray(jax.vmap(lambda key: policy(key, seen))(jax.random.split(jax.random.key(0), 64)))
     assert actions.any() == explores
+
+
+def test_the_evaluation_of_a_run_plays_values_by_their_best_actions() -> None:
+    """Equal values, the first action best: paid where it is the cue. Exploring, agents would differ."""
+    config = make_config(ALWAYS_ONE, epsilon_end=1.0)
+    parameters = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config))
+    evaluation = evaluate(matching(), trained_policy(matching(), config, parameters), jax.random.key(0), 32)
+    assert set(evaluation.collective_returns) == {0.0, 2.0}
+    assert not evaluation.events["second_action"].any()
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "flipped", "no json", "json cut", "json of a future version"])
@@ -128,6 +145,21 @@ def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
     returns = evaluate(matching(), policy, jax.random.key(1), 50).returns
     assert returns.shape == (50, 2)
     assert 0 < returns.mean() < 1
+
+
+def test_a_flipped_byte_of_a_tensor_is_noticed(tmp_path: Path) -> None:
+    """Wherever it is: safetensors themselves look at the header alone."""
+    path = _store(tmp_path, fill=0.5)
+    content = path.read_bytes()
+    start = 8 + int.from_bytes(content[:8], "little")
+    for place in range(start, len(content), max(1, (len(content) - start) // 7)):
+        flipped = bytearray(content)
+        flipped[place] ^= 1
+        path.write_bytes(flipped)
+        with pytest.raises(PolicyError, match=r"best\.safetensors is damaged: its tensors aren't those that were written"):
+            load_policy(path, matching())
+    path.write_bytes(content)
+    load_policy(path, matching())
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf])

@@ -18,6 +18,7 @@ from safetensors.numpy import load_file, save_file
 
 from sjdsl.cli import run as command_line
 from sjdsl.trainers import Config, PolicyError, RunError, allow_code, find_policy, load_policy, make_config, resume
+from sjdsl.trainers.digest import digest_of
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_file import DIGEST, digests_of, read_policy, write_policy
 from sjdsl.trainers.run_folder import describe_game, versions
@@ -198,6 +199,28 @@ def test_no_byte_of_the_tensors_can_change(tmp_path: Path) -> None:
         path.write_bytes(damaged)
         with pytest.raises(PolicyError, match=r"."):
             read(path)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("digests", [{}, {DIGEST: ""}])
+def test_a_description_without_a_digest_loads_with_a_warning_or_is_refused(tmp_path: Path, digests: dict[str, str]) -> None:
+    """As files of earlier versions: what can be told apart is, and nothing ends in a traceback."""
+    path = store(tmp_path)
+    tensors = load_file(path)
+    save_file(tensors, path, {name: digest_of(tensors) for name in digests} or None)
+    whole = path.with_suffix(".json").read_bytes()
+    refused = 0
+    for damaged in flips(whole):
+        path.with_suffix(".json").write_bytes(damaged)
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            try:
+                read(path)
+            except PolicyError:
+                refused += 1
+            else:
+                assert any("has no digest" in str(warning.message) for warning in told)
+    assert refused > len(whole) // 2
 
 
 STRANGE = [

@@ -63,3 +63,14 @@ def test_it_learns_coins(example: ModuleType) -> None:
         returns = example.train("coins", 5e5, say=lambda _: None)
     assert np.mean(returns[:2]) < 20
     assert np.mean(returns[-10:]) > 100
+
+
+@pytest.mark.thorough
+def test_it_trains_any_game(example: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(example, "T", 5)
+    monkeypatch.setattr(example, "B", 8)
+    said: list[str] = []
+    with jax.debug_key_reuse(False):
+        returns = example.train("pd_arena", 100, common=False, say=said.append)
+    assert len(returns) == len(said) == 3
+    assert np.isfinite(returns).all()

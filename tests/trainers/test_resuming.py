@@ -16,7 +16,7 @@ import pytest
 from probes import matching
 from run_outcomes import SHORT, assert_same_end, compiled_once, copy_run, counting, read_lines, read_manifest
 
-from sjdsl.trainers import RunError, metrics_files, resume, run, train, updates
+from sjdsl.trainers import RunError, make_config, metrics_files, resume, run, train, updates
 from sjdsl.trainers.checkpoints import Checkpoints
 from sjdsl.trainers.recorder import Recorder
 
@@ -111,6 +111,18 @@ def test_lines_that_were_cut_off_are_written_again(stopped: Path, whole: Path, t
     assert_same_end(torn, whole)
 
 
+@pytest.mark.slow
+def test_the_clock_goes_on(stopped: Path, tmp_path: Path) -> None:
+    again = copy_run(stopped, tmp_path / "run")
+    resume(matching(), again, "none")
+    seconds = [row["seconds"] for row in read_lines(again / "metrics.jsonl")]
+    assert seconds == sorted(seconds)
+    manifest = read_manifest(again)
+    assert manifest["status"] == "finished"
+    assert manifest["updates"] == 12
+    assert len(manifest["resumed"]) == 1
+
+
 def test_a_finished_run_stays_as_it_is(whole: Path, tmp_path: Path) -> None:
     again = copy_run(whole, tmp_path / "run")
     result = resume(matching(), again, "none")
@@ -181,6 +193,19 @@ def test_a_damaged_checkpoint_is_told_of_and_passed_over(
     with pytest.warns(UserWarning, match=r"checkpoints/6 (is damaged|can(no|')t be read).*resuming from the one before"):
         resume(matching(), again, "none")
     assert_same_end(again, whole)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*resuming from the one before")
+def test_no_flipped_byte_changes_the_end(stopped: Path, whole: Path, tmp_path: Path) -> None:
+    """In whichever file of a checkpoint: it is noticed, or it was of no account."""
+    files = [path.relative_to(stopped) for path in (stopped / "checkpoints" / "6").rglob("*") if path.is_file() and path.stat().st_size]
+    assert len(files) > 10
+    for number, file in enumerate(files):
+        again = copy_run(stopped, tmp_path / str(number))
+        _flip_in(again / file)
+        resume(matching(), again, "none")
+        assert_same_end(again, whole)
 
 
 def test_no_checkpoint_left_is_a_start_from_the_beginning(stopped: Path, whole: Path, tmp_path: Path) -> None:
@@ -315,3 +340,7 @@ def test_a_disk_that_is_full_when_a_checkpoint_is_written(
             warnings.simplefilter("error")  # the checkpoint before is whole
             resume(matching(), run_dir, "none")
         assert_same_end(run_dir, whole)
+
+
+def test_a_config_of_the_manifest_is_the_one_that_was_trained(stopped: Path) -> None:
+    assert make_config(read_manifest(stopped)["config"]) == SHORT

@@ -105,6 +105,13 @@ def names_in(folder: Path) -> list[str]:
 
 
 @pytest.mark.thorough
+def test_runs_differ_as_their_numbers_do(together: Path) -> None:
+    for number, seed, rate in ((0, 3, 1e-3), (1, 0, 5e-3)):
+        rows = read_lines(together / str(number) / f"seed_{seed}" / "metrics.jsonl")
+        assert rows[1]["learning_rate"] == pytest.approx(rate * 5 / 6)
+
+
+@pytest.mark.thorough
 def test_stopped_runs_go_on_side_by_side(together: Path, tmp_path: Path) -> None:
     """One of them has a checkpoint more, as one that is written last when a process is killed: it goes back to the one of both."""
     for number in (0, 1):

@@ -1,12 +1,14 @@
 """What a run leaves on disk, however it ends."""
 
 import csv
+import dataclasses
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax.tree_util import keystr, tree_leaves_with_path
@@ -14,7 +16,7 @@ from probes import QUICK, constant, matching
 from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
-from sjdsl.trainers import Result, RunError, make_config, make_train, recorder, resume, run, train
+from sjdsl.trainers import PolicyError, Result, RunError, evaluate, load_policy, make_config, make_train, recorder, resume, run, train
 from sjdsl.trainers.compiled import compile_train
 from sjdsl.trainers.device import device_name
 from sjdsl.trainers.learning_curve import draw_learning_curve
@@ -88,6 +90,30 @@ def test_policies_and_checkpoints_are_kept(result: Result) -> None:
     assert not list(result.run_dir.rglob("*.unfinished"))
 
 
+@pytest.mark.thorough
+def test_a_stored_policy_acts_as_it_learnt(result: Result) -> None:
+    policy = load_policy(result.run_dir, matching())
+    actions = policy(jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
+    assert actions.dtype == jnp.int32
+    assert actions.shape == (2,)
+    sampled = evaluate(matching(), policy, jax.random.key(1), 200).returns.mean()
+    greedy = evaluate(matching(), load_policy(result.run_dir, matching(), greedy=True), jax.random.key(1), 200)
+    early = evaluate(matching(), load_policy(result.run_dir, matching(), update=8), jax.random.key(1), 200)
+    assert greedy.returns.mean() == 1.0
+    assert 0.6 < early.returns.mean() < sampled
+
+
+def test_a_stored_policy_must_fit(result: Result, tmp_path: Path) -> None:
+    with pytest.raises(PolicyError, match="2 actions"):
+        load_policy(result.run_dir, dataclasses.replace(matching(), num_actions=3))
+    with pytest.raises(PolicyError, match="no policy of update 7, but of 8, 16, 20"):
+        load_policy(result.run_dir, matching(), update=7)
+    with pytest.raises(PolicyError, match="is not the folder of a training run"):
+        load_policy(tmp_path, matching())
+    with pytest.warns(UserWarning, match="another form of the game"):
+        load_policy(result.run_dir, dataclasses.replace(matching(), hash="changed"))
+
+
 def test_a_run_never_writes_over_another(result: Result) -> None:
     with pytest.raises(RunError, match="is not empty"):
         train(matching(), CONFIG, result.run_dir, "none")
@@ -132,6 +158,16 @@ def test_a_diverged_run_stops_with_its_last_good_parameters(tmp_path: Path, monk
     assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["8"], "what diverged is not gone on from"
 
 
+@pytest.mark.thorough
+def test_parameters_that_are_not_finite_are_never_kept(tmp_path: Path) -> None:
+    """A real run whose steps are absurd: whatever is stored can be played."""
+    config = CONFIG.model_copy(update={"learning_rate": 1e38, "max_gradient_norm": 1e38, "anneal_learning_rate": False})
+    with pytest.raises(RunError, match=r"the loss became nan in update \d+.*Try a smaller learning_rate than 1e\+38"):
+        train(matching(), config, tmp_path / "run", "none")
+    for tensor in load_file(tmp_path / "run" / "policies" / "last.safetensors").values():
+        assert np.isfinite(tensor).all()
+
+
 def test_one_seed_of_several_that_diverges_stops_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The others go on, also after a resume, and the manifest says which stopped."""
     monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=6))
@@ -150,6 +186,12 @@ def test_one_seed_of_several_that_diverges_stops_alone(tmp_path: Path, monkeypat
     again = resume(matching(), run_dir, "none")
     assert again.diverged == {6: 10}
     assert len(read_lines(run_dir / "seed_6" / "metrics.jsonl")) == 10
+
+
+def test_a_run_of_seeds_that_all_diverge_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=5))
+    with pytest.raises(RunError, match=r"update 10 of seed 5; the policy of update 9 is kept\. Try"):
+        train(matching(), CONFIG.model_copy(update={"seeds": 1}), tmp_path / "run", "none")
 
 
 def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:

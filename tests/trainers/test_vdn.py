@@ -6,11 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import FAST_TO_COMPILE, delayed, endless_riches, judge_actions, learn, matching, quick, stream
+from probes import FAST_TO_COMPILE, constant, delayed, endless_riches, judge_actions, learn, matching, quick, stream
 
 from sjdsl.trainers import ConfigError, TrainState, VDNConfig, make_config, make_train
-from sjdsl.trainers.optimisers import learning_rate_schedule
-from sjdsl.trainers.vdn import Transition, ValueLearner, exploration, follow_target, vdn_loss
+from sjdsl.trainers.vdn import Transition, ValueLearner, exploration, follow_target, learning_rate_schedule, vdn_loss
 
 VDN = {"algorithm": "vdn"}
 TOLERANCE = 0.15
@@ -20,6 +19,12 @@ def values(env: Any, shown: int, **changes: Any) -> np.ndarray:
     """Returns the action values `[N, A]` learnt."""
     state, _ = learn(env, **VDN, **changes)
     return np.asarray(judge_actions(env, state, shown, **changes))
+
+
+@pytest.mark.thorough
+def test_values_of_agents_sum_to_the_teams() -> None:
+    """Both agents are paid 0.7 whatever they do."""
+    np.testing.assert_allclose(values(constant(0.7), 0).sum(axis=0), [1.4, 1.4], atol=TOLERANCE)
 
 
 def test_value_is_discounted_once_a_step() -> None:
@@ -38,10 +43,22 @@ def test_each_joint_action_has_its_value(double_q: bool) -> None:
     assert float(metrics["collective_return"][-10:].mean()) > 1.85  # all but 0.05 / 2 of the actions of each
 
 
+@pytest.mark.slow
+@pytest.mark.slow
+def test_double_q_is_another_run() -> None:
+    plain, double = (learn(delayed(), **VDN, double_q=double_q)[1]["loss"] for double_q in (False, True))
+    assert (plain != double).any()
+
+
 def test_a_time_limit_is_no_ending() -> None:
     """An endless reward of 1 to both is worth 2 / (1 - 0.8), wherever it is cut."""
     found = [values(stream("truncated"), 1 + 2 * step).max(axis=1).sum() for step in range(3)]
     np.testing.assert_allclose(found, 10.0, atol=0.7)
+
+
+def test_a_true_ending_is_worth_nothing() -> None:
+    found = [values(stream("terminated"), 1 + 2 * step).max(axis=1).sum() for step in range(3)]
+    np.testing.assert_allclose(found, [2 * 2.44, 2 * 1.8, 2 * 1.0], atol=0.3)
 
 
 def test_what_is_measured() -> None:
@@ -54,6 +71,11 @@ def test_what_is_measured() -> None:
     np.testing.assert_allclose(metrics["epsilon"], np.maximum(1 - 0.95 * updates / 100, 0.05), atol=1e-5)
     np.testing.assert_allclose(metrics["learning_rate"], 1e-2 * (1 - (updates + 1) / 200), atol=1e-6)
     assert np.isfinite(metrics["loss"]).all()
+
+
+def test_at_first_actions_are_drawn() -> None:
+    """1 each with a probability of 1/2: the mean of 64 episodes has a standard error of 0.09."""
+    assert float(learn(matching(), **VDN)[1]["collective_return"][0]) == pytest.approx(1.0, abs=0.35)
 
 
 def test_an_infinite_reward_leaves_the_parameters_as_they_were() -> None:

@@ -123,6 +123,27 @@ def test_many_networks_at_once() -> None:
         jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, plain)
 
 
+@pytest.mark.thorough
+@pytest.mark.usefixtures("_way")
+def test_teams_in_several_seeds() -> None:
+    """Under two `vmap`s each network looks at its own windows, and where both have one network, at all of them."""
+    tokens = jnp.stack([draw_windows(seed, 3, 4) for seed in range(2)])  # [seeds, teams, windows, ...]
+    keys = jax.random.split(jax.random.key(1), (2, 3))
+    plain = Plain(jnp.dtype(jnp.float32))
+    parameters = jax.vmap(jax.vmap(lambda key: plain.init(key, tokens[0, 0])))(keys)
+
+    def of(layer: nn.Module, own: dict, seen: Array) -> tuple[Array, dict]:
+        return layer.apply(own, seen), jax.grad(lambda own: jnp.square(layer.apply(own, seen)).sum())(own)
+
+    for axes in ((0, 0), (None, 0), (0, None)):
+        own, seen = (jax.tree.map(lambda leaf: leaf[0], each) if axis is None else each for each, axis in zip((parameters, tokens), axes))
+        ours, ones = (
+            jax.jit(jax.vmap(jax.vmap(lambda own, seen, layer=layer: of(layer, own, seen)), axes))(own, seen)
+            for layer in (Ours(jnp.dtype(jnp.float32)), plain)
+        )
+        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, ones)
+
+
 def test_planes_share_a_table_where_that_is_less_work() -> None:
     """In their order; one whose values fill a table is alone, or with one of a single value; numbers have none."""
     assert groups_of(PLANES, 10**6) == ((0, 1, 3, 5), (4,))
