@@ -101,17 +101,17 @@ AGENT_MASK = 7
 BOAT_MASK = 1
 STALL_LOOK = 4  # as it is painted
 FARM_SHOWN = 2  # as it is shown
-STREAM_START = 0x2e89a388  # ferry.sj:51
-STREAM_START_2 = 0x801ed3a9  # ferry.sj:49
-STREAM_START_3 = 0xd19f60e1  # ferry.sj:49
-STREAM_START_4 = 0x2bf57089  # ferry.sj:50
-STREAM_START_5 = 0xb140e3b7  # ferry.sj:50
-STREAM_TICK = 0xc3e1b34b  # ferry.sj:62
-STREAM_TICK_2 = 0x5e90a9b8  # ferry.sj:62
-STREAM_WALK = 0xbcc46097  # ferry.sj:59
-STREAM_SAIL = 0xc6f79283  # ferry.sj:60
-STREAM_HARVEST = 0x434f9bce  # ferry.sj:67
-STREAM_HARVEST_2 = 0x1511e61c  # ferry.sj:68
+STREAM_START = 0x2e89a388  # ferry.sj:53
+STREAM_START_2 = 0x801ed3a9  # ferry.sj:51
+STREAM_START_3 = 0xd19f60e1  # ferry.sj:51
+STREAM_START_4 = 0x2bf57089  # ferry.sj:52
+STREAM_START_5 = 0xb140e3b7  # ferry.sj:52
+STREAM_TICK = 0xc3e1b34b  # ferry.sj:64
+STREAM_TICK_2 = 0x5e90a9b8  # ferry.sj:64
+STREAM_WALK = 0xbcc46097  # ferry.sj:61
+STREAM_SAIL = 0xc6f79283  # ferry.sj:62
+STREAM_HARVEST = 0x434f9bce  # ferry.sj:69
+STREAM_HARVEST_2 = 0x1511e61c  # ferry.sj:70
 
 CELLS_DOCK = jnp.asarray(cells_of(MAP, PAD, "D"))  # cells of dock
 CELLS_FARM = jnp.asarray(cells_of(MAP, PAD, "f"))  # cells of farm
@@ -255,9 +255,9 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
       each dock as d { pick 1 dock as e where e.row == d.row and e is not d { set d.across = e } }
     }
     """
-    sent = jnp.full(NUM_AGENTS, True)  # ferry.sj:49
-    sent_2 = jnp.full(NUM_BOAT, True)  # ferry.sj:50
-    row = CELLS_DOCK // FRAME_COLS  # ferry.sj:51
+    sent = jnp.full(NUM_AGENTS, True)  # ferry.sj:51
+    sent_2 = jnp.full(NUM_BOAT, True)  # ferry.sj:52
+    row = CELLS_DOCK // FRAME_COLS  # ferry.sj:53
     place_2 = ((CELLS_DOCK // FRAME_COLS - PAD) << 8) + (CELLS_DOCK % FRAME_COLS - PAD)
     e, found = pick(
         ((row - PAD)[None, :] == (row - PAD)[:, None]) & (place_2[None, :] != place_2[:, None]),
@@ -265,12 +265,12 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
     place_3 = ((CELLS_DOCK[e] // FRAME_COLS - PAD) << 8) + (CELLS_DOCK[e] % FRAME_COLS - PAD)
     dock_across = jnp.where(found, place_3, state.dock_across)
-    position, placed = place(  # ferry.sj:49
+    position, placed = place(  # ferry.sj:51
         CELLS_FARM, jnp.full(NUM_FARM, True), random_bits(key, STREAM_START_2, NUM_AGENTS), state.position, sent
     )
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_3, NUM_AGENTS), 4), state.heading)
     away = jnp.where(placed, 0, state.away)
-    boat_position, placed_2 = place(  # ferry.sj:50
+    boat_position, placed_2 = place(  # ferry.sj:52
         CELLS_LANE, jnp.full(NUM_LANE, True), random_bits(key, STREAM_START_4, NUM_BOAT), state.boat_position, sent_2
     )
     boat_heading = jnp.where(
@@ -295,7 +295,7 @@ def tick(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     state = state.replace(farm_rest=farm_rest)
     due = (state.position == NOWHERE) & (state.away == 1)
     state = state.replace(away=state.away - ((state.position == NOWHERE) & (state.away > 1)).astype(jnp.int32))
-    back = due & (state.away_pool == 2)  # ferry.sj:62
+    back = due & (state.away_pool == 2)  # ferry.sj:64
     place_2 = ((CELLS_DOCK // FRAME_COLS - PAD) << 8) + (CELLS_DOCK % FRAME_COLS - PAD)
     fitting = place_2[None, :] == state.agent_lands[:, None]
     dock_under = SITE_OF_DOCK[state.position]
@@ -323,18 +323,18 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
       each agent on dock { set agent.lands = nowhere }
     }
     """
-    present = state.position != NOWHERE  # ferry.sj:56
+    present = state.position != NOWHERE  # ferry.sj:58
     farm_under = SITE_OF_FARM[state.position]
     place_2 = ((CELLS_FARM[farm_under] // FRAME_COLS - PAD) << 8) + (CELLS_FARM[farm_under] % FRAME_COLS - PAD)
     agent_home = jnp.where(present & (farm_under < NUM_FARM) & (state.agent_home == NO_CELL), place_2, state.agent_home)
-    dock_under = SITE_OF_DOCK[state.position]  # ferry.sj:57
+    dock_under = SITE_OF_DOCK[state.position]  # ferry.sj:59
     agent_lands = jnp.where(present & (dock_under < NUM_DOCK), NO_CELL, state.agent_lands)
     return state.replace(agent_home=agent_home, agent_lands=agent_lands), out
 
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase walk { move each agent }"""
-    present = state.position != NOWHERE  # ferry.sj:59
+    present = state.position != NOWHERE  # ferry.sj:61
     chosen = jnp.where(present, actions, STAY)
     heading = (state.heading + TURN[chosen]) & 3
     stride = STEP_BY[chosen]
@@ -346,7 +346,7 @@ def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def sail(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase sail { move each boat on lane along lane.way }"""
-    lane_under = SITE_OF_LANE[state.boat_position]  # ferry.sj:60
+    lane_under = SITE_OF_LANE[state.boat_position]  # ferry.sj:62
     way = state.lane_way[lane_under].astype(jnp.int32)
     target = jnp.where(lane_under < NUM_LANE, NEXT_CELL_OF_BOAT[state.boat_position * 4 + way], state.boat_position)
     boat_heading = jnp.where(lane_under < NUM_LANE, way.astype(jnp.uint8), state.boat_heading)
@@ -359,7 +359,7 @@ def embark(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     """phase embark { each agent on dock where agent chose board and docked(dock) { set agent.lands = dock.across  tally
         crossed for agent } }
     """
-    present = state.position != NOWHERE  # ferry.sj:61
+    present = state.position != NOWHERE  # ferry.sj:63
     dock_under = SITE_OF_DOCK[state.position]
     row = state.boat_position // FRAME_COLS
     row_2 = CELLS_DOCK[dock_under] // FRAME_COLS
@@ -377,7 +377,7 @@ def land(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """phase land { each agent where agent.lands is not nowhere { send agent to agent.lands after crossing facing same
         otherwise stay } }
     """
-    present = state.position != NOWHERE  # ferry.sj:62
+    present = state.position != NOWHERE  # ferry.sj:64
     sent = present & (state.agent_lands != NO_CELL)
     position = jnp.where(sent, NOWHERE, state.position)
     away = jnp.where(sent, 4, state.away)
@@ -388,7 +388,7 @@ def land(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase ripen { each farm where farm.crop is none and farm.rest == 0 { set farm.crop = ripe } }"""
-    # ferry.sj:63
+    # ferry.sj:65
     farm_crop = jnp.where((state.farm_crop == FARM_NONE) & (state.farm_rest == 0), FARM_RIPE, state.farm_crop)
     return state.replace(farm_crop=farm_crop), out
 
@@ -403,9 +403,9 @@ def harvest(state: State, out: Outcome, params: Params, actions: Array, key: Arr
       }
     }
     """
-    present = state.position != NOWHERE  # ferry.sj:65
+    present = state.position != NOWHERE  # ferry.sj:67
     load_below_4 = present & (state.agent_load < 4)
-    at = jnp.where(  # ferry.sj:66
+    at = jnp.where(  # ferry.sj:68
         state.agent_home >= 0, ((state.agent_home >> 8) + PAD) * FRAME_COLS + ((state.agent_home & 255) + PAD), NOWHERE
     )
     farm_held = SITE_OF_FARM[at]
@@ -415,7 +415,7 @@ def harvest(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     col_2 = CELLS_FARM[farm_held] % FRAME_COLS
     distance = jnp.abs(row - row_2) + jnp.abs(col - col_2)
     is_ripe = load_below_4 & (farm_held < NUM_FARM) & (state.farm_crop[farm_held] == FARM_RIPE) & (distance == 0)
-    agent_load_added = is_ripe.astype(jnp.int32)  # ferry.sj:67
+    agent_load_added = is_ripe.astype(jnp.int32)  # ferry.sj:69
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32) * NUM_FARM + farm_held).astype(jnp.uint32)
     word = random_bits_at(key, STREAM_HARVEST, instance)
     won = drawn_by_lot(
@@ -428,7 +428,7 @@ def harvest(state: State, out: Outcome, params: Params, actions: Array, key: Arr
             won, jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1), jnp.int32(NUM_FARM)
         )
     ].set(FARM_NONE, mode="drop")
-    word_2 = random_bits_at(key, STREAM_HARVEST_2, instance)  # ferry.sj:68
+    word_2 = random_bits_at(key, STREAM_HARVEST_2, instance)  # ferry.sj:70
     won_2 = drawn_by_lot(
         jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1),
         jnp.broadcast_to(jnp.where(is_ripe, (word_2 >> 1) + 1, 0), (NUM_AGENTS,)).reshape(-1),
@@ -455,13 +455,13 @@ def sell(state: State, out: Outcome, params: Params, actions: Array, key: Array)
       }
     }
     """
-    present = state.position != NOWHERE  # ferry.sj:73
+    present = state.position != NOWHERE  # ferry.sj:75
     stall_under = SITE_OF_STALL[state.position]
     on_stall = present & (stall_under < NUM_STALL) & (actions == ACTION_SELL) & (state.agent_load > 0)
-    sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:74
+    sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:76
     reward = out.reward + jnp.where(on_stall, params.price[sales], 0.0)
     agent_load_added = jnp.where(on_stall, jnp.int32(-1), jnp.int32(0))
-    world_sold_added = jnp.sum(  # ferry.sj:75
+    world_sold_added = jnp.sum(  # ferry.sj:77
         jnp.where(
             0 == jnp.arange(NUM_WORLD_SOLD, dtype=jnp.int32)[None, :],
             on_stall[..., None].astype(jnp.int32),
@@ -480,7 +480,7 @@ def sell(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def remember(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase remember { when step % day == day - 1 { set sold = shift(sold, 1, 0) } }"""
-    world_sold = jnp.where(  # ferry.sj:78
+    world_sold = jnp.where(  # ferry.sj:80
         state.step % params.day == params.day - 1,
         shifted(state.world_sold.astype(jnp.int32), 1, jnp.int32(0)).astype(jnp.uint8),
         state.world_sold,
@@ -510,10 +510,10 @@ def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 9, 9]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
     plane_0 = fill(plane_0, CELLS_FARM, state.farm_crop + FARM_LOOK)  # ferry.sj:23
-    # ferry.sj:37
+    # ferry.sj:39
     plane_0 = paint(plane_0, state.position, (jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1) << AGENT_SHIFT)
-    plane_0 = paint(plane_0, state.boat_position, jnp.ones(NUM_BOAT, jnp.uint8) << BOAT_SHIFT)  # ferry.sj:42
-    seen_0 = windows(  # ferry.sj:81
+    plane_0 = paint(plane_0, state.boat_position, jnp.ones(NUM_BOAT, jnp.uint8) << BOAT_SHIFT)  # ferry.sj:44
+    seen_0 = windows(  # ferry.sj:83
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK
@@ -534,12 +534,12 @@ def observe(state: State, params: Params) -> Array:
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]
-    seen_boat = jnp.where(  # ferry.sj:42
+    seen_boat = jnp.where(  # ferry.sj:44
         ((seen_0 >> BOAT_SHIFT) & BOAT_MASK) != 0,
         (((seen_0 >> BOAT_SHIFT) & BOAT_MASK) != 0).astype(jnp.uint8),
         0,
     )
-    sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:83
+    sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:85
     shown_sales = sales.astype(jnp.uint8)
     present = state.position != NOWHERE
     return planes_of(

@@ -297,7 +297,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_floor = jnp.sum(state.floor_food > 0, dtype=jnp.int32)  # lb_foraging.sj:82
+    num_floor = jnp.sum(state.floor_food > 0, dtype=jnp.int32)  # lb_foraging.sj:84
     return {"left": num_floor.astype(jnp.float32)}
 
 
@@ -312,7 +312,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_FLOOR, state.floor_food + FLOOR_LOOK)  # lb_foraging.sj:19
     # lb_foraging.sj:27
     plane_0 = paint(plane_0, state.position, (jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1) << AGENT_SHIFT)
-    seen_0 = windows(  # lb_foraging.sj:71
+    seen_0 = windows(  # lb_foraging.sj:73
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK

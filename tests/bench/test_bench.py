@@ -3,6 +3,7 @@
 import json
 import shutil
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from jax.experimental.compilation_cache import compilation_cache
 
 from bench.speed.__main__ import main
 from sjdsl.bench import Report, Task, game_task, measure, yardstick_task
+from sjdsl.bench.compilation import compile_step
 from sjdsl.bench.loop import make_loop
 from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
@@ -59,6 +61,20 @@ def test_figures_agree_with_one_another(report: Report) -> None:
         assert speed.memory_bytes > 0
         if speed.name == "yardstick":
             assert speed.ratio == 1
+
+
+def test_the_report_can_be_stored(report: Report) -> None:
+    stored = json.loads(json.dumps(asdict(report)))
+    assert stored["machine"]["jax"] == jax.__version__
+    assert len(stored["speeds"]) == 4
+    assert stored["compilations"][0]["name"] == "meadow"
+    assert stored["compilations"][0]["stablehlo_lines"] > 100
+    assert stored["compilations"][0]["operations"]["sort"] == 0
+    assert {speed["observation"] for speed in stored["speeds"]} == {"tokens"}
+
+
+def test_one_step_is_what_is_compiled(meadow_env: Environment) -> None:
+    assert compile_step(meadow_env, "m").name == "m"
 
 
 def test_the_loop_adds_all_rewards_and_the_last_observations() -> None:
@@ -137,7 +153,7 @@ def test_the_command_measures_several_forms_and_writes_a_page(monkeypatch: pytes
     page = Path("docs/page.md").read_text()
     assert f"`python -m bench.speed {asked}`" in page
     assert "| meadow | 2 | onehot |" in page
-    assert "meadow.sj can't have 9 agents: " in page
+    assert "meadow.sj is left out with 9 agents: " in page
     assert "(plots/cpu_onehot_own_agents.png)" in page
     assert page.startswith("Speed.") and page.endswith("That was it.\n")
 

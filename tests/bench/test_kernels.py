@@ -5,10 +5,11 @@ import math
 from dataclasses import asdict
 
 import jax
+import jax.numpy as jnp
 import pytest
 
 from bench.gpu_cost import count_kernels
-from bench.speed.kernels import Kernels, StepKernels, measure_kernels
+from bench.speed.kernels import Kernels, StepKernels, copied_bytes_per_s, measure_kernels
 from bench.speed.tables import kernel_table, notes_of
 from sjdsl.bench import game_task
 from sjdsl.runtime.env import Environment
@@ -56,6 +57,11 @@ def test_kernels_are_counted_where_they_are_launched() -> None:
         count_kernels("no program")
 
 
+def test_what_fuses_is_one_kernel() -> None:
+    text = jax.jit(lambda x: jnp.sin(x) * 2 + 1).lower(jnp.ones(8)).compile().as_text()
+    assert count_kernels(text) == 1
+
+
 def test_a_step_moves_at_least_what_goes_in_and_out(meadow_env: Environment) -> None:
     """State: step, three cells of fruit, of two agents the cell and the heading, the key and what goes on; counted by its arrays."""
     (step,) = measure_kernels([game_task(meadow_env)], num_envs=3, repeats=1, steps=1).steps
@@ -73,3 +79,7 @@ def test_the_share_is_the_time_a_copy_of_the_least_bytes_would_take() -> None:
     assert row == ("meadow", "2", "tokens", "1,000", "12", "5,000", "2,000", "2,000 µs", "500k", "25.0%")
     assert "4 GB/s" in notes_of(found)[0]
     assert json.loads(json.dumps(asdict(found)))["steps"][0]["kernels"] == 12
+
+
+def test_a_copy_has_a_speed() -> None:
+    assert copied_bytes_per_s(1, numbers=64) > 0

@@ -16,6 +16,7 @@ from sjdsl.runtime.forms import forced
 from tests.games.environments import NINE, environment
 
 FORMS = ("cpu", "gpu")
+LINES = 2500  # the most that is aimed at
 GROWTH = 1.05  # unnoticed
 MANY = ("lines", *COUNTED)
 
@@ -58,9 +59,21 @@ def test_a_step_has_not_grown(game: str, form: str) -> None:
 
 
 @pytest.mark.parametrize("game", NINE)
+def test_a_step_is_short(game: str) -> None:
+    assert figures_of(game)["lines"] <= LINES
+
+
+@pytest.mark.parametrize("game", NINE)
 def test_a_step_sorts_nothing_and_stays_in_single_precision(game: str) -> None:
     assert figures_of(game)["sort"] == 0
     assert "f64" not in step_of(game)
+
+
+@pytest.mark.parametrize("game", NINE)
+def test_a_step_for_a_gpu_waits_for_nothing(game: str) -> None:
+    """The host would wait for the predicate of each turn of a loop, and of each branch."""
+    found = figures_of(game, "gpu")
+    assert found["while"] + found["case"] == 0
 
 
 @pytest.mark.parametrize(("platform", "form"), [("cpu", "cpu"), ("cuda", "gpu")])

@@ -1,5 +1,7 @@
 """Sweeps: one program with many values plays as the programs with one value each do."""
 
+import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,7 @@ from click.testing import CliRunner
 
 import sjdsl
 from bench.speed.__main__ import main
-from bench.speed.sweep import make_sweep_loop, swept_params
+from bench.speed.sweep import make_sweep_loop, measure_sweep, swept_params
 from sjdsl.bench import game_task
 from sjdsl.bench.loop import make_loop
 from sjdsl.runtime.env import Environment
@@ -85,6 +87,17 @@ def test_values_as_arguments_play_as_constants_do(env: Environment) -> None:
     assert together(own, own, own, own) == float(jax.jit(make_loop(game_task(env), 4, 6))(key))
     dear = own.replace(apple=own.apple * 2)
     assert together(own, own, own, own) < together(own, own, dear, own) < together(dear, dear, dear, dear)
+
+
+@pytest.mark.slow
+def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
+    sweep = measure_sweep(game_task(env), "apple", swept_params(env, "apple", 4), 2, repeats=3, num_steps=2, apart=2)
+    assert (sweep.name, sweep.param, sweep.num_values, sweep.num_envs) == ("orchard", "apple", 4, 2)
+    assert len(sweep.apart_compile_s) == 2
+    for rates in (sweep.together, sweep.apart, sweep.constant):
+        assert len(rates) == 3 and min(rates) > 0
+    assert min(sweep.together_compile_s, sweep.constant_compile_s, *sweep.apart_compile_s) > 0
+    assert json.loads(json.dumps(asdict(sweep)))["together_memory_bytes"] > 0
 
 
 @pytest.mark.thorough

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from bench.speed.__main__ import main
 from bench.speed.stored import read_found
-from bench.speed.tables import tables_of
+from bench.speed.tables import tables_of, training_table
 from bench.speed.training import Split, Training, flops_of, idle_rollout, measure_training, training_setups
 from sjdsl.runtime.env import Environment
 from sjdsl.trainers import make_train
@@ -23,6 +23,18 @@ LEARNERS = [("ippo", "shared"), ("ippo", "per_agent"), ("mappo", "shared"), ("ma
 def training(meadow_env: Environment) -> Training:
     setups, refused = training_setups([(meadow_env.name, meadow_env)], ["mlp"], ["ippo", "vdn"], num_envs=ENVS, num_steps=STEPS)
     return measure_training(setups, repeats=2, env_steps=10**6, left_out=refused)
+
+
+@pytest.mark.slow
+def test_every_part_is_timed_in_every_round(training: Training) -> None:
+    assert [(split.algorithm, split.sharing) for split in training.splits] == [("ippo", "shared"), ("vdn", "shared")]
+    for split in training.splits:
+        for seconds in (split.update, split.environments, split.rollout, split.learning):
+            assert len(seconds) == 2
+            assert min(seconds) > 0
+        assert split.compile_s > 0
+    assert training.flops_per_s > 0
+    assert json.loads(json.dumps(asdict(training)))["splits"][0]["network"] == "mlp"
 
 
 def matrices(env: Environment) -> tuple[int, int]:
@@ -85,6 +97,19 @@ def test_what_is_measured(meadow_env: Environment) -> None:
     assert "cannot be split into num_minibatches = 8" in refused[0]
 
 
+@pytest.mark.slow
+def test_a_variant_is_measured_under_its_own_name(meadow_env: Environment) -> None:
+    (setup,), _ = training_setups([("meadow+dry", meadow_env)], ["mlp"], num_envs=ENVS, num_steps=STEPS)
+    (split,) = measure_training([setup], repeats=1).splits
+    assert split.game == "meadow+dry"
+
+
+def test_forms_of_one_name_are_all_measured(meadow_env: Environment) -> None:
+    """A game with its own number of agents and with another has one name."""
+    setups, _ = training_setups([(meadow_env.name, meadow_env)] * 2, ["mlp"], num_envs=ENVS, num_steps=STEPS)
+    assert [setup.name for setup in setups] == ["meadow", "meadow"]
+
+
 def split_of(update: tuple[float, ...], **other: str) -> Split:
     return Split("meadow", 2, "mlp", 4, 8, 1.0, update, (0.1,), (0.2,), (0.3,), 1e6, **other)
 
@@ -111,6 +136,27 @@ def test_figures_without_an_algorithm_are_of_ippo(tmp_path: Path) -> None:
     file.write_text(json.dumps({"sort": "training", "machine": machine, "flops_per_s": 1e9, "splits": [row]}))
     assert read_found(file) == Training(machine, 1e9, (split_of((1.0,)),))
     assert "one update of IPPO: 4 environments, 8 steps" in CliRunner().invoke(main, ["tables", str(file)]).output
+
+
+@pytest.mark.slow
+def test_the_table_has_the_parts(training: Training) -> None:
+    table = training_table(training)
+    assert all(len(row) == len(table.headings) for row in table.rows)
+    assert [row[:5] for row in table.rows] == [("meadow", "2", "mlp", "ippo", "shared"), ("meadow", "2", "mlp", "vdn", "shared")]
+    assert table.title == "one update of IPPO, VDN: 4 environments, 8 steps"
+
+
+@pytest.mark.slow
+def test_on_the_command_line(meadow: Path, tmp_path: Path) -> None:
+    figures = tmp_path / "figures.json"
+    asked = ["--algorithms", "mappo", "--sharings", "per_agent,by_role", "--hours", "1e6", "--json", str(figures)]
+    shown = CliRunner().invoke(main, ["training", str(meadow), *asked, "--envs", "2", "--steps", "4", "--repeats", "1"]).output
+    assert "one update of MAPPO: 2 environments, 4 steps" in shown
+    assert "extrapolated" in shown
+    assert "left out: meadow, mlp, mappo, by_role:" in shown
+    stored = json.loads(figures.read_text())
+    assert [(row["algorithm"], row["sharing"], row["num_steps"]) for row in stored["splits"]] == [("mappo", "per_agent", 4)]
+    assert stored["hours_to"] == 1_000_000
 
 
 def test_nothing_that_can_be_measured_is_said(meadow: Path) -> None:

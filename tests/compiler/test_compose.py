@@ -38,9 +38,35 @@ def codes(folder: Path, changes: str, variant: str = "", *variants: str) -> list
     return [d.code for d in error.value.diagnostics]
 
 
+def test_a_game_on_a_game_sets_and_drops(tmp_path: Path) -> None:
+    made = game(tmp_path, "set apple = 3  set pay[blue] = -1  drop reds")
+    assert {p.name: p.value for p in made.params} == {"apple": 3, "pay": (1, -1)}
+    assert made.measures == ()
+
+
+def test_a_variant_comes_after_the_game(tmp_path: Path) -> None:
+    made = game(tmp_path, "set apple = 3", "set apple = 4", "rich")
+    assert made.params[0].value == 4
+
+
 def test_only_what_is_there_can_be_changed(tmp_path: Path) -> None:
     assert codes(tmp_path, "set aple = 3") == ["SJ108"]
     assert codes(tmp_path, "drop blues") == ["SJ108"]
+
+
+def test_a_game_of_its_own_has_nothing_to_change(tmp_path: Path) -> None:
+    (tmp_path / "alone.sj").write_text((BASE % "").replace("episode 9", "episode 9  set apple = 2"), encoding="utf-8")
+    with pytest.raises(CompileError) as error:
+        build(read_source(tmp_path / "alone.sj"))
+    assert [d.code for d in error.value.diagnostics] == ["SJ002"]
+
+
+@pytest.mark.parametrize(
+    "changes", ["set apple = 2  set apple = 3", "set pay[red] = 2  set pay[red] = 2", "set pay = { red: 1, blue: 1 }  set pay[red] = 2"]
+)
+def test_nothing_is_changed_twice(changes: str, tmp_path: Path) -> None:
+    assert codes(tmp_path, changes) == ["SJ115"]
+    assert codes(tmp_path, "", changes, "rich") == ["SJ115"]
 
 
 def test_stay_cannot_be_forbidden(tmp_path: Path) -> None:

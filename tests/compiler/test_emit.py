@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sjdsl.compiler import compile_source
+from sjdsl.compiler import build, compile_source, lower_build
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.emit.expressions import PYTHON_PRECEDENCE, text
-from sjdsl.compiler.emit.layout import WIDTH
+from sjdsl.compiler.emit.expressions import PYTHON_PRECEDENCE, pieces, text
+from sjdsl.compiler.emit.layout import WIDTH, layout
 from sjdsl.compiler.emit.statements import statement_lines
 from sjdsl.compiler.program.expressions import (
     DTYPES,
@@ -31,14 +31,18 @@ from sjdsl.compiler.program.expressions import (
     Mapping,
     Name,
     Reduce,
+    Return,
     Sequence,
     Slice,
     Unary,
     Update,
     Where,
+    live,
     path,
 )
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.factory import load_module
+from sjdsl.games_folder import find_game
 
 GENERATED = Path(__file__).parents[2] / "generated"
 OPERATORS: dict[str, type[ast.operator] | type[ast.cmpop] | type[ast.unaryop]] = {
@@ -175,6 +179,41 @@ def test_broken_lines_are_read_as_they_were_meant_and_fit(node: Any) -> None:
         assert max(map(len, lines)) <= WIDTH
 
 
+def test_brackets_stand_where_they_are_needed_or_help() -> None:
+    a, b, c = map(Name, "abc")
+    for node, expected in (
+        (Binary("+", Binary("+", a, b), c), "a + b + c"),
+        (Binary("-", a, Binary("-", b, c)), "a - (b - c)"),
+        (Binary("*", Binary("+", a, b), c), "(a + b) * c"),
+        (Binary("&", Binary("&", a, b), c), "a & b & c"),
+        (Binary("&", Binary("==", a, b), Unary("~", c)), "(a == b) & ~c"),
+        (Binary("&", Binary("+", a, b), Literal(3)), "(a + b) & 3"),
+        (Binary("<", Binary(">>", a, Literal(1)), b), "(a >> 1) < b"),
+        (Cast(Unary("~", a), "u8"), "(~a).astype(jnp.uint8)"),
+        (Index(Cast(a, "i32"), (Slice(), Literal(None))), "a.astype(jnp.int32)[:, None]"),
+        (Attribute(Literal(7), "real"), "(7).real"),
+        (Sequence((a,)), "(a,)"),
+    ):
+        assert text(node) == expected
+
+
+def test_long_calls_are_broken_at_their_arguments() -> None:
+    names = [Name(f"argument_number_{i}") for i in range(9)]
+    value = Binary("+", Name("reward"), Call(path("jnp.sum"), tuple(names)))
+    lines = layout(pieces(value), 9, 0, 0).split("\n")
+    assert lines[0] == "reward + jnp.sum("
+    assert lines[1:-1] == [f"    argument_number_{i}," for i in range(9)]
+    assert lines[-1] == ")"
+
+
+def test_what_nothing_reads_is_left_out() -> None:
+    a, b, state = map(Name, ("a", "b", "state"))
+    again = Assign(("a",), Binary("+", a, Literal(1)))
+    body = [Assign(("a",), Literal(1)), Assign(("b",), a), again, Assign(("b",), Literal(2)), Return((state, b))]
+    assert live(body) == (body[3], body[4])
+    assert live([*body[:3], Return((a,))]) == (body[0], again, Return((a,)))
+
+
 @pytest.mark.parametrize("path_", sorted(GENERATED.glob("*.py")), ids=lambda p: p.stem)
 def test_generated_modules_are_tidy(path_: Path) -> None:
     lines = path_.read_text("utf-8").splitlines()
@@ -182,6 +221,24 @@ def test_generated_modules_are_tidy(path_: Path) -> None:
     idle = re.compile(r"(\* 1|\+ 0|- 0|<< 0|>> 0)(?![\w.])")
     assert [line for line in lines if idle.search(line.split("  #")[0])] == []
     assert not re.search(r'"""\n    return state, out\n', path_.read_text("utf-8"))  # a phase that does nothing
+
+
+def test_numbers_of_a_game_have_names() -> None:
+    """Agents, cells of kinds, actions and words are not written as bare numbers."""
+    module = (GENERATED / "clean_up.py").read_text("utf-8")
+    functions = module[module.index("def start") :]
+    assert "WATER_DIRTY" in functions and "NUM_WATER" in functions and "ACTION_ZAP" in functions
+    assert not re.search(r"\b(147|122|19)\b", functions.replace("clean_up.sj:19", ""))
+    assert not re.search(r"actions == \d", functions)
+
+
+def test_equal_programs_have_equal_text() -> None:
+    """The program alone decides the text: nothing is taken from the rules it was made from."""
+    from sjdsl.compiler.emit.module import render
+
+    source = read_source(find_game("coins"))
+    program = lower_build(build(source), source)
+    assert render(program) == (GENERATED / "coins.py").read_text("utf-8")
 
 
 MANY = """sj 1

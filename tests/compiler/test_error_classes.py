@@ -8,7 +8,7 @@ from typing import ClassVar, get_args, get_origin
 import pytest
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, LazyFixes, Near, Suggestion
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, LazyFixes, Near, Suggestion, near
 from sjdsl.compiler.diagnostics.explanations import kinds
 from sjdsl.compiler.diagnostics.source import Span
 
@@ -56,3 +56,25 @@ def test_a_fact_that_is_missing_or_misspelt_is_refused() -> None:
         errors.UnknownName(HERE, name="oka", nmae="oka")  # type: ignore[call-arg]
     with pytest.raises(TypeError, match=r"positional"):
         errors.UnknownName(HERE, "oka")  # type: ignore[misc]
+
+
+def test_diagnostics_are_frozen_and_equal_by_content() -> None:
+    one = errors.UnknownName(HERE, name="oka", near=near("oka", ["oak"]))
+    assert one == errors.UnknownName(HERE, name="oka", near=near("oka", ["oak"]))
+    assert one != replace(one, name="aok")
+    assert len({one, replace(one)}) == 1
+    with pytest.raises(AttributeError):
+        one.name = "oak"  # type: ignore[misc]
+
+
+def test_the_first_hint_is_given_that_can_be() -> None:
+    assert errors.UnknownName(HERE, name="oka", near=near("oka", ["oak", "elm"], "the trees")).hint == "did you mean `oak`?"
+    assert errors.UnknownName(HERE, name="cat", near=near("cat", ["oak", "elm"], "the trees")).hint == "the trees are `oak`, `elm`"
+    assert errors.UnknownName(HERE, name="cat", near=near("cat", ["oak", "elm"])).hint == ""
+
+
+def test_numbers_are_shown_as_they_are_read() -> None:
+    one = errors.TooFewToStart(HERE, place="tree", cells=1, agents=2)
+    assert one.message == "1 cell of the map fit `tree`, and 2 agents begin there"
+    outside = errors.OutOfLimits(HERE, name="`pay`", value=3.0, low=0, high=0.5)
+    assert outside.message == "`pay` is 3, outside 0 .. 0.5"

@@ -36,6 +36,20 @@ def wrong(text: str, part: str, *labels: tuple[str, str], better: str | LazyFixe
     return Wrong(span(part), name=part.split("\n")[0].strip(), better=better, labels=told)
 
 
+def test_one_line_with_help() -> None:
+    text = "sj 1\ngame pond { fish }\n"
+    assert shown(text, wrong(text, "fish", better="dish")) == (
+        "error[SJ999] game.sj:2:13\n"
+        "  `fish` is wrong\n"
+        "    |\n"
+        "  2 | game pond { fish }\n"
+        "    |             ^^^^\n"
+        "  help: write `dish`\n"
+        "\n"
+        "1 error"
+    )
+
+
 def test_an_exception_says_where_what_and_what_to_write_instead() -> None:
     text = "sj 1\ngame pond { fish }\n"
     odd = Odd(Source("game.sj", text).span(0, 2))
@@ -53,6 +67,49 @@ def test_what_is_tried_is_tried_when_an_exception_is_shown() -> None:
     assert str(error).endswith("help: write `sj 2`")
     assert str(pickle.loads(pickle.dumps(error))) == str(error), "what was found goes to another process"
     assert asked == ["better"]
+
+
+def test_labels_stand_in_the_order_of_the_file() -> None:
+    lines = [f"line {n}" for n in range(1, 13)]
+    text = "\n".join(lines)
+    out = shown(text, wrong(text, "line 10", ("line 9", "near"), ("line 2", "far")))
+    assert out.split("\n")[2:-2] == [
+        "     |",
+        "   2 | line 2",
+        "     | ------ far",
+        "  ...",
+        "   9 | line 9",
+        "     | ------ near",
+        "  10 | line 10",
+        "     | ^^^^^^^",
+    ]
+
+
+def test_a_label_in_the_same_line() -> None:
+    text = "give (1 + 2 to agent"
+    out = shown(text, wrong(text, "to", ("(", "opened here")))
+    assert out.split("\n")[3:6] == ["  1 | give (1 + 2 to agent", "    |      - opened here", "    |             ^^"]
+
+
+def test_a_span_of_some_lines_and_of_many() -> None:
+    text = 'map { "..."\n\n      "..." }\n'
+    out = shown(text, wrong(text, text[:-1]))
+    assert out.split("\n")[3:8] == [
+        '  1 | map { "..."',
+        "    | ^^^^^^^^^^^",
+        "  ...",
+        '  3 |       "..." }',
+        "    |       ^^^^^^^",
+    ]
+    many = "\n".join(f"  row {n}" for n in range(9))
+    out = shown(many, wrong(many, many[2:]))
+    assert out.split("\n")[3:8] == ["  1 |   row 0", "    |   ^^^^^", "  ...", "  9 |   row 8", "    |   ^^^^^"]
+
+
+def test_the_end_of_the_file_has_a_caret() -> None:
+    text = "game pond {\n"
+    end = Source("game.sj", text).span(len(text), len(text))
+    assert shown(text, Odd(end)).split("\n")[2:5] == ["    |", "  2 |", "    | ^"]
 
 
 @pytest.mark.parametrize(
@@ -90,6 +147,11 @@ def test_marks_wider_than_the_excerpt_end_with_it() -> None:
     assert all(len(text) <= WIDTH + 6 for text in lines[3:5])
 
 
+def test_windows_line_ends_do_not_show() -> None:
+    text = "sj 1\r\ngame pond\r\n"
+    assert shown(text, wrong(text, "pond")).split("\n")[3] == "  2 | game pond"
+
+
 def test_other_files_and_files_without_text() -> None:
     own, base = Source("game.sj", "abc"), Source("base.sj", "first\nsecond\n")
     labels = (Label(base.span(6, 12), "declared here"), Label(Span("gone.sj", 0, 1, 7, 1), "and here"))
@@ -107,6 +169,13 @@ def test_other_files_and_files_without_text() -> None:
         "1 warning",
     ]
     assert render([Odd(own.span(0, 3))], {}, False) == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
+
+
+def test_the_last_line_counts() -> None:
+    text = "a b"
+    out = shown(text, wrong(text, "a"), wrong(text, "b"), Odd(Source("game.sj", text).span(0, 1)))
+    assert out.endswith("\n2 errors, 1 warning")
+    assert shown(text) == ""
 
 
 def test_colours_only_add_to_the_text() -> None:

@@ -151,6 +151,12 @@ def test_the_interval_of_a_whole_quotient_is_the_least_that_holds() -> None:
             assert QUOTIENT((a, a + b), (c, c + d)) == (min(values), max(values))
 
 
+def test_the_interval_of_a_quotient_of_endless_numbers() -> None:
+    endless = float("inf")
+    assert QUOTIENT((0, endless), (1, endless)) == (0, endless)
+    assert QUOTIENT((-3, 5), (2, endless)) == (-2, 2)
+
+
 def test_rounding_stays_inside_its_interval_in_float32_too() -> None:
     random = np.random.default_rng(0)
     ends = np.sort(random.uniform(-9, 9, (2000, 2)), axis=1)
@@ -159,3 +165,8 @@ def test_rounding_stays_inside_its_interval_in_float32_too() -> None:
         for x in (low, high, (low + high) / 2):
             for near in (np.float32(x), np.nextafter(np.float32(x), np.float32(99)), np.nextafter(np.float32(x), np.float32(-99))):
                 assert found[0] <= np.rint(near) <= found[1], (low, high, near)
+
+
+def test_a_quotient_by_0_alone_is_bounded_by_what_is_divided() -> None:
+    """Such a divisor stands where nothing is ever divided: behind `k != 0 and k <= 0`, for example."""
+    assert QUOTIENT((-4, 9), (0, 0)) == (-9, 9)

@@ -23,23 +23,31 @@ class Report:
     differences: list[str] = field(default_factory=list)
 
 
-def run(env: Environment, key: jax.Array, steps: int) -> Report:
-    """Returns the first differences of `steps` random steps from a reset."""
-    given, report = default_params(env.game), Report()
+def run(
+    env: Environment, key: jax.Array, steps: int, actions: np.ndarray | None = None, params: Any = None, given: dict | None = None
+) -> Report:
+    """Returns the first differences of `steps` steps from a reset, with random actions unless `actions` `[T, N]` are given.
+
+    `params` for the compiled step and `given` for the interpreter are the same numbers.
+    """
+    params = env.params if params is None else params
+    given = {**default_params(env.game), **(given or {})}
+    report = Report()
     k_reset, k_actions, k_steps = jax.random.split(key, 3)
     words = jax.random.key_data(k_reset)
     world = reset(env.game, given, Threefry(int(words[0]), int(words[1])))
-    observation, state = env.reset(k_reset)
+    observation, state = env.reset(k_reset, params)
     compare(env, state, observation, world, report)
-    # one number too many on each side: unknown actions are `stay`
-    actions = np.asarray(jax.random.randint(k_actions, (steps, env.num_agents), -1, env.num_actions + 1))
+    if actions is None:
+        # one number too many on each side: unknown actions are `stay`
+        actions = np.asarray(jax.random.randint(k_actions, (steps, env.num_agents), -1, env.num_actions + 1))
     for t, step_key in enumerate(jax.random.split(k_steps, steps)):
         if report.differences:
             return report
         words = jax.random.key_data(step_key)
         draws = Recorded(Threefry(int(words[0]), int(words[1])))
         world, outcome = step(env.game, world, [int(a) for a in actions[t]], given, draws)
-        observation, state, reward, done, info = env.step_env(step_key, state, jnp.asarray(actions[t], jnp.int32))
+        observation, state, reward, done, info = env.step_env(step_key, state, jnp.asarray(actions[t], jnp.int32), params)
         report.steps += 1
         if draws.near:
             report.near += len(draws.near)

@@ -86,6 +86,7 @@ game large_sets "Sets of more agents than one number of 32 bits holds" {
     window ahead 1, behind 1, left 1, right 1
     show agent.friends as { myself where agent in agent.friends, somebody where agent.friends is not nobody, no_one }
     show other.friends as { mine where agent in other.friends, not_mine }
+    show grass as { visited where grass.visitors is not nobody, empty }
     show club as { member where agent in club, crowded where count(agent as one in club) > 20, outsider }
   }
   metrics {

@@ -1,7 +1,7 @@
 """The compiled step equals the reference interpreter: every field, observation, reward, event and metric of every step.
 
 Every bundled game in every variant is compared in `tests/games/test_contract.py`, over whole episodes; here are small games that use
-every construct.
+every construct, and the bundled ones with other numbers than any variant has.
 """
 
 from pathlib import Path
@@ -12,10 +12,35 @@ import pytest
 import sjdsl
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
-from tests.differential.compare import run
+from sjdsl.interpreter.numbers import real
+from tests.differential.compare import Report, run
 from tests.fuzz import together as quick
 
 HERE = Path(__file__).parent
+OTHER_NUMBERS = [
+    ("clean_up", {"respawn_delay": 2, "grace": 0, "best_rate": 0.5, "pollution": 1.0}),
+    ("mushrooms", {"respawn_delay": 3}),
+    ("coins", {"spawn": 0.05, "length": 30}),
+]
+
+
+def together(env: sjdsl.Environment, seed: int, steps: int, given: dict | None = None) -> Report:
+    """Runs both from one key; a draw on the edge of a computed chance ends a run early and is counted, not failed."""
+    report = run(env, jax.random.key(seed), steps, given=given)
+    assert not report.differences, report.differences
+    assert report.near or report.steps == steps
+    return report
+
+
+FEW = [*OTHER_NUMBERS[:1], *(pytest.param(*other, marks=pytest.mark.slow) for other in OTHER_NUMBERS[1:])]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "params"), FEW, ids=lambda x: str(x))
+def test_other_numbers(name: str, params: dict) -> None:
+    env = sjdsl.make(name, params=params)
+    types = {p.name: p.type.kind for p in env.game.params}
+    together(env, 5, 60, {k: real(v) if types[k] == "real" else v for k, v in params.items() if k in types})
 
 
 GAMES = sorted((HERE / "games").glob("*.sj"))
@@ -41,9 +66,7 @@ def test_every_construct_compiled_by_xla(path: Path, seeds: tuple[int, ...]) -> 
     """The same games in the environment that users have."""
     env = sjdsl.make(path)
     for seed in seeds:
-        report = run(env, jax.random.key(seed), 50)
-        assert not report.differences, report.differences
-        assert report.near or report.steps == 50  # a draw on the edge of a computed chance ends a run early
+        together(env, seed, 50)
 
 
 def test_a_difference_is_found() -> None:

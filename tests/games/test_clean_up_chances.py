@@ -83,6 +83,26 @@ def test_growth_falls_with_dirt(variant: str | None, dirty: int, chance: float, 
         assert_share(grown.sum(), ORCHARD * rounds * BATCH, exact, 0.1)
 
 
+@pytest.mark.thorough
+def test_every_orchard_cell_grows_alike(counted: Any) -> None:
+    env = environment("clean_up")
+    params = env.params.replace(best_rate=jnp.float32(0.5))
+    for site in counted(1, state_with(0), STAYS, params, 4)["grown"]:
+        assert_share(site, 4 * BATCH, 0.5, 0.05)
+
+
+@pytest.mark.thorough
+def test_nothing_grows_under_agents(counted: Any) -> None:
+    """Nor on the cell one leaves; with a chance of 1 everywhere else, the cell one comes to among them."""
+    env = environment("clean_up")
+    sure = env.params.replace(best_rate=jnp.float32(1))
+    orchard = cells_of(env, "orchard")
+    under = [(17, c) for c in range(7)]
+    seen = counted(8, state_with(0, under), [4, *STAYS[1:]], sure, 1)
+    assert seen["reward"].tolist() == [BATCH, 0, 0, 0, 0, 0, 0]
+    assert seen["grown"].tolist() == [0 if cell in (*under, (16, 0)) else BATCH for cell in orchard]
+
+
 def test_new_dirt_in_half_of_the_steps_from_the_fiftieth_on(counted: Any) -> None:
     """Never more than one cell; not before 50 steps are over."""
     env = environment("clean_up")
@@ -105,6 +125,18 @@ def test_dirt_comes_to_every_clean_cell_alike(counted: Any) -> None:
     assert seen["some"] == 24 * BATCH
     assert seen["dirtied"][~clean].sum() == 0
     assert_uniform(seen["dirtied"][clean], 0.15)
+
+
+def test_dirt_and_growth_are_independent(counted: Any) -> None:
+    """Whether dirt comes tells nothing about any orchard cell, and where it comes tells nothing about the cell of the same number."""
+    env = environment("clean_up")
+    half = env.params.replace(best_rate=jnp.float32(0.5))
+    seen = counted(3, state_with(0, step=50), STAYS, half, 8)
+    for site in seen["grown_when_dirtied"]:
+        assert_share(site, 8 * BATCH, 0.25, 0.06)
+    seen = counted(4, state_with(0, step=50), STAYS, half.replace(pollution=jnp.float32(1)), 24)
+    assert_share(seen["twins"].sum(), 24 * BATCH, 0.5 * ORCHARD / WATER, 0.03)
+    assert_share(seen["last_twins"].sum(), 24 * BATCH, 0.5 * ORCHARD / WATER, 0.03)
 
 
 def test_home_is_every_free_gate_alike(counted: Any) -> None:
@@ -149,3 +181,12 @@ def test_a_cell_that_several_clean_counts_once_and_for_each_alike(number: int) -
     assert (found.sum(axis=1) == 1).all()
     assert found[:, number:].sum() == 0
     assert_uniform(found[:, :number].sum(axis=0), 0.13)
+
+
+def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
+    env = environment("clean_up")
+    places = [(11, 5), (12, 6), (11, 7), *SAND[:4]]
+    seen = counted(6, state_with(0, places, [1, 0, 3, 0, 0, 0, 0]), [4, 4, 4, 6, 6, 6, 6], env.params, 16)
+    winners = seen["place"][:, frame_cells(env, (11, 6))]
+    assert winners.sum() == 16 * BATCH
+    assert_uniform(winners, 0.04)

@@ -77,3 +77,29 @@ def test_cells_and_colours_are_alike(counted: Any) -> None:
     assert_share(seen["same"].sum() / 174, steps, 0.005, 0.35)
     colours = np.array([seen["red"].sum(), seen["green"].sum()])
     assert_uniform(colours, 0.01)
+
+
+def test_cells_with_coins_or_agents_have_no_chance(counted: Any) -> None:
+    """At the highest rate everything else is full after a step, half of it green."""
+    env = environment("coins")
+    places = [(3, 3), (8, 4)]
+    coin = np.zeros(174, int)
+    coin[40:60], coin[60:80] = 1, 2
+    steps = 4 * BATCH
+    seen = counted(2, state_with(places, coin=coin), [STAY, STAY], env.params.replace(spawn=jnp.float32(0.5)), 4)
+    under = [cells_of(env, "tile").index(place) for place in places]
+    assert not (set(under) & set(range(40, 80)))
+    total = seen["red"] + seen["green"]
+    assert total[under].tolist() == seen["reward"].tolist() == [0, 0]
+    assert (np.delete(total, under) == steps).all()
+    assert (seen["red"][40:60] == steps).all()
+    assert (seen["green"][60:80] == steps).all()
+    fresh = [site for site in range(174) if coin[site] == 0 and site not in under]
+    assert_uniform([seen["red"][fresh].sum(), seen["green"][fresh].sum()], 0.01)
+
+
+def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
+    env = environment("coins")
+    seen = counted(3, state_with([(5, 4), (6, 5)], (1, 0)), [4, 4], env.params, 16)
+    assert seen["won"].sum() == 16 * BATCH
+    assert_uniform(seen["won"], 0.03)

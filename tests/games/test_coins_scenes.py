@@ -4,6 +4,8 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .frames import check_moves
+
 LOOKS = {"r": "tile coin=red", "g": "tile coin=green"}
 STAGE = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, looks=LOOKS)
 RED, GREEN = 0, 1  # agent 0 is red, agent 1 green
@@ -40,6 +42,11 @@ def test_payments(red_takes: str, green_takes: str, reward: list[float]) -> None
     assert scene.step("stay, stay").reward == [0, 0]
 
 
+def test_payments_are_parameters() -> None:
+    scene = put("CCCCP", ">gCCC", "CCCr<", "PCCCC", coin=3, harm=-5)
+    assert scene.step("forward, forward").reward == [-2, -2]
+
+
 def test_a_coin_that_two_want_goes_to_one() -> None:
     winners = set()
     for seed in range(12):
@@ -51,12 +58,28 @@ def test_a_coin_that_two_want_goes_to_one() -> None:
     assert winners == {True, False}
 
 
+def test_a_coin_stays_until_it_is_taken() -> None:
+    scene = put("rCCCP", "C>gCC", "CCCC<", "PCCCC")
+    for _ in range(3):
+        assert scene.step("turn_left, turn_right").reward == [0, 0]
+    scene.shows("rCCCP", "CvgCC", "CCCCv", "PCCCC")
+
+
 def test_a_colour_is_its_agents() -> None:
     """Agent 0 is red whichever corner it left."""
     scene = put("CCCrv  0", "CCCCC", "CCCCC", "^rCCC  1")
     assert scene.step("step_right, step_right").reward == [-1, 1]
     scene = put("CCCrv  1", "CCCCC", "CCCCC", "^rCCC  0")
     assert scene.step("step_right, step_right").reward == [-1, 1]
+
+
+def test_the_last_step_pays() -> None:
+    scene = put("CCCCP", ">rCCC", "CCCC<", "PCCCC", step=999).step("forward, stay")
+    scene.has({"reward": [1, 0], "steps": 1000, "truncated": True, "terminated": False})
+
+
+def test_moves() -> None:
+    check_moves(STAGE, ("CCCCP", "CC^CC", "CCCCC", "PCCC<"), compass=False)
 
 
 # Where coins come
@@ -79,6 +102,12 @@ def test_a_coin_that_comes_can_be_taken_in_the_same_step() -> None:
     assert scene.reward[RED] == 1
 
 
+def test_coins_do_not_change() -> None:
+    for seed in range(5):
+        scene = put("rrrrP", "ggg>r", "rr<gg", "Prrrr", spawn=0.5, seed=seed).step("stay, stay")
+        scene.shows("rrrrP", "ggg>r", "rr<gg", "Prrrr")
+
+
 # What the two see
 
 
@@ -91,3 +120,13 @@ def test_colours_are_mine_and_theirs() -> None:
     assert scene.seen(1, "content", ahead=3, right=2) == "tile coin=theirs"
     assert scene.seen(1, "content", ahead=3, right=4) == "corner"
     assert scene.seen(1, "content", ahead=1) == "tile coin=none"
+
+
+def test_both_see_their_own_coins_alike() -> None:
+    """With the agents and the coins changed over, each sees exactly what the other saw."""
+    one = put("CCrCP", "CCgCC", "CC^CC  0", "PCCC^  1")
+    two = put("CCgCP", "CCrCC", "CC^CC  1", "PCCC^  0")
+    assert (one.observation[RED] == two.observation[GREEN]).all()
+    assert (one.observation[GREEN] == two.observation[RED]).all()
+    same_coins = put("CCrCP", "CCgCC", "CC^CC  1", "PCCC^  0")
+    assert (one.observation[RED] != same_coins.observation[GREEN]).any()

@@ -16,9 +16,9 @@ from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Recorded, Threefry
-from sjdsl.properties.state_conversion import world_of
 from sjdsl.testing.engines import interpreter_params
 from tests.differential.compare import Report, compare, compare_outcome
+from tests.differential.worlds import world_of
 
 from .environments import HARVESTS, NINE, environment, places
 from .found import Form, forms, programs, rules_of
@@ -33,8 +33,8 @@ SAMPLED = 6  # steps that both engines take from wherever a run has come to, bes
 
 
 def is_rare(form: Form) -> bool:
-    """Returns whether a form is played only with all tests: crowds, most variants, and games that have tests of their own beside the nine,
-    or the rules of another on another map."""
+    """Returns whether a form is played only with all tests: crowds (see `tests/differential/test_twenty_agents.py`), most variants, and
+    games that have tests of their own beside the nine, or the rules of another on another map."""
     usual = form.variant is None or (form.game, form.variant) == ("clean_up", "socialjax")
     return form.agents is not None or not usual or form.game not in NINE or form.game in HARVESTS[1:]
 
@@ -208,20 +208,6 @@ def test_the_same_keys_give_the_same_runs(form: Form) -> None:
         if done:
             np.testing.assert_array_equal(info["terminal_observation"], play.terminal[1])
     assert len({tuple(play.env.reset(jax.random.key(seed))[1].position.tolist()) for seed in range(8)}) > 1
-
-
-@pytest.mark.parametrize("game", ["coins", pytest.param("pd_arena", marks=pytest.mark.thorough)])
-def test_one_of_a_batch_that_ends_resets_no_other(game: str) -> None:
-    env = environment(game)
-    keys = jax.random.split(jax.random.key(0), 4)
-    states = [env.reset(key)[1] for key in keys]
-    states[1] = states[1].replace(step=np.int32(env.episode_length - 1))
-    actions = np.zeros((4, env.num_agents), np.int32)
-    together = jax.jit(jax.vmap(env.step))(keys, jax.tree.map(lambda *x: np.stack(x), *states), actions)
-    assert together[3].tolist() == [False, True, False, False]
-    for one, alone in enumerate(env.step(key, state, actions[0]) for key, state in zip(keys, states, strict=True)):
-        for mine, theirs in zip(jax.tree.leaves(jax.tree.map(lambda x: x[one], together)), jax.tree.leaves(alone), strict=True):  # noqa: B023
-            np.testing.assert_allclose(mine, theirs, rtol=1e-6, atol=1e-6)
 
 
 def started(play: Play) -> World:

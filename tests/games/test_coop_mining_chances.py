@@ -45,6 +45,12 @@ def counted() -> Any:
     return counter(None)
 
 
+def camped(**changed: Any) -> Any:
+    """Returns a state with all agents in camps, where nothing grows."""
+    env = environment("coop_mining", None)
+    return placed(env, cells_of(env, "camp")[:6], **changed)
+
+
 def raised(iron: float, gold: float) -> Any:
     """Returns the parameters with other chances of growth."""
     return environment("coop_mining", None).params.replace(spawn_iron=jnp.float32(iron), spawn_gold=jnp.float32(gold))
@@ -67,6 +73,48 @@ def test_iron_and_gold_come_so_often(variant: str | None, rounds: int, within: f
     assert_share(seen["gold"].sum(), trials, (1 - iron) * gold, within)
 
 
+@pytest.mark.thorough
+def test_gold_comes_only_where_no_iron_came_and_all_cells_are_alike(counted: Any) -> None:
+    """Half of the cells get iron, half of the others gold; neighbours in the numbering tell nothing of each other."""
+    seen = counted(1, camped(), [STAY] * 6, raised(0.5, 0.5), 2)
+    for site in range(ROCK):
+        assert_share(seen["iron"][site], 2 * BATCH, 0.5, 0.07)
+        assert_share(seen["gold"][site], 2 * BATCH, 0.25, 0.13)
+    assert_share(seen["irons"].sum() / ROCK, 2 * BATCH, 0.25, 0.13)
+    assert_share(seen["both"].sum() / ROCK, 2 * BATCH, 0.5625, 0.07)
+    seen = counted(2, camped(), [STAY] * 6, raised(0.25, 1), 2)
+    assert (seen["iron"] + seen["gold"] == 2 * BATCH).all()
+    assert_share(seen["gold"].sum() / ROCK, 2 * BATCH, 0.75, 0.05)
+
+
+def test_cells_with_ore_or_agents_have_no_chance(counted: Any) -> None:
+    """At the highest rate all other cells are full after a step."""
+    env = environment("coop_mining", None)
+    rock = cells_of(env, "rock")
+    ore, under = np.zeros(ROCK, int), [0, 5, 77, 200, 300, 537]
+    ore[100:120], ore[120:140], ore[140:160] = IRON, GOLD, PARTIAL
+    state = placed(env, [rock[i] for i in under], 2, rock_ore=ore, rock_miners=(ore == PARTIAL) * 1, rock_left=(ore == PARTIAL) * 3)
+    seen = counted(3, state, [STAY] * 6, raised(0.5, 1), 4)
+    assert not (seen["iron"] + seen["gold"])[under].any()
+    assert (seen["kept"][100:160] == 4 * BATCH).all()
+    fresh = [i for i in range(ROCK) if ore[i] == NONE and i not in under]
+    assert ((seen["iron"] + seen["gold"])[fresh] == 4 * BATCH).all()
+
+
+def test_ore_grows_last(counted: Any) -> None:
+    """Growth comes after mining and moving: a cell mined or left in this step has its chance in this step, one entered has none."""
+    env = environment("coop_mining", None)
+    rock, camps = cells_of(env, "rock"), cells_of(env, "camp")
+    row, col = OPEN
+    mined, left, entered = (rock.index(cell) for cell in ((row, col + 1), (row + 2, col), (row + 1, col)))
+    ore = np.arange(ROCK) == mined
+    state = placed(env, [OPEN, (row + 2, col), *camps[:4]], [1, 0, 0, 0, 0, 0], rock_ore=ore * IRON)
+    seen = counted(4, state, [MINE, FORWARD, STAY, STAY, STAY, STAY], raised(0.5, 0), 4)
+    assert_share(seen["again"][mined], 4 * BATCH, 0.5, 0.05)
+    assert_share(seen["iron"][left], 4 * BATCH, 0.5, 0.05)
+    assert seen["iron"][entered] == 0
+
+
 def test_contested_iron_goes_to_each_miner_alike() -> None:
     """Three hit one iron; then two pairs one each, and who wins the one tells nothing of the other."""
     env = environment("coop_mining", None)
@@ -84,3 +132,14 @@ def test_contested_iron_goes_to_each_miner_alike() -> None:
     left, paid, pairs = run(6, state, [MINE] * 4 + [STAY] * 2, raised(0, 0), 4)
     assert (left, paid[4:].sum(), paid.sum()) == (0, 0, 8 * BATCH)
     assert_uniform(pairs[:2, 2:4].reshape(-1), 0.08)
+
+
+def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
+    """Three want it; then two."""
+    env = environment("coop_mining", None)
+    row, col = OPEN
+    state = placed(env, [(row, col - 1), (row + 1, col), (row, col + 1), *cells_of(env, "camp")[:3]], [1, 0, 3, 0, 0, 0])
+    for number in (3, 2):
+        won = counted(7, state, [FORWARD] * number + [STAY] * (6 - number), env.params, 8)["won"]
+        assert won.sum() == 8 * BATCH
+        assert_uniform(won[:number], 0.05)

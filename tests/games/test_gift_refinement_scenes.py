@@ -1,5 +1,6 @@
 """Gift Refinement, scene by scene: tokens found, given, refined and consumed."""
 
+import itertools
 from typing import Any
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .environments import BRIEFLY
+from .frames import check_moves
 
 ROWS = ("TTTTTTTT", "TTTTTTTT", "TT#TTTTT", "TTTTTTTT", "PPPPPPPP")
 EMPTY = "TTTTTTTT"
@@ -66,6 +68,26 @@ def test_the_lowest_level_is_given_and_refined(stage: Stage, before: Bag, after:
 
 
 @BOTH
+@pytest.mark.parametrize(("giver", "receiver"), list(itertools.product("^>v<", repeat=2)))
+def test_the_receiver_may_face_anywhere(stage: Stage, giver: str, receiver: str) -> None:
+    row, column = {"^": (0, 4), ">": (1, 5), "v": (2, 4), "<": (1, 3)}[giver]
+    rows = [list(line) for line in ROWS]
+    rows[1][4], rows[row][column] = giver, receiver
+    told = {1: "0", row: "1"} if row != 1 else {1: "01" if column > 4 else "10"}
+    picture = [f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows)]
+    scene = put(stage, *picture[:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
+
+
+@BOTH
+@pytest.mark.parametrize("action", ["turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "consume"])
+def test_no_other_action_gives(stage: Stage, action: str) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (2, 0, 0)}).step(action)
+    assert bags(scene, 0, 1) == [(0 if action == "consume" else 2, 0, 0), (0, 0, 0)]
+    scene.has({"event given": 0, "event received[cut]": 0})
+
+
+@BOTH
 @pytest.mark.parametrize("line", ["TT>T>TTT", ">TTTTTT>", "T<>TTTTT", "TT<TTTTT"])
 def test_without_a_neighbour_ahead_nothing_is_given(stage: Stage, line: str) -> None:
     giver = 1 if line == "T<>TTTTT" else 0
@@ -73,6 +95,12 @@ def test_without_a_neighbour_ahead_nothing_is_given(stage: Stage, line: str) -> 
     assert bags(scene, giver) == [(2, 1, 1)]
     scene.has({"event given": 0})
     assert put(stage, "TTT^TTTT  0", *ROWS[1:-1], "vvvvPPPP", bags={0: (2, 1, 1)}).step("gift").value("event given") == [0] * 5
+
+
+@BOTH
+def test_the_neighbour_diagonally_ahead_gets_nothing(stage: Stage) -> None:
+    scene = put(stage, "TTTT>TTT  1", "TTT>TTTT  0", *ROWS[2:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    assert bags(scene, 0, 1) == [(2, 0, 0), (0, 0, 0)]
 
 
 # what the receiver holds of level cut -> what it holds after a gift of one raw token, what is counted as received
@@ -85,6 +113,14 @@ def test_what_does_not_fit_is_lost_and_nothing_is_given_to_a_full_bag(stage: Sta
     scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (15, before, 15)}).step("gift")
     assert bags(scene, 0, 1) == [(int(received == 0), 0, 0), (15, after, 15)]
     scene.has({"event received[cut]": [0, received, 0, 0, 0], "event given": [int(received > 0), 0, 0, 0, 0]})
+
+
+@BOTH
+def test_only_the_level_that_would_arrive_needs_room(stage: Stage) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (0, 1, 0), 1: (15, 15, 14)}).step("gift")
+    assert bags(scene, 0, 1) == [(0, 0, 0), (15, 15, 15)]
+    scene = in_line(stage, "TT>>TTTT", bags={0: (0, 0, 1), 1: (15, 14, 15)}).step("gift")
+    assert bags(scene, 0, 1) == [(0, 0, 1), (15, 14, 15)]
 
 
 @BOTH
@@ -127,6 +163,15 @@ def test_gifts_of_a_step_do_not_see_each_other(stage: Stage) -> None:
     assert bags(ring.step("gift, gift, gift, gift"), *range(4)) == [(0, 3, 0)] * 4
 
 
+@BOTH
+def test_gifts_come_after_moves(stage: Stage) -> None:
+    """Agent 1 walks in front of the giver, or away from it; all face north, so that both frames agree."""
+    scene = put(stage, "TTTTTTTT", "TTT^TTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift, forward")
+    assert bags(scene, 0, 1) == [(2, 0, 0), (0, 0, 0)]
+    scene = put(stage, "TTTTTTTT", "TT^TTTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift, step_right")
+    assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
+
+
 @pytest.mark.parametrize("action", ["stay", "turn_right", "gift"])
 def test_as_released_a_token_goes_ahead_unasked_to_who_faces_the_same_way(action: str) -> None:
     for line, gives in (("TT>>TTTT", action != "turn_right"), ("TT>^TTTT", False)):
@@ -154,6 +199,12 @@ def test_the_first_agent_on_the_ray_receives() -> None:
     assert bags(scene, 0, 1, 2) == [(1, 0, 0), (0, 15, 0), (0, 0, 0)], "what a full bag cannot hold is lost. Source: Melting Pot"
 
 
+def test_walls_stop_the_ray() -> None:
+    scene = put(FAR, "TTTTTTTT", "TTTTTTTT", "T>#<TTTT  01", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    scene.has({"event given": 0, "event received[cut]": 0})
+    assert scene.value("marks offer") == {(2, 2)}
+
+
 # Consuming
 
 
@@ -172,6 +223,18 @@ def test_a_gift_that_meets_consumption(stage: Stage, reward: float, left: Bag) -
     scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (1, 1, 0)}).step("gift, consume")
     scene.has({"reward": [0, reward, 0, 0, 0], "event received[cut]": {1: 3}})
     assert bags(scene, 0, 1) == [(0, 0, 0), left]
+
+
+@pytest.mark.parametrize(("stage", "giver", "left"), [(DEFAULT, 0, (0, 3, 0)), (RELEASED, 1, (0, 0, 0))], ids=["default", "socialjax"])
+def test_consumption_makes_room_only_if_it_comes_first(stage: Stage, giver: int, left: Bag) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("gift, consume").has({"reward": [0, 15, 0, 0, 0]})
+    assert bags(scene, 0, 1) == [(giver, 0, 0), left]
+
+
+@BOTH
+def test_the_last_step_pays(stage: Stage) -> None:
+    scene = in_line(stage, "TT>>TTTT", bags={0: (3, 0, 0), 1: (0, 2, 0)}, step=998).step("consume").has({"truncated": False})
+    scene.step("stay, consume").has({"reward": [0, 2, 0, 0, 0], "steps": 1000, "truncated": True, "terminated": False})
 
 
 # Tokens on the ground
@@ -193,6 +256,13 @@ def test_with_a_full_bag_the_token_is_lost(stage: Stage, before: int, after: int
 
 
 @BOTH
+def test_a_token_that_two_want_goes_to_one(stage: Stage) -> None:
+    scene = put(stage, "TTT^rTTT  0", "TTTT^TTT  1", *ROWS[2:-1], "vvvPPPPP").step("step_right, forward")
+    assert sorted(bags(scene, 0, 1)) == [(0, 0, 0), (1, 0, 0)]
+    assert bags(scene, 0) == [(int(scene.places()[0] == (0, 4)), 0, 0)]
+
+
+@BOTH
 def test_tokens_come_on_bare_ground_where_nobody_stands(stage: Stage) -> None:
     """With certainty: not in camps, not in walls, not under agents; and what comes can be picked up in the same step."""
     scene = put(stage, *ROWS[:1], "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP", spawn=1).step()
@@ -203,6 +273,39 @@ def test_tokens_come_on_bare_ground_where_nobody_stands(stage: Stage) -> None:
 
 
 # Moves, starts, what is seen
+
+
+@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+def test_moves(stage: Stage, compass: bool) -> None:
+    check_moves(stage, ("TTTTTTTT", "TTTT^TTT", *ROWS[2:-1], "vvvvPPPP"), compass)
+
+
+def test_an_episode_starts_in_the_camps_with_empty_bags() -> None:
+    for seed in range(5):
+        scene = DEFAULT.start(seed).has({"agent.row": 4, "ground.token": "none", "steps": 0})
+        assert len(set(scene.places())) == 5
+        assert bags(scene, *range(5)) == [(0, 0, 0)] * 5
+
+
+def test_what_is_seen() -> None:
+    """Tokens on the ground and one's own bag, not that of others; in the released rules no bag at all."""
+    scene = put(DEFAULT, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={0: (1, 2, 3), 1: (4, 5, 6)})
+    assert [scene.seen(0, "content", ahead=n) for n in (2, 1, 0)] == ["outside", "ground token=raw", "ground token=none"]
+    assert [scene.seen(0, f"agent.bag[{level}]") for level in LEVELS] == [1, 2, 3]
+    assert [scene.seen(1, f"agent.bag[{level}]") for level in LEVELS] == [4, 5, 6]
+    assert scene.seen(1, "agent", ahead=1) == "other same heading"
+    assert {plane.name for plane in RELEASED.env.token_planes} == {"content", "agent", "marks", "agent.heading"}
+
+
+@BOTH
+def test_the_ray_is_seen_in_one_observation(stage: Stage) -> None:
+    """Also of one who has nothing to give; as released on bare ground only, where no agent stands."""
+    scene = put(stage, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={1: (1, 0, 0)}).step("gift, gift")
+    assert scene.value("marks offer") == {(0, 4), (1, 4)}
+    assert [scene.seen(1, "marks", ahead=n) for n in (0, 1, 2, 3)] == (["", "offer", "offer", ""] if stage is DEFAULT else [""] * 4)
+    assert scene.step().value("marks offer") == set()
+    scene = put(stage, "TTTTTTTT", "TTTT^TTT  0", *ROWS[2:4], "vvvvPPPP").step("gift")
+    assert scene.seen(0, "marks", ahead=1) == "offer"
 
 
 def test_held_tokens_are_counted_as_released_before_they_are_consumed() -> None:

@@ -80,6 +80,49 @@ def test_growth_for_each_number_of_apples_near(variant: str | None) -> None:
         assert_share(hits[n], trials[n], GROWTH[n], 0.1)
 
 
+@pytest.mark.thorough
+def test_growth_in_a_full_patch(counted: Any) -> None:
+    """One cell picked from the full map at a time: 3 to 12 apples near, in corners, at edges and in the middle, all alike."""
+    env = environment(GAME)
+    cells = cells_of(env, "soil")
+    for seed, cell in enumerate([(0, 0), (0, 21), (2, 7), (7, 21), (9, 2)]):
+        fruit = np.ones(64, bool)
+        fruit[cells.index(cell)] = False
+        assert near(cells, fruit)[cells.index(cell)] >= 3
+        grown = counted(seed, state_with(SOUTH, fruit=fruit), [6] * 7, env.params, 20)["grown"]
+        assert_share(grown[cells.index(cell)], 20 * BATCH, 0.025, 0.13)
+
+
+def test_nothing_grows_under_agents(counted: Any) -> None:
+    """Nor on the cell one leaves; with a chance of 1 everywhere else, the cell one comes to among them."""
+    env = environment(GAME)
+    one = env.params.replace(regrow_1=jnp.float32(1), regrow_2=jnp.float32(1), regrow_3=jnp.float32(1))
+    cells = cells_of(env, "soil")
+    under = [(2, 7), (2, 8), (7, 2), (7, 19), (0, 0), (0, 21), (2, 14)]
+    fruit = np.array([(r + c) % 2 == 0 and (r, c) not in under for r, c in cells])
+    seen = counted(10, state_with(under, fruit=fruit), [4, 6, 6, 6, 6, 6, 6], one, 1)
+    assert seen["reward"].tolist() == [BATCH, 0, 0, 0, 0, 0, 0]
+    can = ~fruit & (near(cells, fruit) > 0) & [cell not in (*under, (1, 7)) for cell in cells]
+    assert can.sum() > 20
+    assert seen["grown"].tolist() == (can * BATCH).tolist()
+
+
+def test_cells_grow_independently(counted: Any) -> None:
+    """Neighbours in the numbering, each with half a chance: both in a quarter of the steps (a mean of pairs is as tight at least as one)."""
+    env = environment(GAME)
+    cells = cells_of(env, "soil")
+    fruit = np.zeros(64, bool)
+    fruit[::3] = True
+    half = env.params.replace(regrow_1=jnp.float32(0.5), regrow_2=jnp.float32(0.5), regrow_3=jnp.float32(0.5))
+    seen = counted(0, state_with(SOUTH, fruit=fruit), [6] * 7, half, 4)
+    can = ~fruit & (near(cells, fruit) > 0)
+    pairs = can & np.roll(can, 1)
+    assert pairs.sum() > 15
+    assert_share(seen["together"][pairs].sum() / pairs.sum(), 4 * BATCH, 0.25, 0.08)
+    for site in np.flatnonzero(can):
+        assert_share(seen["grown"][site], 4 * BATCH, 0.5, 0.05)
+
+
 def test_home_is_every_free_gate_alike(counted: Any) -> None:
     """Two hit in every step: each comes to any of the 58 gates without an agent, and looks any way."""
     env = environment(GAME)
@@ -116,3 +159,15 @@ def test_who_was_away_comes_to_every_free_gate_alike() -> None:
         assert homes.sum() == 30 * BATCH
         assert_uniform(homes, 0.15)
     assert_uniform(seen["heading"][1], 0.03)
+
+
+def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
+    """Three want it; then two."""
+    env = environment(GAME)
+    places = [(11, 5), (12, 6), (11, 7), (15, 3), (15, 4), (15, 5), (15, 6)]
+    for number, seed in ((3, 11), (2, 12)):
+        actions = [4] * number + [6] * (7 - number)
+        seen = counted(seed, state_with(places, [1, 0, 3, 0, 0, 0, 0]), actions, env.params, 15)
+        winners = seen["place"][:, frame_cells(env, (11, 6))]
+        assert winners.sum() == 15 * BATCH
+        assert_uniform(winners[:number], 0.04)

@@ -66,6 +66,24 @@ def test_each_number_of_apples_has_its_chance() -> None:
         assert ripe(with_ripe(*before, rates=(0, 1, 0)).step("stay")) == before | {c for c in SOIL if counts[c] == 2}
 
 
+def test_nothing_grows_without_an_apple_near() -> None:
+    scene = with_ripe(rates=(1, 1, 1))
+    for _ in range(3):
+        assert ripe(scene.step("turn_left, turn_left")) == set()
+
+
+def test_cells_that_grow_together_do_not_see_each_other() -> None:
+    scene = with_ripe((0, 0), rates=(1, 1, 1)).step("stay")
+    assert ripe(scene) == {(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)}
+    assert ripe(scene.step("stay")) == set().union(*(near(c) for c in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)]))
+
+
+def test_nothing_grows_under_an_agent() -> None:
+    scene = grove("aaaaaa", "aA>aaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", rates=(1, 1, 1), under={0: "a"}).step("stay")
+    scene.shows("AAAaaa", "AA>Aaa", "AAAaaa", "aAaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+    assert scene.reward == [0, 0]  # nor is it eaten as it comes
+
+
 def test_nothing_grows_under_an_agent_that_leaves_in_this_step() -> None:
     scene = grove("aaaaaa", "aA>aaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", rates=(1, 1, 1), under={0: "a"}).step("forward")
     scene.shows("AAAaaa", "AAa>aa", "AAAaaa", "aAaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
@@ -80,6 +98,19 @@ def test_an_apple_eaten_in_this_step_still_counts() -> None:
     scene = grove(*TWO_APPLES, rates=(0, 1, 0), under={0: "a"}).step("forward")
     assert scene.reward == [1, 0]
     assert ripe(scene) == {(2, 3)} | (near((1, 2)) & near((2, 3)))
+
+
+def test_an_apple_eaten_before_counts_no_more() -> None:
+    scene = grove(*TWO_APPLES, under={0: "a"}).step("forward").change(regrow_2=1, regrow_3=1)
+    assert ripe(scene.step("stay")) == {(2, 3)}
+
+
+def test_an_emptied_patch_is_dead() -> None:
+    scene = grove("aaaaaa", "aaaaaa", ">Aaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).step("forward")
+    scene.shows("aaaaaa", "aaaaaa", "a>aaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
+    scene.change(regrow_1=1, regrow_2=1, regrow_3=1)
+    for _ in range(3):
+        assert ripe(scene.step("backward, forward")) == set()
 
 
 # Eating
@@ -103,6 +134,16 @@ def test_an_apple_two_want_is_eaten_once() -> None:
         assert scene.places()[scene.reward.index(1)] == (1, 2)
         winners.add(scene.reward.index(1))
     assert winners == {0, 1}
+
+
+def test_an_apple_is_worth_its_parameter() -> None:
+    scene = grove("aaaaaa", "a>Aaaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).change(apple=2.5)
+    assert scene.step("forward").reward == [2.5, 0]
+
+
+def test_the_last_step_pays() -> None:
+    scene = GROVE.put("aaaaaa", "a>Aaaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}, step=999).step("forward")
+    scene.has({"reward": [1, 0], "steps": 1000, "truncated": True, "terminated": False})
 
 
 # Zapping
@@ -144,12 +185,103 @@ def test_the_four_cells_of_the_beam(heading: int, arrow: str) -> None:
         assert scene.reward == [0, 0, 0, 0]
 
 
+def test_the_beam_passes_agents() -> None:
+    scene = field("QQPPPP", "....#.", "..v...  1", "..vv..  23", "..^...  0", "......").step("zap")
+    assert scene.events["hits"] == [3, 0, 0, 0]
+    assert [home(scene, agent) for agent in range(4)] == [False, True, True, True]
+    assert len(set(scene.places())) == 4
+
+
 def test_a_wall_ends_its_lane_and_no_other() -> None:
     """The wall is one ahead: who stands behind it is safe, who stands beside it is hit."""
     scene = field("QQPPvP  1", "...v#v  23", "....^.  0", "......", "......", "......").step("zap")
     assert scene.events["hits"] == [2, 0, 0, 0]
     assert scene.places()[1] == (0, 4)
     assert {scene.places()[2], scene.places()[3]} <= GATES - {(0, 4)}
+
+
+def test_a_wall_two_ahead_shields_nobody() -> None:
+    scene = field("QQPPvP  1", "....#.", "...vv.  23", "....^.  0", "......", "......").step("zap")
+    assert scene.events["hits"] == [2, 0, 0, 0]
+    assert scene.places()[1] == (0, 4)
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        ("^QPPPP  0", "....#.", "......", "......", "v.....  1", "vv....  23"),  # at the top, facing up
+        ("QQ^P^P  12", "....#^  3", "......", "......", "......", "....v.  0"),
+        ("QQPPPP", "....#.", "<....<  01", "....<.  2", ".....<  3", "......"),
+        ("QQPPPP", "....#.", ">....>  10", ".>....  2", ">.....  3", "......"),
+    ],
+)
+def test_beams_do_not_leave_the_map(picture: tuple[str, ...]) -> None:
+    """Agent 0 at an edge, facing out: it hits nobody on the other side, nor itself."""
+    scene = field(*picture)
+    before = scene.places()
+    scene.step("zap")
+    assert scene.events["hits"] == [0, 0, 0, 0]
+    assert scene.places() == before
+
+
+def test_beams_come_after_moves() -> None:
+    """Agent 1 walks out of the beam, agent 2 walks into it."""
+    scene = field("QQPPPP", "....#.", ".<....  1", "...<..  2", ".^...^  03", "......").step("zap, forward, forward")
+    assert scene.events["hits"] == [1, 0, 0, 0]
+    assert scene.places()[1] == (2, 0)
+    assert home(scene, 2)
+
+
+def test_two_hit_each_other() -> None:
+    scene = field("QQPPPP", "....#.", "......", ".><...  01", "......", "^....^  23").step("zap, zap")
+    assert scene.events["hits"] == [1, 1, 0, 0]
+    assert home(scene, 0) and home(scene, 1)
+    assert scene.places()[0] != scene.places()[1]
+
+
+def test_one_is_hit_by_two() -> None:
+    """Each counts its hit; the one hit is sent once, and nobody is paid or pays."""
+    scene = field("QQPPPP", "....#.", "......", ".>^...  02", "......", "..^..^  13").step("zap, zap")
+    assert scene.events["hits"] == [1, 1, 0, 0]
+    assert home(scene, 2)
+    assert scene.reward == [0, 0, 0, 0]
+    assert scene.places()[:2] == [(3, 1), (5, 2)]
+
+
+def test_zapping_again_at_once() -> None:
+    scene = field("QQPPPP", "....#.", "..v...  1", "..^<..  02", "......", "^.....  3")
+    assert scene.step("zap, stay, stay").events["hits"] == [1, 0, 0, 0]
+    assert scene.step("zap, stay, backward").events["hits"] == [0, 0, 0, 0]
+    scene = field("QQPPPP", "....#.", ".v....  1", ".^<...  02", "......", "^.....  3")
+    assert scene.step("zap, stay, stay").events["hits"] == [1, 0, 0, 0]
+    assert scene.step("zap, stay, step_right").events["hits"] == [1, 0, 0, 0]
+    assert home(scene, 2)
+
+
+def test_home_is_any_gate_where_nobody_stands() -> None:
+    places, headings = set(), set()
+    for seed in range(40):
+        scene = field("QQ^^PP  23", "....#.", "..v...  1", "..^...  0", "......", "......", seed=seed).step("zap")
+        places.add(scene.places()[1])
+        headings.add(int(scene.state.heading[1]))
+    assert places == {(0, 4), (0, 5)}
+    assert headings == {0, 1, 2, 3}
+
+
+def test_who_is_hit_on_a_gate_may_come_back_to_it() -> None:
+    """Its own cell is as free as the others; that of the zapper is not."""
+    places = {
+        field("^^P>vP  2301", "....#.", "......", "......", "......", "......", seed=seed).step("zap").places()[1] for seed in range(30)
+    }
+    assert places == {(0, 2), (0, 4), (0, 5)}
+
+
+def test_who_is_sent_home_acts_from_there_in_the_next_step() -> None:
+    scene = field("QQPPPP", "....#.", "..v...  1", "..^...  0", "......", "^....^  23").step("zap")
+    place, heading = scene.places()[1], int(scene.state.heading[1])
+    assert place in GATES
+    scene.step("stay, turn_right")
+    assert (scene.places()[1], int(scene.state.heading[1])) == (place, (heading + 1) % 4)
 
 
 def test_who_is_hit_keeps_what_it_has_eaten_in_the_step() -> None:

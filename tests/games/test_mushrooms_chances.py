@@ -10,12 +10,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from .chance import BATCH, assert_shares, assert_uniform, many
+from .chance import BATCH, assert_share, assert_shares, assert_uniform, many
 from .environments import Cell, cells_of, environment, frame_cells, placed
 
 pytestmark = pytest.mark.optimised
 
 GAME = "mushrooms"
+FLOOR = 276  # cells. Source: the released code's map
 RED, GREEN, BLUE, ORANGE = KINDS = 1, 2, 3, 4
 NAMES = {RED: "red", GREEN: "green", BLUE: "blue", ORANGE: "orange"}
 ZAP, STAY, FORWARD, BACKWARD = 7, 6, 4, 5
@@ -111,6 +112,63 @@ def test_as_released_it_grows_one_step_later() -> None:
         assert_grown(run(number, state, actions, env.params, 4), trials, 0.03)
 
 
+@pytest.mark.thorough
+def test_none_grows_while_more_than_five_exist() -> None:
+    """Of red, green and blue, counted after the meal; five are not too many, and orange has no such bound."""
+    env = environment(GAME)
+    cells = cells_of(env, "ground")
+    plain = [i for i, cell in enumerate(cells) if env.game.rows[cell[0]][cell[1]] == "." and cell[0] > 0]
+    state, actions = before_meals([BLUE])
+    full = np.array(state.ground_grows)
+    for kind, spare in ((RED, plain[10:]), (GREEN, plain[60:]), (BLUE, plain[110:])):
+        full[spare[: 6 - (full == kind).sum() + (kind == BLUE)]] = kind
+    assert [(full == kind).sum() for kind in KINDS] == [6, 6, 7, 1]
+    for kind in (RED, GREEN, BLUE):
+        fewer = full.copy()
+        fewer[np.flatnonzero(full == kind)[-1]] = 0
+        seen = counter(None)(kind, state.replace(ground_grows=jnp.asarray(fewer)), actions, env.params, 4)
+        assert_grown(seen, [2 * (kind == grown) for grown in KINDS[:3]] + [0], 0.03)
+    state, actions = before_meals([ORANGE])
+    oranges = np.where(np.isin(np.arange(FLOOR), plain[20:60]), ORANGE, np.array(state.ground_grows))
+    seen = counter(None)(9, state.replace(ground_grows=jnp.asarray(oranges)), actions, env.params, 1)
+    assert seen["orange"].tolist() == [0, BATCH, 0, 0, 0, 0, 0, 0]
+
+
+@pytest.mark.thorough
+def test_every_floor_cell_is_a_site() -> None:
+    """But those with mushrooms or agents; also where a mushroom stood at first. All trials succeed: two of each kind, all apart."""
+    env = environment(GAME)
+    cells = cells_of(env, "ground")
+    assert len(cells) == FLOOR
+    state, actions = before_meals([BLUE])
+    bare = cells.index(first_of(ORANGE))
+    grows = np.array(state.ground_grows)
+    grows[bare] = 0
+    sure = env.params.replace(regrow=jnp.ones(4))
+    seen = counter(None)(4, state.replace(ground_grows=jnp.asarray(grows)), actions, sure, 12)
+    under = [cells.index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
+    free = [i for i in range(FLOOR) if grows[i] == 0 and i not in under]
+    assert bare in free
+    assert len(free) == 263
+    steps = 12 * BATCH
+    assert seen["numbers"].reshape(MOST, MOST, MOST)[2, 2, 2] == steps
+    for kind in range(3):
+        assert seen["new"][kind].sum() == seen["new"][kind][free].sum() == 2 * steps
+        for site in free:
+            assert_share(seen["new"][kind][site], steps, 2 / 263, 0.35)
+
+
+def test_where_tells_nothing_of_whether() -> None:
+    """With trials that may fail: the first half of the sites gets its part of what grows."""
+    env = environment(GAME)
+    state, actions = before_meals([BLUE])
+    seen = counter(None)(5, state, actions, env.params, 6)
+    under = [cells_of(env, "ground").index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
+    free = [i for i in range(FLOOR) if state.ground_grows[i] == 0 and i not in under]
+    for kind in range(3):
+        assert_share(seen["new"][kind][free[:131]].sum(), seen["new"][kind].sum(), 131 / 262, 0.06)
+
+
 def test_home_is_every_free_bare_cell_alike() -> None:
     """Two are hit in every step: each comes to any floor cell without mushroom and agent, and looks any way."""
     env = environment(GAME)
@@ -126,3 +184,13 @@ def test_home_is_every_free_bare_cell_alike() -> None:
         assert homes.sum() == 16 * BATCH
         assert_uniform(homes, 0.45)
     assert_uniform(seen["headings"], 0.1)
+
+
+def test_a_contested_cell_goes_to_each_alike() -> None:
+    """Three want it; then two."""
+    env = environment(GAME)
+    state = placed(env, [(6, 1), (7, 2), (6, 3), (11, 21), (11, 22)], [1, 0, 3, 0, 0])
+    for number in (3, 2):
+        won = counter(None)(7, state, [FORWARD] * number + [STAY] * (5 - number), env.params, 6)["place"][:, frame_cells(env, (6, 2))]
+        assert won.sum() == 6 * BATCH
+        assert_uniform(won[:number], 0.06)

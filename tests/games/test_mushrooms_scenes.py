@@ -8,6 +8,7 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .environments import BRIEFLY
+from .frames import check_moves
 
 ROWS = ("R.......", "........", "........", "........", "........", "........")
 EMPTY = "........"
@@ -66,6 +67,16 @@ def test_payments(stage: Stage, eaten: str, reward: list[float]) -> None:
     for kind, sign in SIGNS.items():
         scene.has({f"event eaten[{kind}]": [int(agent < len(eaten) and eaten[agent] == sign) for agent in range(5)]})
     scene.step().has({"reward": 0})
+
+
+@pytest.mark.parametrize(("agents", "green", "blue"), [(2, 1, 3), (3, 2 / 3, 1.5), (5, 0.4, 0.75), (20, 0.1, 3 / 19)])
+def test_what_is_shared_is_split(agents: int, green: float, blue: float) -> None:
+    """The prices themselves, by the number of agents: red 1, green 2 and blue 3 in all, orange -0.2 for each."""
+    for stage in (Stage("mushrooms", agents=agents), Stage("mushrooms", agents=agents, variant="socialjax")):
+        params = stage.env.params
+        assert params.eater.tolist() == [1, 0, 0, 0]
+        assert params.everyone.tolist() == pytest.approx([0, green, 0, -0.2])
+        assert params.others.tolist() == pytest.approx([0, 0, blue, 0])
 
 
 @BOTH
@@ -165,6 +176,33 @@ def full(*bare: tuple[int, int], eaten: str) -> list[str]:
     return ["".join(row) for row in rows]
 
 
+@BOTH
+@pytest.mark.parametrize("start", [(0, 0), (1, 5)])
+def test_every_floor_cell_is_a_site(stage: Stage, start: tuple[int, int]) -> None:
+    """Also that of a mushroom of the map, (0, 0). Not one with a mushroom, nor one with an agent: two cells are left, and both grow."""
+    scene = put(stage, *full(start, eaten="R"), regrow=CERTAIN).step("forward")
+    if stage is RELEASED:
+        scene.step()
+    scene.has({"ground.grows": {start: "red", (3, 0): "red", (2, 0): "none"}})
+    assert grown(scene) == counts(red=2, orange=48 - 5 - 2)
+
+
+@BOTH
+def test_kinds_grow_in_turn_while_there_is_room(stage: Stage) -> None:
+    """After a blue meal there are three bare cells: red has two, green one, blue none."""
+    scene = put(stage, *full((0, 0), (1, 5), eaten="B"), regrow=CERTAIN).step("forward")
+    if stage is RELEASED:
+        scene.step()
+    assert grown(scene) == counts(red=2, green=1, orange=48 - 5 - 3)
+
+
+@BOTH
+def test_a_chance_of_nought_lets_nothing_grow(stage: Stage) -> None:
+    for kind in KINDS:
+        scene = meal(stage, "B", "O", regrow={**CERTAIN, kind: 0}).step(eat(2)).step()
+        assert grown(scene) == counts(red=4, green=2, blue=2, orange=1) | {kind: 0}
+
+
 # Zapping
 
 
@@ -187,6 +225,18 @@ def test_the_four_cells_of_the_beam(stage: Stage, arrow: str) -> None:
 
 
 @BOTH
+def test_the_beam_passes_agents_and_spares_mushrooms(stage: Stage) -> None:
+    """Two in line and two beside are hit; each is sent to a place of its own, and eats nothing there."""
+    scene = put(stage, f"R{EMPTY[1:]}", "..v.....  1", ".BvG....  2", "..^.....  0", "RGBORGBO", "....vv..  34")
+    scene.step("zap").has({"event hits": [2, 0, 0, 0, 0], "reward": 0, "event eaten[red]": 0})
+    assert len(set(scene.places())) == 5
+    assert grown(scene) == counts(red=3, green=3, blue=3, orange=2)
+    scene = put(stage, EMPTY, EMPTY, ".vvv....  123", "..^.....  0", EMPTY, "......v.  4").step("zap")
+    scene.has({"event hits": [3, 0, 0, 0, 0]})
+    assert len(set(scene.places())) == 5
+
+
+@BOTH
 def test_who_is_hit_goes_to_bare_floor_where_nobody_stands(stage: Stage) -> None:
     """The one cell that is left; of two, each in some of 20 runs (but for a chance of 2e-6); without one it stays."""
     rows = ["O" * 8, "O" * 8, "OOvOOOOO  1", "OO^OOOOO  0", "O" * 8, "OOOOOvvv  234"]
@@ -197,4 +247,71 @@ def test_who_is_hit_goes_to_bare_floor_where_nobody_stands(stage: Stage) -> None
     assert {put(stage, *rows, seed=seed).step("zap").places()[1] for seed in range(20)} == {(4, 6), (0, 0)}
 
 
+@BOTH
+@pytest.mark.parametrize(
+    "picture",
+    [
+        ("..^.....  0", EMPTY, EMPTY, EMPTY, "..v.....  1", ".vvv....  234"),
+        (".^^^....  123", "..^.....  4", EMPTY, EMPTY, EMPTY, "..v.....  0"),
+        (EMPTY, ".......^  1", "<.....<^  042", ".......^  3", EMPTY, EMPTY),
+        (EMPTY, "^.......  1", "^>.....>  240", "^.......  3", EMPTY, EMPTY),
+    ],
+)
+def test_beams_do_not_leave_the_map(stage: Stage, picture: tuple[str, ...]) -> None:
+    """Agent 0 at an edge, facing out: nobody is hit on the other side, nor itself."""
+    scene = put(stage, *picture)
+    before = scene.places()
+    scene.step("zap").has({"event hits": 0})
+    assert scene.places() == before
+
+
+@BOTH
+def test_beams_come_after_moves(stage: Stage) -> None:
+    """Agent 1 walks out of the beam, agent 2 walks into it; all face north."""
+    scene = put(stage, EMPTY, "..^.....  1", "........", "..^^....  02", EMPTY, "......vv  34").step("zap, forward, stay")
+    scene.has({"event hits": 0})
+    scene = put(stage, EMPTY, EMPTY, "..^.....  1", "..^^....  02", EMPTY, "......vv  34").step("zap, forward, forward")
+    scene.has({"event hits": [2, 0, 0, 0, 0]})
+    assert scene.places()[0] == (3, 2)
+
+
+@BOTH
+def test_two_hit_each_other(stage: Stage) -> None:
+    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv").step("zap, zap")
+    scene.has({"event hits": [1, 1, 0, 0, 0], "reward": 0})
+    assert scene.places()[0] != (3, 2) and scene.places()[1] != (2, 2)
+
+
 # Episodes, moves, what is seen
+
+
+@BOTH
+def test_the_last_step_pays(stage: Stage) -> None:
+    scene = meal(stage, "R", "G", step=998).step("forward").has({"truncated": False})
+    scene.step("stay, forward").has({"reward": 0.4, "steps": 1000, "truncated": True, "terminated": False})
+
+
+@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+def test_moves(stage: Stage, compass: bool) -> None:
+    check_moves(stage, (EMPTY, EMPTY, "...^....", EMPTY, EMPTY, "....vvvv"), compass)
+
+
+def test_an_episode_starts_on_bare_floor() -> None:
+    for seed in range(5):
+        scene = DEFAULT.start(seed).has({"agent.digesting": 0, "steps": 0})
+        assert len(set(scene.places())) == 5
+        assert [scene.under(agent) for agent in range(5)] == ["."] * 5
+        assert grown(scene) == counts(red=1)
+
+
+def test_what_is_seen() -> None:
+    """Each kind of mushroom, one's own digestion, the beam in one observation."""
+    scene = put(DEFAULT, EMPTY, "..RGBO..", "..vR....  1", "..^.....  0", EMPTY, "....v^>.  342", fields={"agent.digesting": {1: 7}})
+    seen = [scene.seen(0, "content", ahead=2, right=right) for right in range(5)]
+    assert seen == [f"ground grows={kind}" for kind in (*KINDS, "none")]
+    assert scene.seen(0, "content", ahead=-3 + 2, right=-3) == "outside"
+    assert [scene.seen(agent, "agent.digesting") for agent in (0, 1)] == [0, 7]
+    scene.step("zap, zap").has({"event hits": [1, 0, 0, 0, 0]})
+    assert scene.value("marks fire") == {(2, 2), (1, 2), (2, 1), (2, 3)}
+    assert scene.seen(0, "marks", ahead=2) == "fire"
+    assert scene.step().value("marks fire") == set()

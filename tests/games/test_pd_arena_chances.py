@@ -81,6 +81,17 @@ def test_growth() -> None:
     assert_share(seen["both"].sum() / 12, 8 * BATCH, 0.01, 0.4)
 
 
+@pytest.mark.thorough
+def test_patches_in_stock_or_under_agents_have_no_chance() -> None:
+    """At the highest rate all others are in stock after a step."""
+    env = environment(GAME)
+    patches, under = cells_of(env, "patch"), [0, 3, 7, 11]
+    state = placed(env, [patches[i] for i in under], patch_stock=np.isin(np.arange(12), [1, 8]))
+    seen = counter(None)(1, state, [STAY] * 4, env.params.replace(regrow=jnp.float32(1)), 1)
+    assert seen["grown"].tolist() == [0 if i in (*under, 1, 8) else BATCH for i in range(12)]
+    assert not seen["bags"].any()
+
+
 def test_both_rest_each_for_its_own_time() -> None:
     """10 to 100 steps, each as often, and the one's time tells nothing of the other's; others do not rest."""
     env = environment(GAME)
@@ -128,6 +139,36 @@ def test_a_contested_partner_meets_each_alike() -> None:
     assert_uniform(pairs, 0.05)
     for agent, cell, pair in ((0, WEST, 1), (2, EAST, 0)):
         assert seen["place"][agent, frame_cells(env, cell)] == pairs[pair]
+
+
+def test_of_a_chain_of_four_the_middle_pair_meets_in_a_third() -> None:
+    """Three pairs in random order, each taken if both are still free: the middle one only if it comes first."""
+    env = environment(GAME)
+    state = meeting(WEST, MIDDLE, EAST, (6, 12), headings=(1, 1, 1, 1))
+    seen = counter(None)(5, state, [INTERACT, INTERACT, INTERACT, STAY], env.params, 6)
+    assert seen["resting"][[0b0110, 0b1111]].sum() == 6 * BATCH
+    assert_share(seen["resting"][0b0110], 6 * BATCH, 1 / 3, 0.06)
+
+
+def test_of_a_round_of_four_either_two_pairs_meet() -> None:
+    """0 turns to 1, 1 to 2, 2 to 3, 3 to 0, and 1 alone defects: it meets 0 or 2, each in half of the steps."""
+    env = environment(GAME)
+    state = meeting(MIDDLE, EAST, (7, 11), SOUTH, headings=(1, 2, 3, 0), bags=[COOP, DEFECT, COOP, COOP])
+    seen = counter(None)(6, state, [INTERACT] * 4, env.params, 6)
+    assert seen["resting"][0b1111] == 6 * BATCH
+    assert seen["suckers"].sum() == 6 * BATCH
+    assert_uniform(seen["suckers"][[0, 2]], 0.05)
+
+
+def test_a_contested_cell_goes_to_each_alike() -> None:
+    """Three want it; then two."""
+    env = environment(GAME)
+    state = meeting(WEST, SOUTH, EAST, headings=(1, 0, 3))
+    for number in (3, 2):
+        seen = counter(None)(7, state, [FORWARD] * number + [STAY] * (4 - number), env.params, 6)
+        won = seen["place"][:, frame_cells(env, MIDDLE)]
+        assert won.sum() == 6 * BATCH
+        assert_uniform(won[:number], 0.06)
 
 
 @pytest.mark.thorough

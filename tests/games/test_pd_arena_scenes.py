@@ -8,6 +8,7 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .environments import BRIEFLY
+from .frames import check_moves
 
 ROWS = ("........", "..CD....", "........", "......#.", "........", "PPPPPPPP")
 EMPTY = "........"
@@ -17,6 +18,7 @@ DEFAULT = Stage("pd_arena", ROWS, 4, looks=LOOKS)
 RELEASED = Stage("pd_arena", ROWS, 4, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
 STAGES = [DEFAULT, RELEASED]
 BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
+AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
 Bag = tuple[int, int]
 
 
@@ -80,6 +82,27 @@ def test_payoffs_of_mixtures(stage: Stage) -> None:
         assert scene.reward == pytest.approx([row @ matrix @ column, row @ matrix.T @ column, 0, 0], abs=1e-5)
 
 
+@BOTH
+@pytest.mark.parametrize("arrow", "^>v<")
+def test_the_target_may_face_anywhere(stage: Stage, arrow: str) -> None:
+    in_line(stage, f"..>{arrow}....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"reward": [-1, 5, 0, 0]})
+
+
+@BOTH
+@pytest.mark.parametrize("line", ["..>.<...", "..<>....", "..^<....", ">......<"])
+def test_only_the_next_cell_ahead_is_reached(stage: Stage, line: str) -> None:
+    scene = in_line(stage, line, bags={0: (1, 0), 1: (0, 1)})
+    places = scene.places()
+    scene.step("interact").has({"reward": 0, "event met": 0, "agent.resting": 0})
+    assert (scene.places(), bags(scene, 0, 1)) == (places, [(1, 0), (0, 1)])
+
+
+@BOTH
+def test_no_one_is_reached_diagonally(stage: Stage) -> None:
+    scene = put(stage, *ROWS[:2], "....^...  0", "...^.^#.  12", ROWS[4], "vPPPPPPP  3", bags=dict.fromkeys(range(3), (1, 0)))
+    scene.step("interact, interact, interact").has({"reward": 0, "event met": 0})
+
+
 def test_both_are_sent_off_and_held() -> None:
     scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"agent.resting": [20, 20, 0, 0]})
     assert sent(scene, 0, 1)
@@ -106,6 +129,18 @@ def test_who_is_held_may_not_act_for_so_many_steps(stage: Stage, rest: int) -> N
     assert scene.headings()[1] != heading
 
 
+@BOTH
+def test_each_has_a_draw_of_its_own(stage: Stage) -> None:
+    """From 10 to 100 steps, both ends included in what is possible."""
+    rests = []
+    for seed in range(12):
+        scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"rest_lo": 10, "rest_hi": 100}, seed=seed)
+        rests.append(scene.step("interact").value("agent.resting")[:2])
+    assert all(10 - (stage is RELEASED) <= rest <= 100 for _, rest in rests)
+    assert len({rest for _, rest in rests}) > 6
+    assert stage is RELEASED or (all(10 <= rest <= 100 for rest, _ in rests) and any(a != b for a, b in rests))
+
+
 def test_only_the_ready_meet() -> None:
     """Both must hold something: else nothing happens to either."""
     for mine, theirs in (((0, 0), (0, 1)), ((1, 0), (0, 0)), ((0, 0), (0, 0))):
@@ -121,6 +156,14 @@ def test_in_the_released_rules_empty_bags_meet_for_nothing() -> None:
         assert sent(scene, 1)
 
 
+def test_who_is_held_is_not_met() -> None:
+    """Neither by one who is free, nor does it fire itself."""
+    for actions in ("interact, stay", "stay, interact"):
+        scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 9}).step(actions).has({"reward": 0, "event met": 0})
+        assert (scene.places()[:2], bags(scene, 0, 1)) == ([(2, 2), (2, 3)], [(1, 0), (0, 1)])
+        scene.has({"agent.resting": [0, 8, 0, 0]})
+
+
 def test_in_the_released_rules_who_is_held_is_sent_off_anew() -> None:
     scene = in_line(RELEASED, "..><....", bags={0: (1, 0)}, held={1: 5}).step("interact").has({"reward": 0, "agent.resting": {1: 19}})
     assert (bags(scene, 0, 1), scene.places()[0]) == ([(0, 0), (0, 0)], (2, 2))
@@ -134,6 +177,12 @@ def test_in_the_released_rules_who_is_held_is_sent_off_anew() -> None:
 def test_two_who_fire_at_each_other_meet_once() -> None:
     scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact, interact")
     scene.has({"reward": [-1, 5, 0, 0], "event met": [1, 1, 0, 0]})
+    assert sent(scene, 0, 1)
+
+
+def test_in_the_released_rules_they_meet_twice() -> None:
+    scene = in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact, interact")
+    scene.has({"reward": [-2, 10, 0, 0], "event met": [2, 2, 0, 0]})
     assert sent(scene, 0, 1)
 
 
@@ -166,6 +215,19 @@ def test_in_a_chain_one_pair_meets() -> None:
     assert met == {(1, 1, 0, 0), (0, 1, 1, 0)}
 
 
+def test_in_the_released_rules_both_pairs_meet() -> None:
+    scene = in_line(RELEASED, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}).step("interact, interact")
+    scene.has({"reward": [-1, 5 + 5, -1, 0], "event met": [1, 2, 1, 0]})
+    assert scene.places()[0] == (2, 2) and sent(scene, 1, 2)
+
+
+@BOTH
+def test_two_pairs_meet_in_one_step(stage: Stage) -> None:
+    scene = in_line(stage, "><...><.", bags={0: (1, 0), 1: (0, 1), 2: (0, 1), 3: (0, 1)}).step("interact, stay, interact")
+    scene.has({"reward": [-1, 5, 1, 1], "event met": 1})
+    assert len(set(scene.places())) == 4
+
+
 @BOTH
 def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
     """Agent 1 walks in front of agent 0, out of its reach, or onto a resource there; it faces north, so that both frames agree."""
@@ -175,6 +237,28 @@ def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
     scene.step("interact, forward").has({"reward": 0, "event met": 0})
     scene = put(stage, "..v.....  0", ROWS[1], "..^.....  1", *ROWS[3:5], "vvPPPPPP", bags={0: (0, 1)})
     scene.step("interact, forward").has({"reward": [5, -1, 0, 0], "event collected[coop]": [0, 1, 0, 0]})
+
+
+@BOTH
+def test_who_is_sent_off_goes_to_a_free_gate(stage: Stage) -> None:
+    """To four of the six at least: three at most in 25 runs have a chance of 6e-7."""
+    places = set()
+    for seed in range(25):
+        scene = put(stage, *ROWS[:2], "..><....  01", *ROWS[3:5], "vvPPPPPP  23", bags={0: (1, 0), 1: (0, 1)}, seed=seed).step("interact")
+        assert len(set(scene.places())) == 4
+        places.add(scene.places()[1])
+    assert places <= {(5, column) for column in range(2, 8)} and len(places) >= 4
+
+
+def test_payoffs_are_parameters() -> None:
+    payoff = {"coop": {"defect": 0}, "defect": {"coop": 4}}
+    in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"payoff": payoff}).step("interact").has({"reward": [0, 4, 0, 0]})
+
+
+@BOTH
+def test_the_last_step_pays(stage: Stage) -> None:
+    scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, step=998).step().has({"truncated": False})
+    scene.step("interact").has({"reward": [-1, 5, 0, 0], "steps": 1000, "truncated": True, "terminated": False})
 
 
 # Resources
@@ -199,6 +283,12 @@ def test_a_bag_holds_a_hundred_of_each(stage: Stage, before: Bag, after: Bag) ->
 
 
 @BOTH
+def test_a_resource_that_two_want_goes_to_one(stage: Stage) -> None:
+    scene = put(stage, EMPTY, ".^CD....  0", "..^.....  1", *ROWS[3:5], "vvPPPPPP").step("step_right, forward")
+    assert sorted(bags(scene, 0, 1)) == [(0, 0), (1, 0)]
+
+
+@BOTH
 def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
     """With certainty, each as what it was; and what comes can be collected in the same step."""
     put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP", params={"regrow": 1}).step().shows(*ROWS[:5], "vvvvPPPP")
@@ -211,6 +301,34 @@ def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
 
 
 # Moves, starts, what is seen
+
+
+@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+def test_moves(stage: Stage, compass: bool) -> None:
+    check_moves(stage, (*ROWS[:2], "....^...", *ROWS[3:5], "vvvPPPPP"), compass)
+
+
+@BOTH
+def test_walls_stop(stage: Stage) -> None:
+    put(stage, *ROWS[:3], ROWS[3], "......^.  0", "vvvPPPPP").step("forward").shows(*ROWS[:4], "......^.", "vvvPPPPP")
+
+
+def test_an_episode_starts_on_gates_with_empty_bags_and_all_resources() -> None:
+    for seed in range(5):
+        scene = DEFAULT.start(seed).has({"agent.row": 5, "agent.resting": 0, "patch.stock": "ripe", "steps": 0})
+        assert len(set(scene.places())) == 4
+        assert bags(scene, *range(4)) == [(0, 0)] * 4
+
+
+def test_what_is_seen() -> None:
+    """Resources, one's own bag and whether one is held."""
+    picture = (EMPTY, "..Cd....", "..^^....  01", *ROWS[3:5], "vvPPPPPP  23")
+    scene = put(DEFAULT, *picture, bags={0: (2, 3), 1: (4, 100)}, held={1: 50})
+    assert scene.seen(0, "content", ahead=1) == "patch class=coop stock=ripe"
+    assert scene.seen(1, "content", ahead=1) == "patch class=defect stock=none"
+    assert [scene.seen(agent, f"agent.bag[{word}]") for agent in (0, 1) for word in ("coop", "defect")] == [2, 3, 4, 100]
+    assert [scene.seen(agent, "agent.resting") for agent in (0, 1)] == ["free", "held"]
+    assert own_planes(DEFAULT) == {"agent.bag[coop]", "agent.bag[defect]", "agent.resting"}
 
 
 def test_as_released_everybody_sees_every_bag_and_nobody_who_is_held() -> None:

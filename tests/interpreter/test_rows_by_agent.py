@@ -7,6 +7,7 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
+from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
@@ -113,6 +114,15 @@ def test_entries_that_are_not_there_are_refused(given: dict[str, object], said: 
         param_values(made(), given)
 
 
+def test_a_changed_entry_pays() -> None:
+    game = made()
+    params = default_params(game) | {name: real(value) for name, value in param_values(game, {"taste": {1: 10}}).items() if name == "taste"}
+    world = reset(game, params, Threefry(0, 0))
+    world, _ = step(game, world, [HELP, STAY, STAY, STAY], params, Threefry(1, 0))
+    _, outcome = step(game, world, [HELP, STAY, STAY, STAY], params, Threefry(1, 1))
+    assert [float(r) for r in outcome.reward] == [0, 11, 8, 1.5]
+
+
 VARIANT = "  variant other {{ {change} }}\n}}\n"
 
 
@@ -135,3 +145,19 @@ def test_variants_change_entries(change: str, taste: tuple[float, ...] | None) -
     found = build(Source("frame.sj", text), ("other",))
     assert param_values(found.game, {})["taste"] == taste
     assert [d.code for d in found.warnings] == (["SJ504"] if "7" in change else [])
+
+
+@pytest.mark.parametrize(
+    ("table", "code"),
+    [
+        ("{ 0: 1, 0: 2, otherwise: 3 }", "SJ203"),
+        ("{ 0: 1, 1: 2 }", "SJ203"),
+        ("{ otherwise: 3, 0: 1 }", "SJ203"),
+        ("{ 0: 1, farmer: 2, otherwise: 3 }", "SJ203"),
+    ],
+)
+def test_tables_with_gaps_are_refused(table: str, code: str) -> None:
+    text = GAME.replace("{ 0: 2, 2: 5, otherwise: 0.5 }", table)
+    with pytest.raises(CompileError) as refused:
+        made(text)
+    assert {d.code for d in refused.value.diagnostics} == {code}

@@ -85,11 +85,6 @@ def test_others_who_are_never_seen_take_no_label() -> None:
     assert ahead(found["agent"]) == [[1, 0, 0, 0, 0]] * 2
 
 
-def test_a_heading_can_be_hidden() -> None:
-    found, _ = seen(f"{STRIP}  hide other.heading when other.index == 1", 0, 2)
-    assert ahead(found["agent"])[0] == [1, 0, 6, 0, 0]  # self; north, east, south, west of others; hidden
-
-
 def test_who_owns_the_things_of_a_group() -> None:
     found, labels = seen(f"{STRIP}  show thing.owner", 0, 2, owners=(0, 1))
     assert labels[3:] == tuple(f"{kind} owner={who}" for kind in ("brick", "tile") for who in ("nobody", "self", "other"))

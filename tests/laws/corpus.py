@@ -21,7 +21,7 @@ from tests.fuzz.programs import program
 from tests.fuzz.together import interpret, on_numpy, random_play, run
 from tests.laws.symmetry import STEPS
 
-FEW = 6  # random programs in a test
+FEW = 6  # random programs in a test; `python -m tests.laws.campaign` tries more
 
 
 @cache

@@ -1,0 +1,69 @@
+"""The functions that phases become: one for all uses of a phase, with the phase's own text, its lines said once, masks named after conditions."""
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from sjdsl.compiler import build, compile_rules, compile_source
+from sjdsl.compiler.syntax.read import read_source
+from sjdsl.games_folder import find_game, main_games
+
+CASES = Path(__file__).parents[1] / "cases"
+GENERATED = Path(__file__).parents[2] / "generated"
+
+
+def functions(text: str) -> dict[str, str]:
+    """Returns the functions of a module by name."""
+    parts = re.split(r"\n(?=def (\w+)\()", text)
+    return dict(zip(parts[1::2], parts[2::2], strict=True))
+
+
+def test_uses_of_a_phase_are_calls_of_one_function() -> None:
+    found = functions(compile_source(read_source(CASES / "rows.sj")))
+    assert {name for name in found if name.startswith("trade")} == {"trade"}
+    assert re.findall(r"trade\(.*\)", found["step"]) == [
+        "trade(state, out, params, actions, key, AGENT_BAG_RAW)",
+        "trade(state, out, params, actions, key, AGENT_BAG_CUT)",
+    ]
+    assert "agent_bag_what: int" in found["trade"] and "AGENT_BAG_RAW" not in found["trade"]
+
+
+def test_uses_that_differ_by_more_than_numbers_have_functions_of_their_own() -> None:
+    found = functions(compile_source(read_source(CASES / "shifting.sj")))
+    assert len([name for name in found if name.startswith("roll")]) == 2
+
+
+def test_marks_of_each_use_are_kept_apart() -> None:
+    found = functions((GENERATED / "allelopathic_harvest.py").read_text("utf-8"))
+    assert re.findall(r"state.replace\(mark_sow_(\w+)=marked\)", found["step"]) == ["sow_red_red", "sow_green_green", "sow_blue_blue"]
+    assert "mark_" not in found["sow"]
+
+
+@pytest.mark.parametrize("name", main_games())
+def test_a_function_has_the_text_of_its_phase(name: str) -> None:
+    sources = " ".join(source.text for source in build(read_source(find_game(name))).sources.values()).replace('"', "'")
+    for function, text in functions((GENERATED / f"{name}.py").read_text("utf-8")).items():
+        if written := re.search(r'"""(phase .*?)\s*"""', text, re.DOTALL):
+            assert written[1].split("(")[0].split()[1] == function.removesuffix("_phase")
+            assert " ".join(written[1].split()) in " ".join(sources.split())
+
+
+def test_what_is_cached_for_all_has_no_text_of_a_file() -> None:
+    text = compile_rules(build(read_source(CASES / "rows.sj")))
+    assert "phase trade" not in text and "what" not in functions(text)["trade"]
+
+
+@pytest.mark.parametrize("name", main_games())
+def test_a_line_of_the_game_is_said_once_for_all_that_follows(name: str) -> None:
+    for text in functions((GENERATED / f"{name}.py").read_text("utf-8")).values():
+        said = re.findall(r"# (\S+\.sj:\d+)$", text, re.MULTILINE)
+        assert all(one != following for one, following in pairwise(said))
+
+
+def test_masks_are_named_after_their_conditions() -> None:
+    settle = functions((GENERATED / "coop_mining.py").read_text("utf-8"))["settle"]
+    assert "hitters = size_of_set(state.rock_miners)" in settle
+    assert "hitters_below_fewest = (hitters < params.fewest) & (state.rock_ore == ROCK_GOLD)" in settle
+    assert not re.search(r"\b(active|holds|times|subject)\w* =", settle)
