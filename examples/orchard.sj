@@ -26,4 +26,5 @@ game orchard "Orchard" {
       give 1 to agent
     }
   }
+  policy picker "picks the nearest fruit" { seek tree where tree.fruit is ripe }
 }

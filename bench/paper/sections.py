@@ -166,6 +166,10 @@ def _of_the_paper(row: pd.Series) -> bool:
 
 
 def _alike(game: Game) -> str:
+    """Returns the verdict on whether shared and separate parameters end alike: the interval of their difference lies within ALIKE of the larger mean.
+
+    Individual reward counts if it was run both ways, else common reward; UNKNOWN if neither was.
+    """
     pairs = [(game.cell(way), game.cell({**way, "sharing": APART})) for way in (INDIVIDUAL, COMMON)]
     first, second = next((pair for pair in pairs if None not in pair), (None, None))
     if first is None or second is None or first.estimate is None or second.estimate is None:
