@@ -343,6 +343,12 @@ def svo(games: Sequence[Game]) -> Section:
         "An agent that seeks 90 degrees gains 1.57 times the weight (a quarter turn in radians) in each step in which others are rewarded and it "
         "is not, compared with a step in which nobody is rewarded: `svo_at_rest=selfish`, as in the released code.",
     ]
+    content = [game.label for game in games if any('"svo_at_rest":"content"' in cell.settings for cell in tried[game.label].values())]
+    if content:
+        text.append(
+            f"In {', '.join(content)}, agents were trained with `svo_at_rest=content`: only deviations are deducted, and from a weight of 0.64 "
+            "it doesn't pay to be the only one rewarded. These rows don't compare with the paper's."
+        )
     if alone:
         text.append(
             f"In {', '.join(alone)}, the chosen weight is 0, which is individual reward. All angles are then the same, so only one is trained."
