@@ -70,8 +70,8 @@ def test_a_live_board_is_stepped_through_and_fits(page: object, address: str) ->
     playwright.expect(board.locator('[data-part="step"]')).to_have_text("step 1", timeout=WAIT)
     for width in (390, 1440):
         page.set_viewport_size({"width": width, "height": 800})
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
         page.wait_for_timeout(500)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
         sizes = [board.locator(f'[data-part="{name}"]').bounding_box() for name in ("stage", "board")]
         assert sizes[1]["width"] > 0.8 * min(sizes[0]["width"], 11 * 48), (
             "the board fills its pane, or its pictures are as large as they get"
