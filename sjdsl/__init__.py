@@ -13,4 +13,12 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.runtime.planes import TokenPlane
 
-__getattr__ = lazy_names(__name__)
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "CompileError": "compiler.diagnostics.diagnostic",
+        "Environment": "runtime.env",
+        "TokenPlane": "runtime.planes",
+        "make": "factory",
+    },
+)

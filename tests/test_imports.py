@@ -39,12 +39,9 @@ MODULES = _modules()
 @cache
 def homes(package: str) -> dict[str, str]:
     """Returns the modules that the names of a package are loaded from when they are first used (`lazy_names`)."""
-    text = MODULES[package].read_text("utf-8") if package in MODULES else ""
-    if "lazy_names(__name__)" not in text:
-        return {}
-    blocks = [node for node in ast.parse(text).body if isinstance(node, ast.If)]
-    found = [node for block in blocks for node in block.body if isinstance(node, ast.ImportFrom)]
-    return {alias.name: f"{package}.{node.module}" if node.level else str(node.module) for node in found for alias in node.names}
+    tree = ast.parse(MODULES[package].read_text("utf-8") if package in MODULES else "")
+    calls = [n for n in ast.walk(tree) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id == "lazy_names"]
+    return {name: f"{package}.{home}" for call in calls for name, home in ast.literal_eval(call.args[1]).items()}
 
 
 @cache

@@ -16,4 +16,16 @@ if TYPE_CHECKING:
 
 __all__ = ["CrossPlay", "Diagram", "ExperimentError", "ScenarioScores", "cross_play", "find_pool", "play_scenarios", "schelling_diagram"]
 
-__getattr__ = lazy_names(__name__)
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "CrossPlay": "mixtures",
+        "Diagram": "diagram",
+        "ExperimentError": "refusals",
+        "ScenarioScores": "scenario_scores",
+        "cross_play": "crossplay",
+        "find_pool": "players",
+        "play_scenarios": "scenarios",
+        "schelling_diagram": "schelling",
+    },
+)

@@ -29,4 +29,24 @@ __all__ = [
     "take_snapshot",
 ]
 
-__getattr__ = lazy_names(__name__)
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "EpisodePage": "episode_page",
+        "Moment": "moment",
+        "Painter": "film",
+        "Snapshot": "moment",
+        "draw_film": "film",
+        "make_page": "episode_page",
+        "make_painter": "film",
+        "one_of": "playing",
+        "play": "playing",
+        "play_moments": "playing",
+        "random_policy": "playing",
+        "save_gif": "film",
+        "save_mp4": "film",
+        "save_png": "film",
+        "stay_policy": "playing",
+        "take_snapshot": "moment",
+    },
+)

@@ -27,4 +27,7 @@ __all__ = [
     "save_recording",
 ]
 
-__getattr__ = lazy_names(__name__)
+__getattr__ = lazy_names(
+    __name__,
+    {"EpisodePlayer": "episode_player", "Moment": "episode_player", "replayed": "episode_player", "play_episodes": "episodes"},
+)

@@ -11,4 +11,13 @@ if TYPE_CHECKING:
 
 __all__ = ["ResultsError", "ResultsWarning", "load", "load_curves", "write_report"]
 
-__getattr__ = lazy_names(__name__)
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "ResultsError": "refusals",
+        "ResultsWarning": "refusals",
+        "load": "loading",
+        "load_curves": "loading",
+        "write_report": "report",
+    },
+)

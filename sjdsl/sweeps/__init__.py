@@ -13,4 +13,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Axis", "Outcome", "SweepSpec", "Watch", "plan_sweep", "prepare", "run_cell", "sweep"]
 
-__getattr__ = lazy_names(__name__)
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "Axis": "axes",
+        "Outcome": "running",
+        "SweepSpec": "cells",
+        "Watch": "work",
+        "plan_sweep": "plan",
+        "prepare": "running",
+        "run_cell": "work",
+        "sweep": "running",
+    },
+)
