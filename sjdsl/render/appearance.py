@@ -112,22 +112,22 @@ def _beams(look: Look, snapshot: Snapshot, actions: Sequence[int]) -> Iterator[t
         agents = [agent for agent in range(look.num_agents) if acted[agent] and snapshot.row[agent] >= 0]
         owner: dict[Cell, int] = {}
         for row, col in cells:
-            away = [_from_behind(snapshot, agent, row, col) for agent in agents]
+            away = [_beam_distance(snapshot, agent, row, col) for agent in agents]
             owner[row, col] = agents[away.index(min(away))] if away else -1
         for (row, col), agent in owner.items():
             sides = tuple(owner.get((row + down, col + right)) != agent for down, right in DIRECTIONS)
             yield Beam(colours[agent] if agent >= 0 else edge, edge, sides), row, col  # type: ignore[arg-type]
 
 
-def _from_behind(snapshot: Snapshot, agent: int, row: int, col: int) -> tuple[bool, int]:
-    """Returns whether a cell lies behind an agent, and how far from it."""
+def _beam_distance(snapshot: Snapshot, agent: int, row: int, col: int) -> tuple[bool, int]:
+    """Returns how far a cell is from an agent, as a key to compare agents by: first whether it lies behind, then the steps."""
     down, right = row - int(snapshot.row[agent]), col - int(snapshot.col[agent])
     facing = DIRECTIONS[int(snapshot.heading[agent])]
     return down * facing[0] + right * facing[1] < 0, abs(down) + abs(right)
 
 
 def _struck(look: Look, ground: Appearance, snapshot: Snapshot, before: Snapshot) -> set[Cell]:
-    """Returns the cells where something that stood there is gone under an agent or a mark, and where agents or movers were struck down."""
+    """Returns the cells to flash: where an object is gone from under an agent or a mark, and where an agent or a mover was hit or removed."""
     was = _ground(look, before)
     here, there = _places(snapshot), _places(before)
     reached = {cell for label, _ in look.marks for cell in marked_cells(snapshot, label)} | {at for at in here["agent"] if at is not None}
@@ -141,13 +141,13 @@ def _struck(look: Look, ground: Appearance, snapshot: Snapshot, before: Snapshot
     lost |= {at for now_held, held_before, at in held if at is not None and now_held and not held_before}
     for sort, places in there.items():
         for at, then in zip(here[sort], places, strict=True):
-            if then is not None and (at is None or _steps(look, at, then) > 1):
+            if then is not None and (at is None or _distance(look, at, then) > 1):
                 lost.add(then)
     return lost
 
 
-def _steps(look: Look, first: Cell, second: Cell) -> int:
-    """Returns how many steps it is from one cell to another, over the edges if that is shorter."""
+def _distance(look: Look, first: Cell, second: Cell) -> int:
+    """Returns how many steps apart two cells are, across the edges of the map if that is shorter."""
     down, right = abs(first[0] - second[0]), abs(first[1] - second[1])
     return min(down, look.height - down) + min(right, look.width - right)
 
@@ -275,7 +275,7 @@ def _looking(prefix: str, plain: list[Figure], rules: tuple[Rule, ...], carried:
             figure = ruled(figure, rule)
         read = frozenset().union(*(rule.reads for rule in own))
         words = [(field, int(values[field.attribute][number])) for field in carried if field.name not in read]
-        said = [field.pictures[word] for field, word in words if word != field.start and field.words[word] not in field.asked]
+        said = [field.pictures[word] for field, word in words if word != field.start and field.words[word] not in field.left_out]
         figures.append(replace(figure, badges=tuple(dict.fromkeys([*figure.badges, *said]))[:BADGES]))
     return figures
 

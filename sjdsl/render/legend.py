@@ -113,7 +113,7 @@ def figure_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> Itera
     if look.colour_field is not None:
         for number, role in enumerate(look.roles):
             figure = Figure(number, look.colour_field[1][number])
-            if role not in look.said_roles and occur("agent", lambda f, c=figure.colour: f.colour == c):  # type: ignore[misc]
+            if role not in look.roles_in_looks and occur("agent", lambda f, c=figure.colour: f.colour == c):  # type: ignore[misc]
                 yield figure, role
     agent = Figure(0, agent_colour(0))
     yield from _body_entries(agent, look.rules, look.carried, lambda is_like: occur("agent", is_like))
@@ -138,7 +138,7 @@ def _body_entries(
             yield ruled(plain, rule), rule.label
     for field in carried:
         for number, (word, picture) in enumerate(zip(field.words, field.pictures, strict=True)):
-            if number != field.start and word not in field.asked and occur(lambda f, picture=picture: picture in f.badges):  # type: ignore[misc]
+            if number != field.start and word not in field.left_out and occur(lambda f, picture=picture: picture in f.badges):  # type: ignore[misc]
                 yield replace(plain, badges=(*plain.badges, picture)), f"{field.name}: {word}"
 
 

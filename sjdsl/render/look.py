@@ -30,7 +30,8 @@ class FieldLook:
     `bar`, and `full` fills it.
     holds: `word`, `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
     pictures: of its words, or of each entry of a row of numbers.
-    plain: the number of the word that is not drawn. asked: the words that it does not draw: looks do, or agents do not tell them from others.
+    plain: the number of the word that is not drawn. left_out: words that it doesn't draw, because a look does or because agents can't tell them
+    apart.
     """
 
     name: str
@@ -43,12 +44,12 @@ class FieldLook:
     full: float = 1.0
     start: int = 0
     plain: int = 0
-    asked: frozenset[str] = frozenset()
+    left_out: frozenset[str] = frozenset()
 
     def is_drawn(self, word: int) -> bool:
         """Returns whether a shape or a tint shows this word: all but the plain one, and that, too, if it is a colour like all others."""
         shown = word != self.plain or (self.words[word] in WORDS if self.sort == "tint" else set(self.words) <= COLOURS)
-        return shown and self.words[word] not in self.asked
+        return shown and self.words[word] not in self.left_out
 
 
 @dataclass(frozen=True)
@@ -102,9 +103,9 @@ class Look:
     """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any.
 
     marks: label and colour of each phase that marks; acting: its label -> the numbers of the actions with which an agent marks in it.
-    roles: the words of the field that colours agents, if they do not say themselves which colour they are; said_roles: those that a look
-    asks for. carried: fields of the agents
-    that are drawn as badges; held: the row of numbers that stands beside an agent's return; rules: looks of the agents.
+    roles: the words of the field that colours agents, unless they are names of colours; roles_in_looks: those that a look reads.
+    carried: fields of the agents that are drawn as badges; held: the row of numbers that is shown beside an agent's return; rules: looks of
+    the agents.
     """
 
     title: str
@@ -117,7 +118,7 @@ class Look:
     actions: tuple[str, ...]
     colour_field: tuple[str, tuple[Colour, ...]] | None
     roles: tuple[str, ...]
-    said_roles: frozenset[str]
+    roles_in_looks: frozenset[str]
     carried: tuple[FieldLook, ...]
     held: FieldLook | None
     rules: tuple[Rule, ...]
@@ -148,11 +149,11 @@ def make_look(game: ir.Game) -> Look:
         tile=max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE)),
         kinds=tuple(_kind_looks(game)),
         marks=tuple(zip(labels, mark_colours(labels), strict=True)),
-        acting={phase.label: tuple(sorted(_acting(phase, game))) for phase in marking_phases(game)},
+        acting={phase.label: tuple(sorted(_marking_actions(phase, game))) for phase in marking_phases(game)},
         actions=tuple(game.agents.actions),
         colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(words)),
         roles=() if set(words) <= set(WORDS) else words,
-        said_roles=frozenset() if colour_field is None else asked_words(colour_field, rules),
+        roles_in_looks=frozenset() if colour_field is None else words_in_looks(colour_field, rules),
         carried=tuple(_carried(fields, "agent", rules, game)),
         held=_held(fields, game),
         rules=rules,
@@ -175,9 +176,9 @@ def make_look(game: ir.Game) -> Look:
 
 
 def seen_fields(game: ir.Game) -> frozenset[tuple[str, str]]:
-    """Returns the fields that agents see: kind, sort of movers or `agent`, and name. What nobody sees keeps the books of the rules.
+    """Returns the fields that agents see, as pairs: a kind, a sort of movers or `agent`, and the field's name.
 
-    Of cells they are also those that decide which label is seen.
+    Fields of cells that decide which label is seen are among them. All others are the rules' own bookkeeping, and aren't drawn.
     """
     found: set[tuple[str, str]] = set()
     for observable in game.observables:
@@ -190,32 +191,34 @@ def seen_fields(game: ir.Game) -> frozenset[tuple[str, str]]:
 
 
 def merged_words(kind: str, field: ir.VarField, game: ir.Game) -> frozenset[str]:
-    """Returns the words of a field of cells that look alike to agents: those that no label asks for, where labels are all that is seen."""
+    """Returns the words of a field of cells that agents can't tell apart: they see only labels, and no label reads these words."""
     seen = [observable for observable in game.observables if observable.what == "cell" and observable.kind == kind]
     if field.type.kind != "word" or any(observable.field == field.name and not observable.labels for observable in seen):
         return frozenset()
     conditions = [label.condition for observable in seen for label in observable.labels if label.condition is not None]
     nodes = [node for condition in conditions for node in ir.walk(condition)]
     asking = [node for node in nodes if isinstance(node, ir.Same | ir.InWords) and _words(node)]
-    reads, worded = (sum(isinstance(n, ir.FieldRead) and n.name == field.name for n in some) for some in (nodes, map(_asked, asking)))
+    reads, worded = (
+        sum(isinstance(n, ir.FieldRead) and n.name == field.name for n in some) for some in (nodes, map(_compared_value, asking))
+    )
     rest = {*field.type.words} - {word for node in asking for word in _words(node)}
     return frozenset(rest) if len(rest) > 1 and reads == worded else frozenset()
 
 
-def _asked(node: ir.Expr) -> ir.Expr:
-    """Returns what is compared with words."""
+def _compared_value(node: ir.Expr) -> ir.Expr:
+    """Returns the side of a comparison with words that isn't a word."""
     if isinstance(node, ir.Same):
         return node.right if isinstance(node.left, ir.Word) else node.left
     return node.value if isinstance(node, ir.InWords) else node
 
 
 def _kinds_of(owner: ir.Expr | None) -> tuple[str, ...]:
-    """Returns the kinds of the cell that a condition speaks of; none of an agent or a mover."""
+    """Returns the kinds of the cell whose field is read; none if it is a field of an agent or a mover."""
     return owner.sort.names if isinstance(owner, ir.Member) and owner.sort.what == "cell" else ()
 
 
-def _acting(node: ir.Node, game: ir.Game, chosen: frozenset[int] = frozenset()) -> Iterator[int]:
-    """Yields the numbers of the actions with which agents mark in a part of the rules. chosen: those that the conditions around it ask for."""
+def _marking_actions(node: ir.Node, game: ir.Game, chosen: frozenset[int] = frozenset()) -> Iterator[int]:
+    """Yields the numbers of the actions with which agents mark in a part of the rules. chosen: those that the conditions around it require."""
     if isinstance(node, ir.Mark):
         yield from chosen
     parts = [part for part in ir.children(node) if not isinstance(part, ir.Statement | ir.Branch)]
@@ -226,7 +229,7 @@ def _acting(node: ir.Node, game: ir.Game, chosen: frozenset[int] = frozenset()) 
             chosen |= {number for number, name in enumerate(game.agents.actions) if name.split("(")[0] == read.action}
     for part in ir.children(node):
         if isinstance(part, ir.Statement | ir.Branch):
-            yield from _acting(part, game, chosen)
+            yield from _marking_actions(part, game, chosen)
 
 
 def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
@@ -244,7 +247,9 @@ def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
                 is_row = bool(field.type.by) and field.type.kind not in ("int", "real")
                 is_read = field.type.kind != "word" and any(field.name in rule.reads for rule in rules)
                 if (kind.name, field.name) in seen and not (field.timer or is_row or is_read):
-                    fields.append(_field(field, kind.name, game, shapes, asked_words(field, rules) | merged_words(kind.name, field, game)))
+                    fields.append(
+                        _field(field, kind.name, game, shapes, words_in_looks(field, rules) | merged_words(kind.name, field, game))
+                    )
                     shapes += max(0, len(field.type.words) - 1)
             ground, starting = grounds[kind.name], kind.name in spawns
             body = usual_body(kind, ground, spawns)
@@ -268,8 +273,8 @@ def _rule(look: ir.Look) -> Rule:
     )
 
 
-def asked_words(field: ir.VarField, rules: tuple[Rule, ...]) -> frozenset[str]:
-    """Returns the words of a field that some look asks for."""
+def words_in_looks(field: ir.VarField, rules: tuple[Rule, ...]) -> frozenset[str]:
+    """Returns the words of a field that some look reads."""
     parts = [part for rule in rules if rule.condition is not None and field.name in rule.reads for part in conjuncts(rule.condition)]
     return frozenset(word for part in parts if not isinstance(part, ir.Not) for word in _words(part)) & {*field.type.words}
 
@@ -302,7 +307,7 @@ def _label(condition: ir.Expr, name: str) -> str:
     return ", ".join(parts)
 
 
-def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, asked: frozenset[str]) -> FieldLook:
+def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, left_out: frozenset[str]) -> FieldLook:
     attribute = f"{kind}_{field.name}"
     match field.type.kind:
         case "word":
@@ -311,7 +316,7 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, asked: fro
             words = field.type.words
             colours = tint_colours(words) if sort == "tint" else colours_of(words)
             plain = next((number for number, word in enumerate(words) if word in NOTHING), 0)
-            return FieldLook(field.name, attribute, sort, "word", words, colours, pictures, plain=plain, asked=asked)
+            return FieldLook(field.name, attribute, sort, "word", words, colours, pictures, plain=plain, left_out=left_out)
         case "agents":
             return FieldLook(field.name, attribute, "bar", "agents", full=game.agents.number)
         case "cell":
@@ -330,8 +335,8 @@ def _carried(fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...]
         if field.type.kind == "word" and not field.type.by:
             words, attribute = field.type.words, f"{prefix}_{field.name}"
             pictures = _as_looked(words, usual_words(field, False, shapes), game)
-            start, asked = words.index(str(field.start)), asked_words(field, rules)
-            yield FieldLook(field.name, attribute, "shape", "word", words, pictures=pictures, start=start, asked=asked)
+            start, asked = words.index(str(field.start)), words_in_looks(field, rules)
+            yield FieldLook(field.name, attribute, "shape", "word", words, pictures=pictures, start=start, left_out=asked)
             shapes += len(pictures) - 1
 
 

@@ -104,6 +104,6 @@ def is_taken(name: str, kind: str, game: ir.Game) -> bool:
 
 
 def named_sprite(name: str) -> str | None:
-    """Returns the sprite that a name, or the last part of it that does, speaks of."""
+    """Returns the sprite that a name mentions: the last of its parts that names one."""
     parts = (PICTURED.get(part, part) for part in reversed(name.split("_")))
     return next((part for part in parts if part in SPRITES), None)

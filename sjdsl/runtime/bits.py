@@ -59,10 +59,10 @@ def count(words: Array) -> Array:
 @jax.jit  # one function of the program for each shape, however many rules pick
 def nth_bit(word: Array, n: Array) -> Array:
     """Returns the place of the n-th set bit, n from 0: `[...]` unsigned and int32 -> `[...]` int32. Anything if there are fewer."""
-    return by_platform(_nth_by_halves, _nth_looked_up if word.dtype == jnp.uint8 else _nth_by_halves, word, n)
+    return by_platform(_nth_by_halves, _nth_by_table if word.dtype == jnp.uint8 else _nth_by_halves, word, n)
 
 
-def _nth_looked_up(word: Array, n: Array) -> Array:
+def _nth_by_table(word: Array, n: Array) -> Array:
     """The form for GPUs of a byte: a table with a row for each."""
     places = np.argsort(~np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little") & 1, axis=1, kind="stable")
     row = word.astype(jnp.int32) * 8

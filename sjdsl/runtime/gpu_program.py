@@ -62,7 +62,7 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any]
     values = dict(zip([*program.jaxpr.constvars, *program.jaxpr.invars], [*program.consts, *arguments], strict=True))
     alike: dict[Any, Any] = {}  # arrays whose entries are all one scalar
     told = [*zip(program.jaxpr.constvars, program.consts, strict=True), *zip(program.jaxpr.invars, constants, strict=False)]
-    known = {of: partial(np.asarray, value) for of, value in told if _is_known(value)}  # constants, computed when they are asked for
+    known = {of: partial(np.asarray, value) for of, value in told if _has_numbers(value)}  # constants, computed when they are asked for
     for equation in program.jaxpr.eqns:
         given = [of.val if isinstance(of, core.Literal) else values[of] for of in equation.invars]
         name, params = equation.primitive.name, equation.params
@@ -90,7 +90,7 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any]
     return [of.val if isinstance(of, core.Literal) else values[of] for of in program.jaxpr.outvars]
 
 
-def _is_known(value: Any) -> bool:
+def _has_numbers(value: Any) -> bool:
     """Returns whether a constant of a program, or an argument, has numbers while tracing; a key has none that NumPy knows."""
     return value is not None and not isinstance(value, jax.core.Tracer) and not jnp.issubdtype(value.dtype, jax.dtypes.extended)
 

@@ -3,8 +3,11 @@
 import base64
 import hashlib
 import json
+import py_compile
 import re
 import runpy
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -104,3 +107,14 @@ def test_the_public_server_has_the_version_of_npm(tmp_path: Path, package: Path,
     said = put_pyodide(made(tmp_path / "out"), package, "cdn")
     assert told(tmp_path / "out")[0] == "https://cdn.jsdelivr.net/npm/pyodide@1.2.3/"
     assert "NOT TESTED: https://cdn.jsdelivr.net/npm/pyodide@1.2.3/pyodide.mjs cannot be loaded from here (no network)" in said
+
+
+def test_packages_of_byte_code_alone_have_their_names(tmp_path: Path) -> None:
+    """As in the browser, where there is no source to read: every public name that the page's packages load lazily is found."""
+    for path, name in BUILD["_sources"]():
+        if name.endswith(".py"):
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            py_compile.compile(str(path), str(tmp_path / name) + "c", doraise=True)
+    script = "import sjdsl, sjdsl.render; print(sjdsl.CompileError.__name__, sjdsl.render.take_snapshot.__name__)"
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env={"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True)
+    assert done.stdout == "CompileError take_snapshot\n", done.stderr

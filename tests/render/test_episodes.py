@@ -26,27 +26,17 @@ from sjdsl.trainers.run_folder import describe_game
 BUSY = {"length": 30, "spawn": 0.3}
 
 
+def record(path: Path, episodes: int, seed: int) -> list[str]:
+    """Returns the call that records so many episodes of Coins in a file."""
+    busy = ["--param", "length=30", "--param", "spawn=0.3"]
+    return ["record", "coins", "--policy", "random", "-o", str(path), "--episodes", str(episodes), "--seed", str(seed), *busy]
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Returns a file of five episodes of Coins."""
     path = tmp_path_factory.mktemp("recorded") / "coins.npz"
-    call = [
-        "record",
-        "coins",
-        "--policy",
-        "random",
-        "-o",
-        str(path),
-        "--episodes",
-        "5",
-        "--seed",
-        "3",
-        "--param",
-        "length=30",
-        "--param",
-        "spawn=0.3",
-    ]
-    assert run(call) == 0
+    assert run(record(path, 5, 3)) == 0
     return path
 
 
@@ -148,50 +138,10 @@ def test_a_file_says_how_it_was_made_and_is_the_same_each_time(recorded: Path, t
     assert set(header.versions) == {"sjdsl", "jax", "numpy"} and header.policy_digest is None
     assert header.planes == [plane.name for plane in env.token_planes]
     again = tmp_path / "again.npz"
-    assert (
-        run(
-            [
-                "record",
-                "coins",
-                "--policy",
-                "random",
-                "-o",
-                str(again),
-                "--episodes",
-                "5",
-                "--seed",
-                "3",
-                "--param",
-                "length=30",
-                "--param",
-                "spawn=0.3",
-            ]
-        )
-        == 0
-    )
+    assert run(record(again, 5, 3)) == 0
     assert again.read_bytes() == recorded.read_bytes()
     few = tmp_path / "few.npz"
-    assert (
-        run(
-            [
-                "record",
-                "coins",
-                "--policy",
-                "random",
-                "-o",
-                str(few),
-                "--episodes",
-                "2",
-                "--seed",
-                "4",
-                "--param",
-                "length=30",
-                "--param",
-                "spawn=0.3",
-            ]
-        )
-        == 0
-    )
+    assert run(record(few, 2, 4)) == 0
     assert same(Dataset(few)[1], Dataset(recorded)[2])
     with np.load(recorded) as arrays:  # without us
         assert json.loads(str(arrays["header"]))["seed"] == 3

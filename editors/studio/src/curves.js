@@ -52,29 +52,33 @@ export class Curves {
     this.soon();
   }
 
+  // Paints after the next frame, which has the board.
   soon() {
-    this.frame ??= requestAnimationFrame(() => { this.frame = null; this.paint(); });
+    this.frame ??= requestAnimationFrame(() => setTimeout(() => { this.frame = null; this.paint(); }));
   }
 
   paint() {
     if (!this.colours || !find("curves").clientWidth) return;
-    const agents = this.colours.length;
-    this.draw(find("returns"), Array.from({ length: agents }, (_, agent) => Array.from(this.returns, (row) => row?.[agent])), this.colours);
+    const agents = this.colours.length, style = getComputedStyle(document.body);
+    const [ink, muted, line] = ["--accent", "--muted", "--line"].map((name) => style.getPropertyValue(name));
+    const canvases = [find("returns"), ...this.figures.map(({ canvas }) => canvas)];
+    const sizes = new Map(canvases.map((canvas) => [canvas, [canvas.clientWidth, canvas.clientHeight]])); // all before any changes: each change would ask for a new layout
+    const draw = (canvas, lines, colours) => this.draw(canvas, sizes.get(canvas), { muted, line }, lines, colours);
+    draw(find("returns"), Array.from({ length: agents }, (_, agent) => Array.from(this.returns, (row) => row?.[agent])), this.colours);
     find("returns").setAttribute("aria-label", `Returns by step. ${(this.returns[this.at] ?? []).map((value, agent) => `Agent ${agent}: ${short(value)}`).join(", ")}`);
-    const ink = getComputedStyle(document.body).getPropertyValue("--accent");
     this.names.forEach(([, adds], number) => {
       let sum = 0;
       const values = Array.from(this.metrics, (row) => (row === undefined || (!row.length && !adds) ? undefined : adds ? (sum += row[number] ?? 0) : row[number]));
       this.figures[number].value.textContent = short(values[this.at] ?? 0);
-      this.draw(this.figures[number].canvas, [values], [ink]);
+      draw(this.figures[number].canvas, [values], [ink]);
     });
   }
 
   // Draws lines from the first to the last moment, and the moment that is shown. Values start at 0 where none is below it.
-  draw(canvas, lines, colours) {
-    const density = devicePixelRatio || 1, { clientWidth: width, clientHeight: height } = canvas;
+  draw(canvas, [width, height], shades, lines, colours) {
+    const density = devicePixelRatio || 1;
     Object.assign(canvas, { width: width * density, height: height * density });
-    const pen = canvas.getContext("2d"), style = getComputedStyle(document.body), last = Math.max(1, this.moments - 1);
+    const pen = canvas.getContext("2d"), last = Math.max(1, this.moments - 1);
     pen.scale(density, density);
     let low = 0, high = 0;
     for (const line of lines) for (const value of line) if (value !== undefined) { low = Math.min(low, value); high = Math.max(high, value); }
@@ -85,9 +89,9 @@ export class Curves {
     pen.textAlign = "right";
     pen.textBaseline = "middle";
     for (const value of new Set([low, 0, high])) {
-      pen.fillStyle = style.getPropertyValue("--muted");
+      pen.fillStyle = shades.muted;
       pen.fillText(short(value), PAD.left - 6, y(value));
-      pen.strokeStyle = style.getPropertyValue("--line");
+      pen.strokeStyle = shades.line;
       stroke(pen, [[PAD.left, y(value)], [width - PAD.right, y(value)]]);
     }
     pen.lineJoin = "round";
@@ -99,7 +103,7 @@ export class Curves {
       stroke(pen, points);
     });
     pen.lineWidth = 1;
-    pen.strokeStyle = style.getPropertyValue("--muted");
+    pen.strokeStyle = shades.muted;
     stroke(pen, [[x(this.at), PAD.top], [x(this.at), height - PAD.bottom]]);
   }
 
