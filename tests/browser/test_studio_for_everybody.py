@@ -18,7 +18,7 @@ def test_a_mistake_has_its_line_its_mark_and_its_repair(opened: Page) -> None:
     expect(row).to_contain_text(f"line {line}")
     expect(opened.locator(".cm-gutter-lint .cm-lint-marker-error")).to_be_visible()
     opened.locator(".cm-lintRange-error", has_text="ripee").hover()
-    expect(opened.locator(".cm-tooltip-hover .cm-tooltip-section").first).to_contain_text("ripee")
+    expect(opened.locator(".cm-tooltip-hover .cm-tooltip-section", has_text="ripee")).to_be_visible()
     opened.mouse.move(5, 5)
     row.locator(".go").click()
     expect(opened.locator(".cm-activeLine")).to_contain_text("phase eat")
