@@ -26,13 +26,13 @@ from sjdsl.doc import Written, read_written
 from sjdsl.doc.actions import action_names
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.wording import code, codes, number, plain, table
-from sjdsl.factory import make
 from sjdsl.files import write_whole
-from sjdsl.games_folder import find_game, main_games
 from sjdsl.interop.socialjax_table import NOT_HERE, Entry, channels_of, differences, entries
+from sjdsl.library.factory import make
+from sjdsl.library.games_folder import find_game, main_games
+from sjdsl.library.substrates import Substrate, substrates, written_substrates
 from sjdsl.render import make_painter, save_png
 from sjdsl.runtime.planes import channel_names
-from sjdsl.substrates import Substrate, substrates, written_substrates
 from sjdsl.trainers import evaluate, random_policy, summarise
 from website.boards import played
 

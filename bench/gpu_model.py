@@ -35,8 +35,8 @@ import sjdsl
 from sjdsl.bench.loop import game_task
 from sjdsl.bench.markdown import markdown_table, write_section
 from sjdsl.bench.tables import Table
+from sjdsl.library.substrates import substrates
 from sjdsl.runtime.forms import forced
-from sjdsl.substrates import substrates
 
 NINE = (
     "coins",

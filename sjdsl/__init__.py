@@ -9,7 +9,7 @@ __all__ = ["CompileError", "Environment", "TokenPlane", "__version__", "make"]
 
 if TYPE_CHECKING:
     from sjdsl.compiler.diagnostics.diagnostic import CompileError
-    from sjdsl.factory import make
+    from sjdsl.library.factory import make
     from sjdsl.runtime.env import Environment
     from sjdsl.runtime.planes import TokenPlane
 
@@ -19,6 +19,6 @@ __getattr__ = lazy_names(
         "CompileError": "compiler.diagnostics.diagnostic",
         "Environment": "runtime.env",
         "TokenPlane": "runtime.planes",
-        "make": "factory",
+        "make": "library.factory",
     },
 )

@@ -9,7 +9,7 @@ import pytest
 from sjdsl.compiler import build
 from sjdsl.compiler.ir.hash import game_hash, policy_hash
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 
 ROOT = Path(__file__).parents[1]
 DIAGRAMS = sorted(path.parent for path in (ROOT / "docs" / "schelling").glob("*/schelling.json"))

@@ -7,10 +7,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from sjdsl.games_folder import games_folder
+from sjdsl.library.games_folder import games_folder
+from sjdsl.library.stored_hashes import FILE, current_hash
 from sjdsl.replay.recording import Recording, RecordingError, check_rules
 from sjdsl.results.loading import COLUMNS, load, write_frame
-from sjdsl.stored_hashes import FILE, current_hash
 from sjdsl.sweeps.cells import Cell
 from sjdsl.trainers.manifest import read_manifest
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sjdsl.files import read_json
-from sjdsl.stored_hashes import current_hash
+from sjdsl.library.stored_hashes import current_hash
 
 from .run_errors import RunError
 

@@ -14,7 +14,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from sjdsl.files import parse_json, read_bytes, write_whole
-from sjdsl.stored_hashes import current_hash
+from sjdsl.library.stored_hashes import current_hash
 
 from .config import Config, ConfigError, require_code, stored_config
 from .digest import digest_of

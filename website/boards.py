@@ -14,9 +14,9 @@ from PIL import Image
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.library.games_folder import find_game
 from sjdsl.policies.interpreted import choose
 from sjdsl.render.board import draw_board
 from sjdsl.render.episode_page import make_page

@@ -9,8 +9,8 @@ from pathlib import Path
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import Written, read_written, rule_sheet
 from sjdsl.doc.wording import plain
-from sjdsl.games_folder import find_game, main_games, melting_pot_games
-from sjdsl.substrates import Substrate, written_substrates
+from sjdsl.library.games_folder import find_game, main_games, melting_pot_games
+from sjdsl.library.substrates import Substrate, written_substrates
 from website.boards import Board
 from website.chapters import raised
 

@@ -17,12 +17,12 @@ from bench.paper import sections
 from bench.paper.contents import games_of, method, rivals, under_the_papers_rules
 from bench.paper.speeds import FILES, hours, read_speeds, speed
 from sjdsl.files import read_json, write_whole
+from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.loading import CURVES, RESULTS, load_both, write_frame
 from sjdsl.results.page import ENDINGS, FIGURES, Section, drawn, file_texts, page_text
 from sjdsl.results.refusals import ResultsWarning
 from sjdsl.results.report import METHOD
 from sjdsl.results.sections import cross_play, learning_curves
-from sjdsl.stored_hashes import current_hash
 
 DATA, PAGE = Path("docs/results/data"), Path("docs/results.md")
 RANDOM = "return, summed over agents"  # the name of a figure in docs/games.json

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from bench.paper import published
-from sjdsl.games_folder import game_names
+from sjdsl.library.games_folder import game_names
 from sjdsl.results.bundled import rules_now
 from sjdsl.results.figures import Cell, short
 from sjdsl.results.selecting import NAMES, SHARED, Setting, cell_of, games, in_words, select

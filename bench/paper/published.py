@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from sjdsl.games_folder import games_folder
+from sjdsl.library.games_folder import games_folder
 from sjdsl.results.figures import Figure, number
 
 

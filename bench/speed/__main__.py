@@ -27,8 +27,8 @@ from sjdsl.bench import measure
 from sjdsl.bench.loop import steps_for
 from sjdsl.cli.bench import AGENTS, COUNTS, OBSERVATIONS, check_devices, choose_tasks, disable_compilation_cache, divide_cpu, words
 from sjdsl.cli.stages import stages
-from sjdsl.games_folder import main_games
-from sjdsl.substrates import written_substrates
+from sjdsl.library.games_folder import main_games
+from sjdsl.library.substrates import written_substrates
 
 SCALED = (1024, 4096, 16_384, 65_536)  # numbers of environments, on a device that needs many
 WORKERS = 8  # programs compiled at the same time

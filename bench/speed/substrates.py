@@ -7,8 +7,8 @@ from sjdsl.bench.compilation import compile_step
 from sjdsl.bench.loop import Task, game_task, yardstick_task
 from sjdsl.bench.machine import describe_machine, device_peak_bytes
 from sjdsl.bench.timing import Report, compile_loop, race, speed_of
-from sjdsl.factory import make
-from sjdsl.substrates import Substrate
+from sjdsl.library.factory import make
+from sjdsl.library.substrates import Substrate
 
 
 @dataclass(frozen=True)

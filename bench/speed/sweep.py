@@ -15,8 +15,8 @@ from sjdsl.bench.loop import Task, game_task, make_loop, play, steps_for
 from sjdsl.bench.machine import describe_machine
 from sjdsl.bench.timing import memory_of, race
 from sjdsl.compiler import ir
+from sjdsl.library.parameters import build_params
 from sjdsl.near_names import meant
-from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
 
 FACTORS = (0.75, 1.25)  # times the game's own value: narrow enough that the `require`s of most games still hold

@@ -15,7 +15,7 @@ from sjdsl.compiler.syntax.read import read_source
 from sjdsl.experiments.contrasts import Returns
 from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 
 HERE = Path(__file__).parent
 PAGE = HERE.with_suffix(".md")

@@ -9,11 +9,11 @@ from typing import NoReturn
 
 import click
 
-from sjdsl.cache import keep_programs
 from sjdsl.cli.examples import below
 from sjdsl.cli.faults import report_fault
 from sjdsl.cli.pointer import pointed
 from sjdsl.cli.terminal import INTERRUPTED, leave_at_once_if_compiling
+from sjdsl.library.cache import keep_programs
 from sjdsl.near_names import meant
 
 GROUPS = {

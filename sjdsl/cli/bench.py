@@ -14,7 +14,7 @@ from sjdsl.cli.environment_options import EnvironmentOptions, make_environment
 from sjdsl.cli.game_file import variant_option
 from sjdsl.cli.stages import stages
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.games_folder import main_games
+from sjdsl.library.games_folder import main_games
 
 if TYPE_CHECKING:
     from sjdsl.bench import Task

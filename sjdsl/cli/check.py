@@ -4,13 +4,13 @@ import json
 
 import click
 
-from sjdsl.checked_game import split_variants
 from sjdsl.cli.diagnostics import print_diagnostics, texts_of
 from sjdsl.cli.game_file import open_game, variant_option
 from sjdsl.compiler import check, check_variants
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.report import to_json
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.library.checked_game import split_variants
 
 Found = dict[tuple[str, ...], list[Diagnostic]]
 

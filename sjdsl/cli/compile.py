@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from sjdsl.checked_game import map_rows, split_variants
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path, map_option, variant_option
@@ -17,6 +16,7 @@ from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.emit.standalone import standalone
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.files import write_whole
+from sjdsl.library.checked_game import map_rows, split_variants
 
 FOLDER = Path("generated")
 

@@ -4,12 +4,12 @@ import math
 from pathlib import Path
 from typing import Any
 
-from sjdsl.agent_range import agent_range
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.ir.printer import expression
-from sjdsl.games_folder import origin
+from sjdsl.library.agent_range import agent_range
+from sjdsl.library.games_folder import origin
 
 
 def outline(name: str) -> dict[str, Any]:

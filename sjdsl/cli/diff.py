@@ -4,11 +4,11 @@ import json
 
 import click
 
-from sjdsl.checked_game import split_variants
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import Written, differences, read_written
 from sjdsl.doc.report import as_json, report
+from sjdsl.library.checked_game import split_variants
 from sjdsl.near_names import nearest
 
 DEFAULT = "default"

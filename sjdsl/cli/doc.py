@@ -4,11 +4,11 @@ from pathlib import Path
 
 import click
 
-from sjdsl.checked_game import split_variants
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import open_game, variant_option
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.files import write_whole
+from sjdsl.library.checked_game import split_variants
 
 
 @click.command("doc")

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 
 import click
 
-from sjdsl.checked_game import split_variants
 from sjdsl.cli.game_file import open_game, variant_option
 from sjdsl.compiler import build, compile_build, lower_build
 from sjdsl.compiler.ast import printer as ast_printer
@@ -12,6 +11,7 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.emit.listing import listing
 from sjdsl.compiler.ir import printer as ir_printer
 from sjdsl.compiler.syntax.parse import parse
+from sjdsl.library.checked_game import split_variants
 
 STAGES = ("ast", "ir", "program", "python")
 

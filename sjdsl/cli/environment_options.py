@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 import sjdsl
-from sjdsl.checked_game import build_game
 from sjdsl.cli.game_file import game_path, map_option, variant_option
 from sjdsl.compiler import Build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.games_folder import is_name
 from sjdsl.interpreter.numbers import real
-from sjdsl.parameters import param_values
+from sjdsl.library.checked_game import build_game
+from sjdsl.library.games_folder import is_name
+from sjdsl.library.parameters import param_values
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir

@@ -6,7 +6,7 @@ import click
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import GamesClash, find_game
+from sjdsl.library.games_folder import GamesClash, find_game
 
 
 def open_game(name: str) -> Source:

@@ -9,7 +9,7 @@ import click
 
 from sjdsl.cli.describe import describe, outline
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.games_folder import OURS, by_release, game_problems, melting_pot_games
+from sjdsl.library.games_folder import OURS, by_release, game_problems, melting_pot_games
 
 WIDTH = 80  # columns of a terminal
 

@@ -10,8 +10,8 @@ from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path
 from sjdsl.cli.list import align
 from sjdsl.files import write_whole
-from sjdsl.games_folder import bundled, game_names
-from sjdsl.starter import copied_files, game_of, package_files, starting_files
+from sjdsl.library.games_folder import bundled, game_names
+from sjdsl.library.starter import copied_files, game_of, package_files, starting_files
 
 
 @click.command("new")

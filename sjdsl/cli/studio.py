@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from sjdsl.cache import cache_folder
 from sjdsl.cli.game_file import game_path
 from sjdsl.extras import require
+from sjdsl.library.cache import cache_folder
 from sjdsl.studio.access import HOST, Access, kept_token
 from sjdsl.studio.examples import example_of
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import click
 
-from sjdsl.checked_game import split_variants
 from sjdsl.cli.diagnostics import print_diagnostics
 from sjdsl.cli.game_file import open_game, variant_option
 from sjdsl.cli.stages import StatusLine, status_line
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.library.checked_game import split_variants
 from sjdsl.properties import Effort, GameFamily, Report, Verdict, Verification
 
 STATUS = {"passed": "passed", "untested": "untested", "failed": "FAILED", "not decided": "not decided"}

@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
-from sjdsl.agent_range import agent_range
 from sjdsl.compiler import ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate.streams import layout_free
+from sjdsl.library.agent_range import agent_range
 
 _COMMENT = re.compile(r'^(?:[^"#]|"[^"]*")*#\s*(.*?)\s*$')
 

@@ -8,19 +8,19 @@ import jax
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.factory import make
-from sjdsl.games_folder import bundled
 from sjdsl.interop.calls import numbers_of_actions, seeded_key
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.melting_pot_observations import observe
+from sjdsl.library.factory import make
+from sjdsl.library.games_folder import bundled
+from sjdsl.library.substrates import Substrate as Entry
+from sjdsl.library.substrates import substrates
 from sjdsl.render import take_snapshot
 from sjdsl.render.board import draw_board, draw_windows, where_seen
 from sjdsl.render.look import make_look
 from sjdsl.render.moment import Snapshot
 from sjdsl.runtime.actions import BUILT_IN
 from sjdsl.runtime.env import Environment
-from sjdsl.substrates import Substrate as Entry
-from sjdsl.substrates import substrates
 
 with needs("dm_env"):
     import dm_env

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.games_folder import game_names
 from sjdsl.interop.calls import by_name, checked_seed
 from sjdsl.interop.slots import Autoreset, Slots, SlotStep
 from sjdsl.interop.spaces import window_high
+from sjdsl.library.games_folder import game_names
 from sjdsl.runtime.env import Encoding
 
 with needs("gymnasium"):

@@ -8,11 +8,11 @@ import jax
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.factory import make
 from sjdsl.interop.calls import by_name, checked_seed, numbers_of_actions
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.spaces import window_high
+from sjdsl.library.factory import make
 from sjdsl.runtime.env import Encoding, Environment
 from sjdsl.runtime.policy import UNTRAINED, Policy, take_actions, with_memory
 

@@ -10,11 +10,11 @@ from flax import struct
 from jax import Array
 
 from sjdsl.extras import needs
-from sjdsl.factory import make as make_environment
-from sjdsl.games_folder import game_names
 from sjdsl.interop.calls import by_name
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.spaces import channel_bounds
+from sjdsl.library.factory import make as make_environment
+from sjdsl.library.games_folder import game_names
 from sjdsl.runtime.env import Encoding
 
 with needs("jaxmarl"):

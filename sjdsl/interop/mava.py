@@ -10,9 +10,9 @@ from flax import struct
 from jax import Array
 
 from sjdsl.extras import needs
-from sjdsl.factory import make as make_game
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.spaces import channel_bounds
+from sjdsl.library.factory import make as make_game
 from sjdsl.runtime.env import Encoding
 
 with needs("mava"):

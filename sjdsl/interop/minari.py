@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.factory import make
 from sjdsl.interop.calls import by_name
 from sjdsl.interop.gymnasium import environment_id
+from sjdsl.library.factory import make
 from sjdsl.replay import Dataset
 
 with needs("minari"):

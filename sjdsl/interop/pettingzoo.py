@@ -7,12 +7,12 @@ import jax
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.factory import make
-from sjdsl.games_folder import game_names
 from sjdsl.interop.calls import action_masks, by_name, numbers_of_actions, seeded_key
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.spaces import window_high
+from sjdsl.library.factory import make
+from sjdsl.library.games_folder import game_names
 from sjdsl.runtime.env import Encoding
 
 with needs("pettingzoo"):

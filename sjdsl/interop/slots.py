@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from sjdsl.factory import make
 from sjdsl.interop.calls import action_masks, numbers_of_actions, seeded_key
 from sjdsl.interop.copies import Copied
+from sjdsl.library.factory import make
 from sjdsl.runtime.env import Encoding
 
 

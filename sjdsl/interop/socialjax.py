@@ -10,7 +10,6 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.factory import make as make_game
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.socialjax_log import LogWrapper, SVOLogWrapper
 from sjdsl.interop.socialjax_managers import CTRolloutManager, MAPPOWorldStateWrapper, load_params, save_params
@@ -18,6 +17,7 @@ from sjdsl.interop.socialjax_observation import make_channels
 from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 from sjdsl.interop.socialjax_table import Entry, Figure, entries
 from sjdsl.interop.spaces import make_box, make_discrete
+from sjdsl.library.factory import make as make_game
 from sjdsl.render.look import make_look
 from sjdsl.render.moment import take_snapshot
 from sjdsl.runtime.arguments import checked_actions

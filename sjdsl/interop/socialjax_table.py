@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from sjdsl.games_folder import games_folder
+from sjdsl.library.games_folder import games_folder
 
 FILE = "socialjax.toml"
 Source = str | list[str]  # the channels of ours that make one of theirs; "": always zero

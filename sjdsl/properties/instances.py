@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from sjdsl.agent_range import agent_range, number_of_agents
 from sjdsl.compiler import Build, ast, build_composition, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -18,6 +17,7 @@ from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import default_params
+from sjdsl.library.agent_range import agent_range, number_of_agents
 from sjdsl.trace.rules import Rules
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ class GameFamily:
 
     def compiled(self, game: ir.Game) -> "Environment":
         """Returns an instance as a compiled game. Raises CompileError for what cannot be compiled exactly."""
-        from sjdsl.factory import environment_of
+        from sjdsl.library.factory import environment_of
 
         return environment_of(Build(game, self.warnings, self.composition.sources), {})
 

@@ -18,7 +18,7 @@ from jax import Array
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import body_sorts, counts_of, kinds_by_glyph
-from sjdsl.factory import load_module
+from sjdsl.library.factory import load_module
 from sjdsl.properties.biased_draws import BIASES, RESET, STEP, Bias
 from sjdsl.properties.compiled_values import lower_checks, with_totals
 from sjdsl.properties.episodes import derived_key, is_finite, read_totals

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sjdsl.files import LARGEST_JSON, read_bytes, write_whole
-from sjdsl.stored_hashes import current_hash
+from sjdsl.library.stored_hashes import current_hash
 
 
 class RecordingError(Exception):

@@ -13,7 +13,7 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import OURS, bundled, find_game
+from sjdsl.library.games_folder import OURS, bundled, find_game
 
 ROUNDING = 1e-5  # tolerance for numbers that were stored as float32
 

@@ -31,10 +31,10 @@ import numpy as np
 from sjdsl.experiments.folder import read_json as read_object
 from sjdsl.extras import needs
 from sjdsl.files import read_json
+from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.bundled import is_usual, other_numbers, variant_now
 from sjdsl.results.presets import preset_of
 from sjdsl.results.refusals import ResultsError, ResultsWarning
-from sjdsl.stored_hashes import current_hash
 from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.manifest import MANIFEST, read_manifest

@@ -13,7 +13,7 @@ from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import action_mask
-from sjdsl.parameters import param_values
+from sjdsl.library.parameters import param_values
 from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
 from sjdsl.screen.keys import action_keys

@@ -9,9 +9,9 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
-from sjdsl.game_packages import GamePackage, offered
-from sjdsl.games_folder import games_folder
-from sjdsl.starter import copied_files, starting_files
+from sjdsl.library.game_packages import GamePackage, offered
+from sjdsl.library.games_folder import games_folder
+from sjdsl.library.starter import copied_files, starting_files
 from sjdsl.studio import tour
 from sjdsl.studio.folder import FileRefused, Folder
 

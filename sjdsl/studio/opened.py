@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.state import Value
-from sjdsl.parameters import param_values, split_sizes
+from sjdsl.library.parameters import param_values, split_sizes
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ def load_trained(name: str, opened: Opened, root: Path) -> Trained:
     root: the folder that it must be in. Raises PolicyRefused: it is not there, of another game, does not fit, or cannot be loaded.
     """
     file = policy_file(root, name, opened.game.name)
-    from sjdsl.factory import environment_of
+    from sjdsl.library.factory import environment_of
     from sjdsl.trainers import PolicyError, load_policy
 
     with warnings.catch_warnings(record=True) as notes:

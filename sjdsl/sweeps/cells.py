@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.stored_hashes import current_hash
+from sjdsl.library.stored_hashes import current_hash
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
 from sjdsl.sweeps.protocols import Point
 from sjdsl.trainers.config import Config, make_config, require_code, stored_config

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
-from sjdsl.games_folder import games_folder
+from sjdsl.library.games_folder import games_folder
 
 Protocol = Literal["exchange", "svo", "algorithms", "sharing"]
 PROTOCOLS: tuple[str, ...] = get_args(Protocol)

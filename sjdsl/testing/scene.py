@@ -6,10 +6,10 @@ from typing import Any, Protocol
 import jax
 import numpy as np
 
-from sjdsl.action_names import split_actions
 from sjdsl.compiler.ir.queries import marking_phases
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import HEADINGS, Herd, World
+from sjdsl.library.action_names import split_actions
 from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, interpret_look, interpret_step, look_at, take_step

@@ -6,16 +6,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sjdsl.checked_game import build_game
 from sjdsl.compiler import Build
 from sjdsl.compiler.ir.sorts import Sort
-from sjdsl.factory import environment_of
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Cell
 from sjdsl.interpreter.step import reset
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.library.checked_game import build_game
+from sjdsl.library.factory import environment_of
+from sjdsl.library.parameters import build_params
 from sjdsl.near_names import meant
-from sjdsl.parameters import build_params
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_words
 from sjdsl.testing.paths import find_field, write_field

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from sjdsl.action_names import split_actions
 from sjdsl.compiler import ir
+from sjdsl.library.action_names import split_actions
 from sjdsl.near_names import meant
 from sjdsl.trace.choices import scripted_actions
 from sjdsl.trace.episode import Choose, random_actions

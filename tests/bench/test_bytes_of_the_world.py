@@ -8,7 +8,7 @@ from pathlib import Path
 import jax
 import pytest
 
-from sjdsl.factory import make
+from sjdsl.library.factory import make
 
 BALLOT = """sj 1
 game ballot "Ballot" {
@@ -38,7 +38,7 @@ game ballot "Ballot" {
 COMPILE = """
 import sys
 import jax
-from sjdsl.factory import make
+from sjdsl.library.factory import make
 
 env = make(sys.argv[1])
 keys = jax.random.split(jax.random.key(0), 128)

@@ -13,8 +13,8 @@ from bench.speed.substrates import Substrates, measure_substrates, substrate_tas
 from bench.speed.tables import tables_of
 from sjdsl.bench import Task, game_task
 from sjdsl.bench.stored import write_found
+from sjdsl.library.substrates import written_substrates
 from sjdsl.runtime.env import Environment
-from sjdsl.substrates import written_substrates
 
 
 @pytest.mark.thorough

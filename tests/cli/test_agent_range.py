@@ -2,12 +2,12 @@
 
 import pytest
 
-from sjdsl.agent_range import agent_range
 from sjdsl.compiler import build_composition
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
+from sjdsl.library.agent_range import agent_range
 
 GAME = """sj 1
 game small "Small" {

@@ -9,7 +9,7 @@ import pytest
 from command_line import Sjdsl
 
 from sjdsl.cli import check, run
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 
 
 def test_an_interrupt_is_one_line(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from installed_packages import game, install, register
 
 import sjdsl as package
 from sjdsl.cli.environment_options import EnvironmentOptions
-from sjdsl.games_folder import GamesClash, by_release, find_game, game_problems
+from sjdsl.library.games_folder import GamesClash, by_release, find_game, game_problems
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         path = tmp_path / "bundled" / file
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(game(path.stem))
-    monkeypatch.setattr("sjdsl.games_folder.games_folder", lambda: tmp_path / "bundled")
+    monkeypatch.setattr("sjdsl.library.games_folder.games_folder", lambda: tmp_path / "bundled")
     (tmp_path / "site").mkdir()
     monkeypatch.syspath_prepend(tmp_path / "site")
     return tmp_path / "site"

@@ -7,7 +7,7 @@ import pytest
 from command_line import Sjdsl
 
 from sjdsl.cli.dump import STAGES
-from sjdsl.games_folder import main_games, melting_pot_games
+from sjdsl.library.games_folder import main_games, melting_pot_games
 from sjdsl.version import __version__
 
 POLICIES = Path(__file__).parents[1] / "cases" / "policies.sj"

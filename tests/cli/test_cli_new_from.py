@@ -8,7 +8,7 @@ from sjdsl.cli import run
 from sjdsl.compiler import build, check
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 
 
 def new(folder: Path, *arguments: str) -> int:

@@ -7,7 +7,7 @@ import pytest
 from command_line import Sjdsl
 from installed_packages import register
 
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 from sjdsl.version import HOMEPAGE
 
 FILES = {

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from command_line import GAME
 
-from sjdsl.cache import keep_programs
+from sjdsl.library.cache import keep_programs
 
 VARIABLE = "JAX_COMPILATION_CACHE_DIR"
 

@@ -8,7 +8,7 @@ from command_line import Sjdsl
 
 import sjdsl as package
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 
 GOOD = "HFS..B\n.PPPP.\nPPP...\n"
 # map of Clean Up, with what is wrong with it, where (line and column from 1, None: at the statement of the game), and in which words

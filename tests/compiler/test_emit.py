@@ -41,8 +41,8 @@ from sjdsl.compiler.program.expressions import (
     path,
 )
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.factory import load_module
-from sjdsl.games_folder import find_game
+from sjdsl.library.factory import load_module
+from sjdsl.library.games_folder import find_game
 
 GENERATED = Path(__file__).parents[2] / "generated"
 OPERATORS: dict[str, type[ast.operator] | type[ast.cmpop] | type[ast.unaryop]] = {

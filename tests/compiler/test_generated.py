@@ -6,7 +6,7 @@ import pytest
 
 from sjdsl.compiler import compile_source
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, main_games
+from sjdsl.library.games_folder import find_game, main_games
 
 GENERATED = Path(__file__).parent.parent.parent / "generated"
 

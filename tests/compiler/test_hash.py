@@ -14,8 +14,8 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.hash import HASHED, game_hash
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, games_folder, main_games
-from sjdsl.stored_hashes import FILE, current_hash
+from sjdsl.library.games_folder import find_game, games_folder, main_games
+from sjdsl.library.stored_hashes import FILE, current_hash
 
 RENEWED: dict[str, dict[str, str]] = tomllib.loads((games_folder() / FILE).read_text("utf-8"))
 CASES = sorted((Path(__file__).parents[1] / "cases").glob("*.sj"))

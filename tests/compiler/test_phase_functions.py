@@ -8,7 +8,7 @@ import pytest
 
 from sjdsl.compiler import build, compile_rules, compile_source
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, main_games
+from sjdsl.library.games_folder import find_game, main_games
 
 CASES = Path(__file__).parents[1] / "cases"
 GENERATED = Path(__file__).parents[2] / "generated"

@@ -14,7 +14,7 @@ import pytest
 
 import sjdsl
 from sjdsl.cli import run
-from sjdsl.games_folder import main_games
+from sjdsl.library.games_folder import main_games
 
 STEPS = 6
 USUAL = ("coins", "pd_arena")  # the others only with all tests

@@ -6,7 +6,7 @@ import pytest
 import sjdsl
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 from tests.differential.compare import run
 from tests.fuzz import together as quick
 

@@ -12,7 +12,7 @@ from pygments.token import Comment, Error, Keyword, Name, Number, Operator, Punc
 
 from sjdsl.editor.highlighting import patterns, word_groups
 from sjdsl.editor.pygments_lexer import TOKENS, SjLexer
-from sjdsl.games_folder import bundled, find_game
+from sjdsl.library.games_folder import bundled, find_game
 
 ROOT = Path(__file__).parents[2]
 

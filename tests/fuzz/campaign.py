@@ -15,7 +15,7 @@ from random import Random
 
 import jax
 
-from sjdsl.factory import load_module
+from sjdsl.library.factory import load_module
 from tests.fuzz.coverage import Grammar, rule_parts_used, table
 from tests.fuzz.judge import Verdict, judge
 from tests.fuzz.kept import RUNS, keep

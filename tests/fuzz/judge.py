@@ -14,7 +14,7 @@ from sjdsl.compiler import Build, build, ir, lower_build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.verify import verify
-from sjdsl.factory import load_module
+from sjdsl.library.factory import load_module
 from sjdsl.runtime.env import Environment
 from tests.fuzz.policies import different_choice
 from tests.fuzz.printed import changed_by_layout

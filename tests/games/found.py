@@ -10,8 +10,8 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, main_games
-from sjdsl.substrates import written_substrates
+from sjdsl.library.games_folder import find_game, main_games
+from sjdsl.library.substrates import written_substrates
 
 MANY = 20  # agents. Source: the larger number in the paper's table of speeds
 

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from sjdsl.parameters import build_params
+from sjdsl.library.parameters import build_params
 from sjdsl.runtime.env import Environment
 
 from .environments import Cell, environment, frame_cells

@@ -10,7 +10,7 @@ from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled, find_game, games_folder
+from sjdsl.library.games_folder import bundled, find_game, games_folder
 
 FOLDED = {ir.Truth}  # what phases with parameters leave of a comparison of two words
 WANTED = {

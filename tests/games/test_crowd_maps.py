@@ -4,7 +4,7 @@ import pytest
 
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 
 from .map_reading import Cells, box, find, read_map, regions, span
 

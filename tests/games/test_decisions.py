@@ -10,7 +10,7 @@ import pytest
 
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 
 from .environments import NINE
 

@@ -10,7 +10,7 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, main_games
+from sjdsl.library.games_folder import find_game, main_games
 
 MOST_LINES = 80  # a game is read aloud: non-blank lines of the rules, without comments, each of at most WIDTH columns
 APART = (ast.Map, ast.Checks, ast.Variant, ast.Look, ast.ScriptedPolicy, ast.Scenario)  # what is no rule

@@ -6,7 +6,7 @@ import pytest
 
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, main_games
+from sjdsl.library.games_folder import find_game, main_games
 
 PAPERS = ("paradigm", "long_term_impact", "multi_task", "difficulty")
 # SocialJax (ICLR 2026): the classical types of its Schelling diagrams, and its table of characteristics

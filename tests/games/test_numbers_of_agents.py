@@ -8,13 +8,13 @@ import jax.numpy as jnp
 import pytest
 
 from sjdsl import make
-from sjdsl.agent_range import agent_range, number_of_agents
 from sjdsl.cli.describe import describe
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written
-from sjdsl.games_folder import find_game
+from sjdsl.library.agent_range import agent_range, number_of_agents
+from sjdsl.library.games_folder import find_game
 
 from .environments import NINE
 from .found import Form, forms, rules_of

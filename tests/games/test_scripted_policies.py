@@ -16,10 +16,10 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
 from sjdsl.interpreter.state import World, default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.library.games_folder import find_game
 from sjdsl.policies.interpreted import choose
 from sjdsl.trace.jax_random import fold_in, key_of
 

@@ -13,9 +13,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.games_folder import games_folder
 from sjdsl.interop import socialjax
 from sjdsl.interop.socialjax_table import entries
+from sjdsl.library.games_folder import games_folder
 from tests.interop.socialjax_client import FAMILIES, GAMES, train
 
 HERE = Path(__file__).parent

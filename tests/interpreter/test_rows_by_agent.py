@@ -11,7 +11,7 @@ from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.state import default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.parameters import param_values
+from sjdsl.library.parameters import param_values
 
 GAME = """sj 1
 game frame "Memory" {

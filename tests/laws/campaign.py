@@ -14,7 +14,7 @@ import jax
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.syntax.parse import parse
-from sjdsl.factory import load_module
+from sjdsl.library.factory import load_module
 from tests.games.environments import NINE
 from tests.laws.corpus import game_of, random_text, source_of
 from tests.laws.extremes import first_parting

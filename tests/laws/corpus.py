@@ -9,12 +9,12 @@ from typing import Any
 from sjdsl.compiler import Build, build, ir, lower_build
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import Cell, World, default_params
 from sjdsl.interpreter.step import reset
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.library.games_folder import find_game
 from sjdsl.properties.biased_draws import BiasedDraws
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program

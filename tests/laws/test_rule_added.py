@@ -10,8 +10,8 @@ import pytest
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.games_folder import find_game
 from sjdsl.interpreter.state import default_params
+from sjdsl.library.games_folder import find_game
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
 from tests.games.environments import NINE

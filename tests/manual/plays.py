@@ -11,7 +11,7 @@ from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Cell, Outcome, World, default_params
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.parameters import build_params
+from sjdsl.library.parameters import build_params
 from sjdsl.policies.interpreted import choose
 from sjdsl.testing.differences import outcome_differences, state_differences
 from sjdsl.testing.pictures import draw_picture, numbered, placed, put_picture, read_picture

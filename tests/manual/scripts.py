@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.action_names import split_actions
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import HEADINGS
 from sjdsl.interpreter.step import action_mask
+from sjdsl.library.action_names import split_actions
 from sjdsl.testing.paths import find_field, read_field
 
 from .blocks import Block

@@ -6,9 +6,9 @@ import pytest
 import sjdsl
 from sjdsl.bench.compilation import lower_step
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, melting_pot_games
+from sjdsl.library.games_folder import find_game, melting_pot_games
+from sjdsl.library.substrates import Substrate, written_substrates
 from sjdsl.properties import Effort, GameFamily, verify_properties
-from sjdsl.substrates import Substrate, written_substrates
 from sjdsl.testing import Stage
 
 STEPS = 3

@@ -12,7 +12,7 @@ import pytest
 
 from sjdsl import make
 from sjdsl.interop.melting_pot_observations import observe
-from sjdsl.substrates import Substrate, substrates
+from sjdsl.library.substrates import Substrate, substrates
 from sjdsl.testing import Scene, Stage
 
 ORIGINAL: dict[str, Any] = tomllib.loads((Path(__file__).parent / "original.toml").read_text(encoding="utf-8"))

@@ -9,8 +9,8 @@ from bench.game_pages import build_of, page_problems
 from sjdsl.compiler import ast
 from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import bundled, find_game, main_games, melting_pot_games
-from sjdsl.substrates import Substrate, substrates, written_substrates
+from sjdsl.library.games_folder import bundled, find_game, main_games, melting_pot_games
+from sjdsl.library.substrates import Substrate, substrates, written_substrates
 from tests.games.test_game_texts import SOURCE, all_sections, lines_of, lines_within
 
 MOST_LINES = 160  # of a file; its maps are files of their own

@@ -9,7 +9,7 @@ from typing import Any
 for _missing in ("PIL", "flax", "jax", "resvg_py", "scipy"):
     sys.modules[_missing] = None  # type: ignore[assignment]  # the playground has none of them
 
-from sjdsl.games_folder import find_game, games_folder  # noqa: E402
+from sjdsl.library.games_folder import find_game, games_folder  # noqa: E402
 from sjdsl.studio.bench import Bench  # noqa: E402
 from sjdsl.studio.requests import READ  # noqa: E402
 

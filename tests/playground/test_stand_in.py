@@ -14,7 +14,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from sjdsl.games_folder import bundled
+from sjdsl.library.games_folder import bundled
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "editors" / "playground"

@@ -24,7 +24,7 @@ import numpy as np
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.lower import NotSupported
-from sjdsl.factory import load_module
+from sjdsl.library.factory import load_module
 from sjdsl.properties import GameFamily
 from sjdsl.properties.compiled_values import lower_checks
 from sjdsl.properties.verify_properties import decide_statically

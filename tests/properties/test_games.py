@@ -14,7 +14,7 @@ import pytest
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game, games_folder, main_games
+from sjdsl.library.games_folder import find_game, games_folder, main_games
 from sjdsl.properties import Effort, GameFamily, verify_properties
 
 from .mutations import MUTATIONS, Mutation

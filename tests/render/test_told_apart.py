@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sjdsl
-from sjdsl.games_folder import main_games
+from sjdsl.library.games_folder import main_games
 from sjdsl.render.appearance import Drawing, cell_keys, draw_cell
 from sjdsl.render.board import draw_tile
 from sjdsl.render.colours import AGENTS, BARS, KINDS, TILES, Colour

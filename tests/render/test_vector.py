@@ -9,7 +9,7 @@ from PIL import Image
 
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
+from sjdsl.library.games_folder import find_game
 from sjdsl.render.appearance import Drawing, Figure
 from sjdsl.render.board import draw_figure, draw_tile
 from sjdsl.render.colours import BARS

@@ -11,7 +11,7 @@ import pytest
 
 import sjdsl
 from sjdsl import make
-from sjdsl.factory import load_module
+from sjdsl.library.factory import load_module
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.tokens import to_channels
 

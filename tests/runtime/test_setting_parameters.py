@@ -11,7 +11,7 @@ import pytest
 
 import sjdsl
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.parameters import param_values
+from sjdsl.library.parameters import param_values
 from sjdsl.runtime.env import Environment
 
 MARKET = """sj 1

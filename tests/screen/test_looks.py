@@ -12,10 +12,10 @@ from rich.text import Text
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.games_folder import main_games
 from sjdsl.interpreter.state import HEADINGS, default_params
 from sjdsl.interpreter.step import reset
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.library.games_folder import main_games
 from sjdsl.render.colours import Colour, agent_colour, hexadecimal, read_colour
 from sjdsl.render.moment import snapshot_of
 from sjdsl.screen.board import ARROWS, OWN, board_text, make_screen_looks

@@ -10,8 +10,8 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from sjdsl.games_folder import bundled, main_games
-from sjdsl.substrates import written_substrates
+from sjdsl.library.games_folder import bundled, main_games
+from sjdsl.library.substrates import written_substrates
 
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "build" / "site"

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from sjdsl.compiler.ir.queries import all_fields
-from sjdsl.games_folder import main_games
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.library.games_folder import main_games
 from sjdsl.testing import Stage
 from sjdsl.testing.paths import find_field, read_field
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sjdsl
-from sjdsl.substrates import Substrate, written_substrates
+from sjdsl.library.substrates import Substrate, written_substrates
 from sjdsl.trainers import PPOConfig, make_train
 
 NUM_ENVS, NUM_STEPS, UPDATES = 4, 4, 2

@@ -11,11 +11,11 @@ from typing import Any
 
 import jax
 
-from sjdsl.cache import cached_text
-from sjdsl.checked_game import build_game
 from sjdsl.compiler import Build, compile_rules
 from sjdsl.compiler.ir.hash import printed_digest
-from sjdsl.parameters import admitted_params, build_params
+from sjdsl.library.cache import cached_text
+from sjdsl.library.checked_game import build_game
+from sjdsl.library.parameters import admitted_params, build_params
 from sjdsl.runtime.env import Encoding, Environment
 
 

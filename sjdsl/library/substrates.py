@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
-from sjdsl.games_folder import games_folder
+from sjdsl.library.games_folder import games_folder
 from sjdsl.near_names import meant
 
 FILE = "meltingpot.toml"

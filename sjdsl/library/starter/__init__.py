@@ -95,5 +95,5 @@ def _names(name: str) -> dict[str, str]:
 
 def _filled(file: str, words: dict[str, str]) -> str:
     """Returns the text of a template. Words in it that are replaced are capitals alone, longer ones first."""
-    text = files("sjdsl.starter").joinpath(f"{file}.txt").read_text(encoding="utf-8")
+    text = files("sjdsl.library.starter").joinpath(f"{file}.txt").read_text(encoding="utf-8")
     return re.sub(rf"\b({'|'.join(sorted(words, key=len, reverse=True))})(?=\b|import)", lambda found: words[found[0]], text)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from sjdsl.game_packages import offered
+from sjdsl.library.game_packages import offered
 from sjdsl.near_names import meant
 from sjdsl.version import __version__
 
@@ -17,7 +17,7 @@ class GamesClash(ValueError):
 
 def games_folder() -> Path:
     """Returns the folder of the bundled games: inside the installed package, or `games/` of a source tree."""
-    here = Path(__file__).resolve().parent
+    here = Path(__file__).resolve().parents[1]
     inside = here / "games"
     return inside if inside.is_dir() else here.parent / "games"
 

@@ -13,8 +13,8 @@ from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import parse_file, row_spans
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.games_folder import find_game
-from sjdsl.parameters import plain_number, split_sizes
+from sjdsl.library.games_folder import find_game
+from sjdsl.library.parameters import plain_number, split_sizes
 
 
 def build_game(

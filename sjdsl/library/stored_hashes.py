@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 
-from sjdsl.games_folder import games_folder
+from sjdsl.library.games_folder import games_folder
 
 FILE = "hashes.toml"
 
