@@ -75,7 +75,7 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
 def stay_policy(env: Any) -> Callable[[Array, Array], Array]:
     """Returns the policy that always stays. Raises ValueError if the game has no action `stay`."""
     if "stay" not in env.action_names:
-        raise ValueError(f"`stay` is no action of {env.name}; its actions are {', '.join(env.action_names)}")
+        raise ValueError(f"{env.name} has no action `stay`; its actions are {', '.join(env.action_names)}")
     stay = jnp.full(env.num_agents, list(env.action_names).index("stay"), jnp.int32)
     return lambda _key, _observation: stay
 

@@ -146,4 +146,4 @@ def _outcome(moment: Moment) -> Iterator[str]:
     if outcome.measures:
         yield f"  metrics  {', '.join(f'{name} = {say_value(value)}' for name, value in outcome.measures.items())}"
     if outcome.terminated or outcome.truncated:
-        yield f"  the episode ends after {moment.world.step} steps"
+        yield f"  the episode ends after step {moment.world.step}"

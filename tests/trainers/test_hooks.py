@@ -162,7 +162,7 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
         ({2: "random"}, r"`partners` names agent 2; the game has agents 0 to 1"),
         ({0: "random", 1: "random"}, r"holds all 2 agents fixed: leave out at least one"),
         ({1: "nobody"}, r"there is no policy `nobody`; a policy is random, stay, a policy of the game's file, the folder RUN of a run"),
-        ({1: "stay"}, r"`stay` is no action of matching; its actions are action_0, action_1"),
+        ({1: "stay"}, r"matching has no action `stay`; its actions are action_0, action_1"),
     ],
 )
 def test_partners_that_cannot_be_are_refused(partners: dict[int, str], said: str) -> None:
