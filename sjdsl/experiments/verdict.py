@@ -14,7 +14,7 @@ from sjdsl.trainers.estimates import Estimate
 
 Outcome = Literal["dilemma", "no dilemma", "undecided"]
 POWER = 0.9  # probability of settling each deciding contrast, if the means and deviations found were the true ones
-MOST = 10**7  # samples; more are out of reach in practice
+MOST = 10**4  # samples; more are out of reach in practice
 
 
 @dataclass(frozen=True)
