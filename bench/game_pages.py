@@ -73,7 +73,7 @@ EVERYWHERE = (
     "Random draws differ.",
     "All agents act at once on the state before the step; in the original, they act in a random order within it.",
     "Waits, pauses and periods are as long as in the original: tests compare them with "
-    "[its figures](../tests/meltingpot/original.toml), which [a script](../bench/meltingpot_figures.py) measures.",
+    "[figures measured there](../tests/meltingpot/original.toml).",
     "Starting places are visible, except in games that hide them; in the original, they look like floor.",
     "A player who comes back can fire in the next step; in some games of the original, only after a full waiting time.",
     "`sjdsl.interop.dm_env` gives the observations that a substrate lists in addition to its picture, except `MY_OFFER`, `OFFERS`, `HUNGER`, "
