@@ -134,9 +134,9 @@ check: types lint
 fuzz: .venv/ready
 	$(BIN)/python -m tests.fuzz.campaign --examples $(or $(EXAMPLES),2000) --seed $(or $(SEED),0) --coverage
 
-# Writes the tables and plots of docs/performance.md again; they are worth something on a machine with nothing else to do.
+# Writes the tables of docs/performance.md again; they are worth something on a machine with nothing else to do.
 bench: .venv/ready
-	$(BENCH) race $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json --plots docs/plots $(PAGE)
+	$(BENCH) race $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json $(PAGE)
 	$(BENCH) training $(NINE) --repeats 3 $(PAGE)
 	$(BENCH) training coins clean_up harvest_open --networks mlp,cnn --repeats 3 $(PAGE)
 	$(BENCH) training coins clean_up --algorithms ippo,mappo,vdn --sharings shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
@@ -156,7 +156,7 @@ gpu:
 
 # The tables of docs/performance.md from the figures that `make gpu` has left, on any machine.
 gpu-page: .venv/ready
-	$(BENCH) tables runs/gpu --plots docs/plots $(PAGE)
+	$(BENCH) tables runs/gpu $(PAGE)
 
 # What a step costs on a GPU that is not there, counted in what XLA compiles for a described one: needs 6 GB of packages and no GPU, and
 # compiles for two hours on one core, or as long as it takes for what has changed. SUITE=CHECKOUT: also the suite's own environments.

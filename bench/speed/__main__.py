@@ -1,6 +1,6 @@
 """Measures what docs/performance.md shows and writes its tables; `python -m bench.speed COMMAND --help` says more of each.
 
-python -m bench.speed race coins pd_arena --envs 1,1024 --agents own,20 --observation tokens,onehot --plots docs/plots
+python -m bench.speed race coins pd_arena --envs 1,1024 --agents own,20 --observation tokens,onehot
 python -m bench.speed training coins --networks mlp,cnn --algorithms ippo,vdn --sharings shared,per_agent --hours 1e9
 python -m bench.speed sweep pd_arena payoff --values 64     # many values in one program, and in a program each
 python -m bench.speed substrates daycare coins              # of Melting Pot; all, unless some are named
@@ -37,16 +37,15 @@ Command = Callable[..., Any]
 
 
 def options(command: Command) -> Command:
-    """Adds --repeats, and --json, --markdown and --plots, which arrive together as `outputs`."""
+    """Adds --repeats, and --json and --markdown, which arrive together as `outputs`."""
 
-    def gathered(json_file: str | None, page: str | None, plots: str | None, **others: Any) -> Any:
-        return command(outputs=Outputs(json_file, page, plots), **others)
+    def gathered(json_file: str | None, page: str | None, **others: Any) -> Any:
+        return command(outputs=Outputs(json_file, page), **others)
 
     gathered.__name__, gathered.__doc__ = command.__name__, command.__doc__
     gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
     for option in (
         click.option("--repeats", type=LEAST, default=5, show_default=True, help="Rounds of timings."),
-        click.option("--plots", metavar="FOLDER", help="Draw speeds over numbers of environments, as PNGs."),
         click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or one that has marks for them."),
         click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well."),
     ):
@@ -191,10 +190,9 @@ def everything(folder: str, games: Sequence[str], minutes: float, envs: Any, rep
 @main.command()
 @click.argument("path")
 @click.option("--markdown", "page", metavar="FILE")
-@click.option("--plots", metavar="FOLDER")
-def tables(path: str, page: str | None, plots: str | None) -> None:
+def tables(path: str, page: str | None) -> None:
     """Makes the tables of figures that were measured before: a --json file, or the folder of `everything`."""
-    outputs, kept = Outputs(None, page, plots), tuple(read_all(Path(path), said()))
+    outputs, kept = Outputs(None, page), tuple(read_all(Path(path), said()))
     outputs.check(*(figures.section for figures in kept))
     for figures in kept:
         outputs.show(figures)

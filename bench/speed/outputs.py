@@ -1,6 +1,5 @@
-"""Where figures go besides the screen: a file, a page with marks for their tables, a folder of plots."""
+"""Where figures go besides the screen: a file, and a page with marks for their tables."""
 
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -9,14 +8,12 @@ import click
 
 from bench.speed.everything import Done, read_parts
 from bench.speed.kernels import Kernels
-from bench.speed.plots import draw_scaling
 from bench.speed.resuming import Resume
 from bench.speed.stored import Found, read_found
 from bench.speed.substrates import Substrates
 from bench.speed.sweep import Sweep
 from bench.speed.tables import notes_of, tables_of
 from bench.speed.training import Training
-from sjdsl.bench import Report
 from sjdsl.bench.machine import machine_line
 from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
 from sjdsl.bench.stored import write_found
@@ -37,7 +34,6 @@ class Outputs(NamedTuple):
 
     json: str | None
     page: str | None
-    plots: str | None
 
     def keep(self, found: Found) -> None:
         """Writes figures to the file, if there is one."""
@@ -61,22 +57,18 @@ class Outputs(NamedTuple):
                 raise click.ClickException(f"{page}: {error}") from None
 
     def show(self, figures: Stored) -> None:
-        """Prints the tables, draws the plots where there are speeds, and writes the section of the page."""
+        """Prints the tables, and writes the section of the page."""
         found = figures.found
         print_tables(tables_of(found), found.machine, [*figures.notes, *notes_of(found)])
         self.write(figures)
 
     def write(self, figures: Stored) -> None:
-        """Draws the plots where there are speeds, and writes the section of the page."""
-        found = figures.found
-        tables, notes = tables_of(found), [*figures.notes, *notes_of(found)]
-        pictures = draw_scaling(found, Path(self.plots)) if isinstance(found, Report) and self.plots else ()
+        """Writes the section of the page, if there is one."""
         if self.page is None:
             return
-        page = Path(self.page)
-        seen = [Path(os.path.relpath(picture, page.parent)).as_posix() for picture in pictures]
-        text = markdown_section(figures.command, machine_line(found.machine), notes, tables, seen)
-        write_section(page, figures.section, text)
+        found = figures.found
+        text = markdown_section(figures.command, machine_line(found.machine), [*figures.notes, *notes_of(found)], tables_of(found))
+        write_section(Path(self.page), figures.section, text)
 
 
 def read_all(path: Path, command: str) -> Iterator[Stored]:

@@ -8,13 +8,12 @@ from sjdsl.bench.tables import Table
 from sjdsl.files import write_whole
 
 
-def markdown_section(command: str, machine: str, notes: Iterable[str], tables: Iterable[Table], pictures: Iterable[str]) -> str:
-    """Returns the figures of one run as Markdown: the command, the machine, notes, tables, pictures (as seen from the page)."""
+def markdown_section(command: str, machine: str, notes: Iterable[str], tables: Iterable[Table]) -> str:
+    """Returns the figures of one run as Markdown: the command, the machine, notes, tables."""
     parts = [f"`{command}`, on {machine}.", *(f"{note}." for note in notes)]
     for table in tables:
         parts.append(f"{table.title[0].upper()}{table.title[1:]}:")
         parts.append(markdown_table(table))
-    parts += [f"![{Path(picture).stem.replace('_', ' ')}]({picture})" for picture in pictures]
     return "\n\n".join(parts) + "\n"
 
 
