@@ -89,15 +89,13 @@ class Instruction:
 
 @dataclass(frozen=True)
 class Kernel:
-    """What is launched, `times` in all: bytes and operations of one launch. made_by: the functions that its instructions come from."""
+    """What is launched, `times` in all: bytes and operations of one launch."""
 
     name: str
     op: str
     bytes: int
     operations: int
     times: int
-    shape: str = ""
-    made_by: tuple[str, ...] = ()
 
     def seconds(self, gpu: Gpu, launch: float) -> float:
         moving = self.bytes / (REACHED * gpu.bandwidth) + FIXED
@@ -160,7 +158,6 @@ class _Module:
     def __init__(self, text: str) -> None:
         self.computations: dict[str, list[Instruction]] = {}
         self.entry = ""
-        self.callers = _callers(text)
         current: list[Instruction] = []
         for line in text.splitlines():
             if head := _HEAD.match(line):
@@ -178,8 +175,7 @@ class _Module:
             if instruction.op in ("while", "conditional"):
                 waits += times
             else:
-                origin = (instruction.shape, self._made_by(instruction))
-                kernels.append(Kernel(instruction.name, instruction.op, *self._kernel(instruction, computation), times, *origin))
+                kernels.append(Kernel(instruction.name, instruction.op, *self._kernel(instruction, computation), times))
         return Cost(tuple(kernels), waits)
 
     def launched(self, computation: str, times: int) -> Iterator[tuple[Instruction, str, int]]:
@@ -194,12 +190,6 @@ class _Module:
             elif instruction.op not in FREE:
                 yield instruction, computation, times
 
-    def _made_by(self, instruction: Instruction) -> tuple[str, ...]:
-        fused = re.search(r"calls=%([\w.\-]+)", instruction.rest)
-        inside = self.computations[fused[1]] if fused else [instruction]
-        frames = [frame[1] for one in inside if (frame := re.search(r"stack_frame_id=(\d+)", one.rest))]
-        return tuple(dict.fromkeys(self.callers[frame] for frame in frames if self.callers.get(frame)))
-
     def _kernel(self, instruction: Instruction, computation: str) -> tuple[int, int]:
         """Returns the bytes and operations of one launch."""
         shapes = {one.name: one for one in self.computations[computation]}
@@ -211,23 +201,6 @@ class _Module:
         parameters = {int(one.rest.split(")")[0]): one for one in inside if one.op == "parameter"}
         read = sum(_read(parameters[number], inside) for number in range(len(operands)) if number in parameters)
         return read + _written(inside), _operations(inside)
-
-
-def _callers(text: str) -> dict[str, str]:
-    """Returns the last functions of each stack of calls that a module names, such as `scrub > times_in`, without those of JAX."""
-    tables = {
-        name: dict(re.findall(r"^(\d+) (.*)$", body, re.MULTILINE))
-        for name, body in re.findall(r"^(FileNames|FunctionNames|FileLocations|StackFrames)\n((?:\d+ .*\n)*)", text, re.MULTILINE)
-    }
-    callers: dict[str, str] = {}
-    for frame, said in tables.get("StackFrames", {}).items():
-        place, parent = re.findall(r"(?:file_location|parent_frame)_id=(\d+)", said)
-        file, function = re.findall(r"(?:file_name|function_name)_id=(\d+)", tables["FileLocations"][place])
-        before = callers.get(str(int(parent) - 1), "")  # it's written one too high
-        ours = "site-packages" not in tables["FileNames"][file]
-        name = tables["FunctionNames"][function].strip('"').split(".")[-1]
-        callers[frame] = " > ".join([*before.split(" > ")[-3:], name] if before else [name]) if ours else before
-    return callers
 
 
 def _alone(instruction: Instruction, operands: list[Instruction]) -> int:
@@ -293,7 +266,7 @@ def _operations(inside: list[Instruction]) -> int:
         operands = [by_name[name] for name in one.operands if name in by_name]
         own = max(1, elements_of(one.shape))
         each = max(1, elements_of(operands[0].shape) // own) if one.op == "reduce" and operands else 1
-        times = _multiplications(one, operands) // own if one.op in ("dot", "convolution") else each
+        times = _multiplications(one, operands) // own if one.op == "dot" else each
         total += 0 if one.op in NO_OPERATION else asked[one.name] * max(1, times)
         for operand in operands:
             share = asked[one.name] * elements_of(operand.shape) // own if one.op == "concatenate" else asked[one.name] * each
@@ -302,22 +275,9 @@ def _operations(inside: list[Instruction]) -> int:
 
 
 def _multiplications(one: Instruction, operands: list[Instruction]) -> int:
-    """Returns how many products of numbers a product of matrices or a convolution adds up; 0 of anything else."""
-    own = elements_of(one.shape)
+    """Returns how many products of numbers a product of matrices adds up; 0 of anything else."""
     if one.op == "dot" or (one.op == "custom-call" and "gemm" in one.rest):
         dims = re.search(r"lhs_contracting_dim(?:ension)?s\"?[=:][\[{]\"?(\d+)", one.rest)
         if dims and operands and (array := _ARRAY.search(operands[0].shape)):
-            return own * int(array[2].split(",")[int(dims[1])])
-    labels = re.search(r"dim_labels=\w+_(\w+)->", one.rest)
-    if labels and len(operands) > 1:
-        made, weights = _CONVOLUTIONS[next((name for name in _CONVOLUTIONS if name in one.rest), "")]
-        arrays = [*(operand.shape for operand in operands[:2]), one.shape]
-        filters = _ARRAY.search(arrays[weights])
-        return (
-            elements_of(arrays[made]) * elements_of(arrays[weights]) // int(filters[2].split(",")[labels[1].index("o")]) if filters else 0
-        )
+            return elements_of(one.shape) * int(array[2].split(",")[int(dims[1])])
     return 0
-
-
-# Which of (first operand, second operand, result) are the activations that a convolution makes and its weights, by the name of the call.
-_CONVOLUTIONS = {"convBackwardInput": (0, 1), "convBackwardFilter": (1, 2), "": (2, 1)}

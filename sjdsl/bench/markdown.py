@@ -35,12 +35,6 @@ def replace_section(page: str, name: str, text: str) -> str:
     return marks.sub(lambda found: f"{found[1]}{text}{found[2]}", page, count=1)
 
 
-def new_page(path: Path, names: Iterable[str]) -> None:
-    """Writes a page that holds nothing but the marks of some sections."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, "\n".join(f"<!-- {name} -->\n<!-- end {name} -->\n" for name in names))
-
-
 def write_section(path: Path, name: str, text: str) -> None:
     """Writes the text between the marks of the page. Raises ValueError where the page has no such marks."""
     write_whole(path, replace_section(path.read_text(encoding="utf-8"), name, text))

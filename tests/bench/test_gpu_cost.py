@@ -95,16 +95,14 @@ def test_operations_are_counted_where_they_are_asked_for() -> None:
     assert found["eight"] == 2 * 8 * 50  # as many products as sums
 
 
-def test_a_product_of_matrices_and_convolutions() -> None:
-    lines = (
-        "  ROOT %c = f32[6,7]{1,0} dot(%a, %b), lhs_contracting_dims={1}, rhs_contracting_dims={0}",
-        '  ROOT %c = f32[2,9,9,4]{3,2,1,0} custom-call(%a, %b), dim_labels=b01f_01io->b01f, custom_call_target="__cudnn$convForward"',
-        '  ROOT %c = f32[5,5,3,4]{3,2,1,0} custom-call(%a, %b), dim_labels=b01f_01io->b01f, custom_call_target="__cudnn$convBackwardFilter"',
-    )
-    shapes = (("f32[6,5]", "f32[5,7]"), ("f32[2,9,9,3]", "f32[5,5,3,4]"), ("f32[2,9,9,3]", "f32[2,9,9,4]"))
-    for line, (a, b), number in zip(lines, shapes, (6 * 7 * 5, *[2 * 9 * 9 * 4 * 5 * 5 * 3] * 2), strict=True):
-        text = f"ENTRY %main (a: {a}, b: {b}) -> f32[] {{\n  %a = {a} parameter(0)\n  %b = {b} parameter(1)\n{line}\n}}\n"
-        assert [kernel.operations for kernel in cost_of(text).kernels] == [number]
+def test_a_product_of_matrices() -> None:
+    text = """ENTRY %main (a: f32[6,5], b: f32[5,7]) -> f32[6,7] {
+  %a = f32[6,5]{1,0} parameter(0)
+  %b = f32[5,7]{1,0} parameter(1)
+  ROOT %c = f32[6,7]{1,0} dot(%a, %b), lhs_contracting_dims={1}, rhs_contracting_dims={0}
+}
+"""
+    assert [kernel.operations for kernel in cost_of(text).kernels] == [6 * 7 * 5]
 
 
 def test_the_time_is_that_of_the_launch_or_of_the_bytes() -> None:
@@ -117,35 +115,3 @@ def test_the_time_is_that_of_the_launch_or_of_the_bytes() -> None:
 def test_what_is_no_module_is_refused() -> None:
     with pytest.raises(ValueError, match="ENTRY"):
         cost_of("no program")
-
-
-def test_a_kernel_names_the_functions_that_it_comes_from() -> None:
-    """The last three of a stack of calls; none of JAX's own. A module writes each parent's number one too high."""
-    text = """HloModule jit_step
-
-FileNames
-1 "games/coins.py"
-2 "lib/site-packages/jax/core.py"
-
-FunctionNames
-1 "step"
-2 "walk"
-3 "bind"
-
-FileLocations
-1 {file_name_id=1 function_name_id=1 line=4 end_line=4 column=6 end_column=35}
-2 {file_name_id=1 function_name_id=2 line=9 end_line=9 column=6 end_column=35}
-3 {file_name_id=2 function_name_id=3 line=2 end_line=2 column=6 end_column=35}
-
-StackFrames
-1 {file_location_id=1 parent_frame_id=1}
-2 {file_location_id=2 parent_frame_id=2}
-3 {file_location_id=3 parent_frame_id=3}
-
-ENTRY %main (x: f32[8]) -> f32[8] {
-  %x = f32[8]{0} parameter(0)
-  %one = f32[8]{0} sine(%x), metadata={op_name="a" stack_frame_id=3}
-  ROOT %two = f32[8]{0} negate(%one), metadata={op_name="b" stack_frame_id=1}
-}
-"""
-    assert [kernel.made_by for kernel in cost_of(text).kernels] == [("step > walk",), ("step",)]

@@ -9,7 +9,7 @@ import pytest
 from bench.speed.sweep import Sweep
 from bench.speed.tables import sweep_table, tables_of
 from sjdsl.bench import Compilation, Report, Speed
-from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
+from sjdsl.bench.markdown import markdown_section, replace_section, write_section
 
 MACHINE = {"platform": "cpu"}
 
@@ -48,15 +48,12 @@ def test_only_the_text_between_the_marks_is_replaced() -> None:
         replace_section(page, "speed tpu", "")
 
 
-def test_a_new_page_has_the_marks_of_its_sections(tmp_path: Path) -> None:
-    page = tmp_path / "figures" / "page.md"
-    new_page(page, ["speed cpu", "kernels cpu"])
+def test_a_section_is_written_again(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("<!-- speed cpu -->\n<!-- end speed cpu -->\n")
     write_section(page, "speed cpu", "first\n")
     write_section(page, "speed cpu", "second\n")
-    write_section(page, "kernels cpu", "third\n")
-    assert page.read_text() == (
-        "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n\n<!-- kernels cpu -->\nthird\n<!-- end kernels cpu -->\n"
-    )
+    assert page.read_text() == "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n"
 
 
 @pytest.mark.parametrize("sort", ["cpu", "gpu"])
