@@ -185,7 +185,7 @@ golden: .venv/ready
 docs: .venv/ready
 	$(BIN)/python -m bench.game_pages
 
-# Writes docs/results.md again: the page of the results in docs/results/data.
+# Writes the tables and pictures of docs/results.md again, from the results in docs/results/data.
 results: .venv/ready
 	$(BIN)/python -m bench.paper
 
