@@ -63,7 +63,7 @@ def measure_update(env: Environment, network: Network, repeats: int) -> Training
 
 
 def measure_everything(parts: Sequence[Part], folder: Path, tell: Callable[[str], object] = print) -> list[str]:
-    """Measures the parts in turn, each into `folder/NAME.json`: what is stopped, by a time limit for example, leaves the parts before.
+    """Measures the parts in turn, each into `folder/NUMBER_NAME.json`: what is stopped, by a time limit for example, leaves the parts before.
 
     Args:
       parts: in order of importance.
@@ -76,7 +76,7 @@ def measure_everything(parts: Sequence[Part], folder: Path, tell: Callable[[str]
     for number, part in enumerate(parts, start=1):
         tell(f"{number} of {len(parts)}: {part.name}")
         try:
-            write_found(folder / f"{part.name}.json", part.measure())
+            write_found(folder / f"{number:02}_{part.name}.json", part.measure())
         except Exception as error:  # whatever it is, the other parts are still worth measuring
             failed.append(f"{part.name} failed: {type(error).__name__}: {error}")
             tell(failed[-1])
