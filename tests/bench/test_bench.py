@@ -153,7 +153,7 @@ def test_the_command_measures_several_forms_and_writes_a_page(monkeypatch: pytes
     page = Path("docs/page.md").read_text()
     assert f"`python -m bench.speed {asked}`" in page
     assert "| meadow | 2 | onehot |" in page
-    assert "meadow.sj is left out with 9 agents: " in page
+    assert "meadow.sj can't have 9 agents: " in page
     assert page.startswith("Speed.") and page.endswith("That was it.\n")
 
 
