@@ -88,7 +88,7 @@ def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
     texts = [fill(label.text, LABEL) for label in labels]
     ends = axes.transLimits.transform([(0, axes.transScale.transform((1, label.at))[1]) for label in labels])[:, 1]
     style: Any = {"xycoords": "axes fraction", "va": "center", "fontsize": "small", "linespacing": 1.0, "annotation_clip": False}
-    for label, text, place in zip(labels, texts, apart(ends, [_LINE * (text.count("\n") + 1) for text in texts]), strict=True):
+    for label, text, place in zip(labels, texts, apart(list(ends), [_LINE * (text.count("\n") + 1) for text in texts]), strict=True):
         axes.annotate(text, (1.02, place), color=label.colour, **style)
 
 
