@@ -143,7 +143,7 @@ def _alike(game: Game) -> str:
 def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the section of IPPO with individual and with common reward."""
     random = {(row.game, row.hash): row for row in of_record(frame, "random")}
-    lines = []
+    lines: list[tuple[tuple[str, ...], Cell | None, Cell | None]] = []
     for game in games:
         row = random.get((game.name, game.setting.hash)) if game.setting is not None and not game.setting.params else None
         shown = "" if row is None else interval(row.collective_return, row.low, row.high).text
@@ -151,8 +151,8 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     words = ("game", "the paper calls it", "random policy, over episodes")
     table = compared_table("own_and_common", "Collective return of IPPO", words, ("individual", "common"), lines)
     text = []
-    for (label, *_), *pair in lines:
-        text += [f"* {label}: {said}" for said in unlike_settings(dict(zip(("individual", "common"), pair, strict=True)), OF_COMMON)]
+    for (label, *_), own, common in lines:
+        text += [f"* {label}: {said}" for said in unlike_settings({"individual": own, "common": common}, OF_COMMON)]
     return Section("Individual and common reward", tuple(text), (table,))
 
 

@@ -63,7 +63,10 @@ def test_what_was_measured_survives_a_failure_and_a_stop(tmp_path: Path) -> None
     with pytest.raises(KeyboardInterrupt):
         measure_everything(parts, tmp_path / "stopped", lambda _: None)
     for folder in ("whole", "stopped"):
-        assert {path.name: read_found(path) for path in (tmp_path / folder).iterdir()} == {"01_few.json": speeds(1), "03_kernels.json": KERNELS}
+        assert {path.name: read_found(path) for path in (tmp_path / folder).iterdir()} == {
+            "01_few.json": speeds(1),
+            "03_kernels.json": KERNELS,
+        }
 
 
 def test_figures_of_one_sort_are_joined() -> None:
