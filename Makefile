@@ -20,6 +20,7 @@ OURS := ferry reputation stag_chase
 PAGE := --markdown docs/performance.md
 # A Python whose JAX sees a GPU, with the packages of pyproject.toml.
 GPU_PYTHON ?= python3
+# `make gpu` stops after so long, and keeps the figures that it has by then, and those of earlier runs.
 GPU_MINUTES ?= 9
 GPU_MODEL := build/gpu-model/.venv/bin/python -W ignore bench/gpu_model.py --json bench/gpu_model.json
 TREE_SITTER ?= tree-sitter
@@ -134,9 +135,9 @@ check: types lint
 fuzz: .venv/ready
 	$(BIN)/python -m tests.fuzz.campaign --examples $(or $(EXAMPLES),2000) --seed $(or $(SEED),0) --coverage
 
-# Writes the tables and plots of docs/performance.md again; they are worth something on a machine with nothing else to do.
+# Writes the tables of docs/performance.md again; they are worth something on a machine with nothing else to do.
 bench: .venv/ready
-	$(BENCH) race $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json --plots docs/plots $(PAGE)
+	$(BENCH) race $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json $(PAGE)
 	$(BENCH) training $(NINE) --repeats 3 $(PAGE)
 	$(BENCH) training coins clean_up harvest_open --networks mlp,cnn --repeats 3 $(PAGE)
 	$(BENCH) training coins clean_up --algorithms ippo,mappo,vdn --sharings shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
@@ -152,11 +153,12 @@ bench-meltingpot: .venv/ready
 gpu:
 	@$(GPU_PYTHON) -c 'import jax, sys; sys.exit(0 if jax.default_backend() == "gpu" else "this JAX sees no GPU; name a Python whose JAX does: make gpu GPU_PYTHON=...")'
 	@$(GPU_PYTHON) -c 'import sjdsl.trainers' 2>/dev/null || $(GPU_PYTHON) -m pip install --quiet --no-deps --no-build-isolation -e .
-	$(GPU_PYTHON) -m bench.speed everything runs/gpu $(NINE) --minutes $(GPU_MINUTES)
+	if [ -d runs/gpu ]; then mv runs/gpu runs/gpu-$$(date +%Y%m%d-%H%M%S); fi
+	timeout $(GPU_MINUTES)m $(GPU_PYTHON) -m bench.speed everything runs/gpu $(NINE) || test $$? = 124
 
 # The tables of docs/performance.md from the figures that `make gpu` has left, on any machine.
 gpu-page: .venv/ready
-	$(BENCH) tables runs/gpu --plots docs/plots $(PAGE)
+	$(BENCH) tables runs/gpu/*.json $(PAGE)
 
 # What a step costs on a GPU that is not there, counted in what XLA compiles for a described one: needs 6 GB of packages and no GPU, and
 # compiles for two hours on one core, or as long as it takes for what has changed. SUITE=CHECKOUT: also the suite's own environments.
@@ -190,7 +192,7 @@ golden: .venv/ready
 docs: .venv/ready
 	$(BIN)/python -m bench.game_pages
 
-# Writes docs/results.md again: the page of the results in docs/results/data.
+# Writes the tables and pictures of docs/results.md again, from the results in docs/results/data.
 results: .venv/ready
 	$(BIN)/python -m bench.paper
 

@@ -14,11 +14,11 @@ One step moves all players and gives each its observations, the pictures of 88 b
 
 import argparse
 import statistics
+import sys
 import time
 import types
 
 import numpy as np
-from original_play import find_melting_pot
 
 ROUNDS = 3
 
@@ -30,7 +30,9 @@ def main() -> None:
     parser.add_argument("substrates", nargs="*", help="names; all without any")
     parser.add_argument("--seconds", type=float, default=3.0, help="of each substrate, in three rounds")
     asked = parser.parse_args()
-    find_melting_pot(asked.source)
+    package = types.ModuleType("meltingpot")  # its own `__init__` would load the bots, and with them TensorFlow
+    package.__path__ = [f"{asked.source}/meltingpot"]
+    sys.modules["meltingpot"] = package
     from meltingpot import substrate
 
     print(

@@ -1,4 +1,4 @@
-"""Writes docs/results.md and its files from docs/results/data, after adding new results to the data if some are named.
+"""Writes the sections of docs/results.md and their files from docs/results/data, after adding new results to the data if some are named.
 
 python -m bench.paper                        # from the data as they are
 python -m bench.paper runs/new speed.json    # adds folders of results, files of `sjdsl bench --json` and docs/games.json
@@ -7,21 +7,21 @@ python -m bench.paper --check                # writes nothing; lists what is out
 
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from bench.paper import sections
-from bench.paper.contents import games_of, method, rivals, under_the_papers_rules
+from bench.paper import sections as compared
+from bench.paper.contents import games_of, under_the_papers_rules
 from bench.paper.speeds import FILES, hours, read_speeds, speed
+from sjdsl.bench.markdown import replace_section
 from sjdsl.files import read_json, write_whole
 from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.loading import CURVES, RESULTS, load_both, write_frame
-from sjdsl.results.page import ENDINGS, FIGURES, Section, drawn, file_texts, page_text
+from sjdsl.results.page import ENDINGS, FIGURES, Section, body_text, drawn, file_texts
 from sjdsl.results.refusals import ResultsWarning
-from sjdsl.results.report import METHOD
 from sjdsl.results.sections import cross_play, learning_curves
 
 DATA, PAGE = Path("docs/results/data"), Path("docs/results.md")
@@ -35,11 +35,11 @@ def main(arguments: Sequence[str]) -> int:
         warnings.simplefilter("always", ResultsWarning)
         data = read_data([Path(name) for name in arguments if name != "--check"])
     _tell([f"note: {warning.message}" for warning in caught if issubclass(warning.category, ResultsWarning)])  # about the named folders
-    notes: list[str] = []
-    made = sections_of(data, notes)
+    sections = sections_of(data)
+    made = tuple(sections.values())
     texts = {f"{PAGE.stem}/data/{name}": write_frame(frame) for name, frame in data.items()}
     texts |= {f"{PAGE.stem}/{name}": text for name, text in file_texts(made).items()}
-    texts[PAGE.name] = made_page(data, made, notes)
+    texts[PAGE.name] = made_page(PAGE.read_text(encoding="utf-8"), sections)
     pictures = [f"{PAGE.stem}/{FIGURES}/{picture.name}.{ending}" for section in made for picture in section.pictures for ending in ENDINGS]
     if check:
         return _tell([*_other(texts), *(f"{name}: missing" for name in pictures if not (PAGE.parent / name).is_file())])
@@ -47,7 +47,6 @@ def main(arguments: Sequence[str]) -> int:
         write_whole(PAGE.parent / name, text)
     for name, content in drawn(made).items():
         write_whole(PAGE.parent / PAGE.stem / name, content)
-    _tell([f"note: {note}" for note in notes])
     kept = {*texts, *pictures}
     for path in (*DATA.parent.glob("tables/*"), *DATA.parent.glob(f"{FIGURES}/*")):
         if path.relative_to(PAGE.parent).as_posix() not in kept:
@@ -75,40 +74,31 @@ def random_of(catalogue: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def sections_of(data: dict[str, pd.DataFrame], notes: list[str]) -> list[Section]:
-    """Returns the sections of the page, and appends notes on them."""
+def sections_of(data: dict[str, pd.DataFrame]) -> dict[str, Section]:
+    """Returns what the page has between the marks of each name."""
     frame = under_the_papers_rules(data[RESULTS])
     games = games_of(frame)
-    notes += rivals(games)
-    return [
-        sections.findings(games, frame),
-        sections.own_and_common(games, frame),
-        learning_curves(frame, data[CURVES]),
-        sections.sharing(games),
-        sections.exchange(games),
-        sections.svo(games),
-        sections.metrics(games),
-        sections.over_games(games, frame),
-        sections.diagrams(frame),
-        cross_play(frame),
-        speed(data[FILES["speeds"]]),
-        hours(data[FILES["updates"]]),
-    ]
+    return {
+        "findings": compared.findings(games, frame),
+        "own and common": compared.own_and_common(games, frame),
+        "learning curves": learning_curves(frame, data[CURVES]),
+        "sharing": compared.sharing(games),
+        "exchange": compared.exchange(games),
+        "svo": compared.svo(games),
+        "metrics": compared.metrics(games),
+        "over games": compared.over_games(games, frame),
+        "schelling": compared.diagrams(frame),
+        "cross-play": cross_play(frame),
+        "speed": speed(data[FILES["speeds"]]),
+        "hours": hours(data[FILES["updates"]]),
+    }
 
 
-def made_page(data: dict[str, pd.DataFrame], made: Sequence[Section], notes: Sequence[str]) -> str:
-    """Returns the text of the page."""
-    seen = f"{PAGE.stem}/data"
-    how = [
-        METHOD[0],
-        *sections.DECIDING,
-        "The paper reports no seed counts, so we run no tests against its figures: "
-        "we give the difference, and whether the published figure lies in our interval.",
-        *method(games_of(under_the_papers_rules(data[RESULTS]))),
-        f"The data behind the page are in [{seen}]({seen}): add rows there and run the same command to update it.",
-    ]
-    by = "This page is written by `make results`, which overwrites changes made by hand."
-    return page_text("Results", by, made, how, notes, f"{PAGE.stem}/")
+def made_page(page: str, sections: Mapping[str, Section]) -> str:
+    """Returns the page with the sections between their marks."""
+    for name, section in sections.items():
+        page = replace_section(page, name, body_text(section, f"{PAGE.stem}/") + "\n")
+    return page
 
 
 def _other(texts: dict[str, str]) -> list[str]:

@@ -1,17 +1,15 @@
 """The games on the page of results: those of the paper and others, as they were played, with the rows of each."""
 
-import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from bench.paper import published
-from sjdsl.library.games_folder import game_names
 from sjdsl.results.bundled import rules_now
-from sjdsl.results.figures import Cell, short
-from sjdsl.results.selecting import NAMES, SHARED, Setting, cell_of, games, in_words, select
+from sjdsl.results.figures import Cell
+from sjdsl.results.selecting import SHARED, Setting, cell_of, games, select
 
 # Ways of training, by the columns that define them.
 Way = Mapping[str, Any]
@@ -117,75 +115,3 @@ def in_order(name: str) -> tuple[int, str]:
     """Returns the sort key of a game: those of the paper in its order, then others by name."""
     suite = published.suite()
     return suite.index(name) if name in suite else len(suite), name
-
-
-def rivals(found: Iterable[Game]) -> list[str]:
-    """Returns notes on ways of training with several runs that differ in settings or length, of which the tables show one."""
-    notes = []
-    for game in found:
-        for way, rows in game.rows.assign(way=[f"{in_words(row)}" for row in game.rows.itertuples()]).groupby("way"):
-            shown = cell_of(rows)
-            others = [cell_of(own) for run, own in rows.groupby("run") if shown is not None and run != shown.run]
-            said = [f"{other.origin} ({other.settings})" for other in others if other is not None]
-            if said and shown is not None:
-                notes.append(f"for {game.label}, {way}, tables show {shown.origin} ({shown.settings}), not {'; '.join(said)}")
-    return notes
-
-
-def called(names: Iterable[str], variant: str = "") -> str:
-    """Returns games as arguments of a command, each once: bundled and installed ones by name, others by their file; and their variant."""
-    known = set(game_names())
-    named = [name if name in known else f"{name}.sj" for name in dict.fromkeys(names)]
-    return " ".join([*named, *(("--variant", variant) if variant else ())])
-
-
-def sweeps_of(wanted: Iterable[tuple[str, str]], options: str, run: str) -> tuple[str, ...]:
-    """Returns commands that train in the games, one for each variant. run: the folder, without the variant."""
-    by_variant: dict[str, list[str]] = {}
-    for name, variant in wanted:
-        by_variant.setdefault(variant, []).append(name)
-    return tuple(
-        f"sjdsl sweep {called(names, variant)} {options} --preset two_cores --seeds 5 --run {in_folder(run, variant)}"
-        for variant, names in by_variant.items()
-    )
-
-
-def in_folder(run: str, variant: str) -> str:
-    """Returns the folder of results of a variant."""
-    return f"{run}_{variant}" if variant else run
-
-
-def opening(found: Iterable[Game]) -> str:
-    """Returns the first paragraph of the page: which experiments these are, how long they ran here and in the paper, under which rules."""
-    steps = pd.concat([game.rows for game in found if game.name in published.suite()]).steps
-    ours = " to ".join(dict.fromkeys((short(steps.min()), short(steps.max())))) if len(steps) else "no"
-    return (
-        f"We reran experiments of the SocialJax paper (ICLR 2026) for {ours} environment steps per seed; the paper used {published.length()}. "
-        "So any difference from a published figure may be due to the length of training. "
-        "The findings use the paper's rules (rows with `variant socialjax`); all other rows use our own rules."
-    )
-
-
-def method(found: Iterable[Game]) -> list[str]:
-    """Returns paragraphs on where training began, and on what common reward is."""
-    seeds = pd.concat([game.rows for game in found])
-    suite = seeds[seeds.game.isin(published.suite())]
-    paragraphs = []
-    common = seeds[seeds.reward == "common"]
-    kinds = ["sum" if row.algorithm == "vdn" else json.loads(row.settings).get("common_reward", "sum") for row in common.itertuples()]
-    names = common.assign(kind=kinds).drop_duplicates(["kind", "algorithm"]).groupby("kind").algorithm.apply(sorted)
-    both = set(names.get("mean", [])) & set(names.get("sum", []))
-    said = [
-        f"their {kind} in {', '.join(('some runs of ' if name in both else '') + NAMES.get(name, name) for name in own)}"
-        for kind, own in names.items()
-    ]
-    begun = suite[suite.settings.str.contains('"init_from"')]
-    if not begun.empty:
-        paragraphs.append(
-            f"In {', '.join(dict.fromkeys(begun.game))}, each seed with {' or '.join(dict.fromkeys(begun.reward))} reward started from a policy "
-            "of its own, trained on a smaller map with the same rules (`bench/small_maps`); the steps of that training are not counted. "
-            "All results are from the game's own map."
-        )
-    if said:
-        paragraphs.append(f"Common reward combines all agents' rewards: {'; '.join(said)}; in the paper, their sum.")
-    return paragraphs

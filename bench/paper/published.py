@@ -59,23 +59,6 @@ def params(game: str, algorithm: str, reward: str) -> Mapping[str, float]:
     return entry["params"] if {algorithm, reward} & {*entry["ways"]} else {}
 
 
-def source(table: str) -> str:
-    """Returns where a table is from, and what is to be known of it, as a sentence."""
-    entry = _content()[table]
-    notes = [entry["note"]] if "note" in entry else []
-    return "; ".join([entry["source"], *notes])
-
-
-def remarks(table: str) -> dict[str, str]:
-    """Returns what is to be known of single games of a table."""
-    return {game: entry["note"] for game, entry in _content()[table]["games"].items() if entry.get("note")}
-
-
-def length() -> str:
-    """Returns how many environment steps the paper's seeds have learnt from, in words."""
-    return str(_content()["length"]["what"])
-
-
 def shape(game: str) -> dict[str, str]:
     """Returns `shape`, `type` and `note` of the published Schelling diagram of a game; empty for a game that is not of the paper."""
     return dict(_content()["schelling"]["games"].get(game, {}))

@@ -1,6 +1,6 @@
 """The sections of docs/results.md that compare our results with the paper's: each is a function of the results."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -17,12 +17,8 @@ from bench.paper.contents import (
     VDN,
     Game,
     Way,
-    called,
     exchanged,
-    in_folder,
     in_order,
-    opening,
-    sweeps_of,
 )
 from bench.paper.ninety_five_percent_rule import RESAMPLES, choice_frequencies, chosen_ratio
 from bench.paper.published import PaperMetric, Printed
@@ -36,8 +32,6 @@ from sjdsl.results.statistics import compare
 
 TRAINED = "training seed"  # the sampling unit of diagrams of trained pools
 OF_COMMON = ("common_reward",)  # a setting that only common reward uses
-AXIS = "--axis reward=individual,common"
-REWARDS = "runs/rewards"  # the folder of the sweep that fills empty cells
 HOLDS, FAILS, UNDECIDED, UNKNOWN = "holds", "does not hold", "undecided", "not run"
 SURE = 0.05  # p below which a difference counts
 ALIKE = 0.1  # share of the return: a smaller difference, at 95 %, counts as none
@@ -69,15 +63,6 @@ OWN, ALL, HALF = _exchange(0.0, "individual reward"), _exchange(1.0, "common rew
 PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (_angle(90.0), OWN), (_angle(67.5), OWN), (_angle(90.0), ALL))
 
 
-DECIDING = (
-    "We tested each claim of the paper with runs under its rules. In each game, a claim about returns is decided if p is below "
-    f"{SURE} (Welch's test over seeds): it holds if the difference has the paper's sign. Otherwise it is undecided. We take the paper to "
-    "claim an order of two returns if its means differ by more than the numbers it prints after ±, or by 5 % if it prints none.",
-    "A claim about a diagram holds if the verdict over training seeds is a dilemma with the paper's fear or greed. "
-    f"Two ways of training converge alike if the 95 % interval of their difference lies within {ALIKE:.0%} of the return.",
-)
-
-
 def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the first section of the page: one line for each claim."""
     suite = {game.published: game for game in games if game.published}
@@ -90,37 +75,7 @@ def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         by_verdict = {verdict: [game for game, one in verdicts.items() if one == verdict] for verdict in (HOLDS, FAILS, UNDECIDED, UNKNOWN)}
         said = [f"{name}: {'all' if len(own) == len(verdicts) else ', '.join(own)}" for name, own in by_verdict.items() if own]
         rows.append((claim, theirs, Figure("; ".join(said), verdicts), f"{len(by_verdict[HOLDS])} of {len(verdicts)}"))
-    told = [
-        (f"the paper's order of {claim.replace(' earns more than ', ' and ')} holds" if "less" in theirs else claim, verdicts)
-        for claim, theirs, verdicts in found
-    ]
-    return Section(
-        "Findings",
-        (opening(games), "\n".join(_in_sentences(told))),
-        (Table("findings", "Claims of the paper", ("claim", "the paper", "ours", "holds in"), rows, 3),),
-    )
-
-
-def _in_sentences(found: Iterable[tuple[str, Mapping[str, str]]]) -> Iterator[str]:
-    """Yields a line of a list for each claim that some game was run for, and one for all the others."""
-    missing = []
-    for claim, verdicts in found:
-        by_verdict = {verdict: [game for game, one in verdicts.items() if one == verdict] for verdict in (HOLDS, FAILS, UNDECIDED)}
-        run = sum(map(len, by_verdict.values()))
-        if not run:
-            missing.append(claim[0].lower() + claim[1:] if claim[1].islower() else claim)
-            continue
-        others = [
-            f"{said} {', '.join(by_verdict[verdict])}"
-            for verdict, said in ((FAILS, "not in"), (UNDECIDED, "undecided in"))
-            if by_verdict[verdict]
-        ]
-        holds = by_verdict[HOLDS]
-        named = f" ({', '.join(holds)})" if holds and len(holds) < run else ""
-        where = f"in {len(holds)} of {run} games that we ran under the paper's rules"
-        yield f"* **{claim[0].upper()}{claim[1:]} {where}**{named}{'; ' if others else ''}{'; '.join(others)}."
-    if missing:
-        yield f"* Not run yet under the paper's rules: {'; '.join(missing)}."
+    return Section("Findings", (), (Table("findings", "Claims of the paper", ("claim", "the paper", "ours", "holds in"), rows, 3),))
 
 
 def _order(suite: Mapping[str, Game], more: Compared, less: Compared) -> tuple[str, str, dict[str, str]]:
@@ -188,53 +143,34 @@ def _alike(game: Game) -> str:
 def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the section of IPPO with individual and with common reward."""
     random = {(row.game, row.hash): row for row in of_record(frame, "random")}
-    lines, below = [], []
+    lines: list[tuple[tuple[str, ...], Cell | None, Cell | None]] = []
     for game in games:
         row = random.get((game.name, game.setting.hash)) if game.setting is not None and not game.setting.params else None
-        cells = {"individual": game.cell(INDIVIDUAL), "common": game.cell(COMMON)}
-        means = {name: cell.estimate.mean for name, cell in cells.items() if cell is not None and cell.estimate is not None}
-        low = [name for name, mean in means.items() if row is not None and mean < row.collective_return]
-        below += [f"{game.label} ({', '.join(low)})"] if low else []
         shown = "" if row is None else interval(row.collective_return, row.low, row.high).text
-        lines.append(((game.label, published.difficulty(game.published), shown), *cells.values()))
+        lines.append(((game.label, published.difficulty(game.published), shown), game.cell(INDIVIDUAL), game.cell(COMMON)))
     words = ("game", "the paper calls it", "random policy, over episodes")
     table = compared_table("own_and_common", "Collective return of IPPO", words, ("individual", "common"), lines)
-    text = [
-        "A higher return under common reward doesn't make the game a dilemma; the Schelling diagrams below test that. "
-        "p is for each game alone, not corrected for the number of games."
-    ]
-    if below:
-        text.append(
-            f"Returns below those of a random policy: {'; '.join(below)}. "
-            "If resources regrow, agents that have only learnt to harvest fast can earn less than agents that have learnt nothing."
-        )
-    for (label, *_), *pair in lines:
-        text += [f"* {label}: {said}" for said in unlike_settings(dict(zip(("individual", "common"), pair, strict=True)), OF_COMMON)]
-    missing = [(game.name, game.variant) for game, line in zip(games, lines, strict=True) if None in line[1:]]
-    return Section("Individual and common reward", tuple(text), (table,), fill=sweeps_of(missing, AXIS, REWARDS))
+    text = []
+    for (label, *_), own, common in lines:
+        text += [f"* {label}: {said}" for said in unlike_settings({"individual": own, "common": common}, OF_COMMON)]
+    return Section("Individual and common reward", tuple(text), (table,))
 
 
 def sharing(games: Sequence[Game]) -> Section:
     """Returns the section on ways of training that were run with both shared and separate parameters."""
-    lines, tried = [], set()
+    lines = []
     for game in games:
         rows = game.rows.assign(way=[in_words(row, sharing=False) for row in game.rows.itertuples()])
         for way, own in rows.groupby("way"):
             cells = [cell_of(select(own, sharing=kind)) for kind in (SHARED, APART)]
             if None not in cells:
-                tried.add(game.label)
                 lines.append(((game.label, way), *cells))
-    text = [
-        "Agents share one network, or each has its own, with its own initial weights. "
-        "The paper says that both take about the same time and converge alike, but gives no figures.",
-    ]
+    text = []
     for (label, way), shared, apart in lines:
         text += [f"* {label}, {way}: {said}" for said in unlike_settings({"shared": shared, "separate": apart})]
     title = "Collective return with shared and with separate parameters"
     table = compared_table("sharing", title, ("game", "way of training"), ("shared", "separate"), lines)
-    missing = [(game.name, game.variant) for game in games if game.label not in tried]
-    fill = sweeps_of(missing, "--protocol sharing", "runs/sharing")
-    return Section("Shared and separate parameters", tuple(text), (table,) if lines else (), fill=fill)
+    return Section("Shared and separate parameters", tuple(text), (table,) if lines else ())
 
 
 # Tables of our cells beside the published ones, three lines for each game. We run no tests against published figures, as the paper reports
@@ -286,7 +222,7 @@ def exchange(games: Sequence[Game]) -> Section:
     found = {game.label: (game, game.by_ratio) for game in games}
     ratios = sorted({*RATIOS, *(ratio for _, cells in found.values() for ratio in cells)})
     names = {ratio: {0.0: "0: individual", 1.0: "1: common"}.get(ratio, f"{ratio:g}") for ratio in ratios}
-    lines, choices, panels, missing = [], [], [], []
+    lines, choices, panels = [], [], []
     for label, (game, cells) in found.items():
         printed, bold = published.exchange(game.published), published.exchange_chosen(game.published)
         means = {ratio: cell.estimate.mean for ratio, cell in cells.items() if cell.estimate is not None}
@@ -299,25 +235,16 @@ def exchange(games: Sequence[Game]) -> Section:
             choices.append((label, *shown))
         if means:
             panels.append(panel_of(label, _series(cells), [(ratio, one.mean) for ratio, one in printed.items()]))
-        missing += [] if {*RATIOS} <= cells.keys() else [(game.name, game.variant)]
     headings = ("game", "", *names.values(), "95 % rule", BEHIND)
     tables = [Table("exchange", "Collective return by exchange ratio", headings, lines, 2)]
-    text = [
-        "Ratio 0 is individual reward, 1 is common reward. The 95 % rule chooses the smallest ratio whose mean is at least 0.95 of the best. "
-        "It chooses none if the best is not above 0. If all ratios earn the same, it chooses the smallest.",
-        f"Published: {published.source('exchange')}.",
-    ]
+    text = []
     for label, (_, cells) in found.items():
         text += [f"* {label}: {said}" for said in unlike_settings({names[ratio]: cells.get(ratio) for ratio in ratios}, OF_COMMON)]
     if choices:
         title = f"How often the rule chooses each ratio in {RESAMPLES:,} resamplings of seeds"
         tables.append(Table("exchange_choices", title, ("game", *names.values(), "none"), choices))
-        text.append(
-            "We resample the trained seeds to see how often the rule chooses each ratio. With few seeds, this says little about other seeds."
-        )
     pictures = (Picture("exchange", "returns by exchange ratio", partial(draw_series, panels, "exchange ratio", "collective return")),)
-    fill = sweeps_of(missing, "--protocol exchange", "runs/exchange")
-    return Section("Returns by exchange ratio", tuple(text), tuple(tables), pictures if panels else (), fill)
+    return Section("Returns by exchange ratio", tuple(text), tuple(tables), pictures if panels else ())
 
 
 def _choice(means: Mapping[float, float]) -> str:
@@ -336,24 +263,6 @@ def svo(games: Sequence[Game]) -> Section:
     """Returns the section on IPPO with social value orientation: returns by weight at 90 degrees, and by angle at the chosen weight."""
     tried = {game.label: game.by_weight for game in games}
     found = {game.label: (game, *game.by_angle) for game in games}
-    alone = [label for label, (_, weight, cells) in found.items() if cells and not weight]
-    text = [
-        "The weight is the best one at 90 degrees, in the first table. The angles are trained at that weight with other seeds, because the best "
-        "of several noisy means is too high on average.",
-        "An agent that seeks 90 degrees gains 1.57 times the weight (a quarter turn in radians) in each step in which others are rewarded and it "
-        "is not, compared with a step in which nobody is rewarded: `svo_at_rest=selfish`, as in the released code.",
-    ]
-    content = [game.label for game in games if any('"svo_at_rest":"content"' in cell.settings for cell in tried[game.label].values())]
-    if content:
-        text.append(
-            f"In {', '.join(content)}, agents were trained with `svo_at_rest=content`: only deviations are deducted, and from a weight of 0.64 "
-            "it doesn't pay to be the only one rewarded. These rows don't compare with the paper's."
-        )
-    if alone:
-        text.append(
-            f"In {', '.join(alone)}, the chosen weight is 0, which is individual reward. All angles are then the same, so only one is trained."
-        )
-    text += [f"Published: {published.source('svo')}.", *_remarks(games, "svo")]
     tables = []
     weights = sorted({*WEIGHTS, *(weight for cells in tried.values() for weight in cells)})
     lines = [line for label, cells in tried.items() if cells for line in beside(label, [*map(cells.get, weights)], [None] * len(weights))]
@@ -361,7 +270,7 @@ def svo(games: Sequence[Game]) -> Section:
         headings = ("game", "", *(f"{weight:g}" for weight in weights), BEHIND)
         tables.append(Table("svo_weights", "Collective return by SVO weight, at 90 degrees", headings, lines, 2))
     angles = sorted({*ANGLES, *(angle for _, _, cells in found.values() for angle in cells)})
-    lines, panels, missing = [], [], []
+    lines, panels = [], []
     for label, (game, weight, cells) in found.items():
         printed = published.svo(game.published)
         ours = f"{weight:g}, {tried_weights(game)}" if cells else ""
@@ -369,13 +278,10 @@ def svo(games: Sequence[Game]) -> Section:
         if cells:
             points = [(angle, one.mean) for angle, one in printed.items()]
             panels.append(panel_of(f"{label}, weight {weight:g}", _series(cells), points))
-        if not ({*ANGLES} <= cells.keys() or (cells and not weight)):  # at weight 0 all angles are the same, and a sweep trains one
-            missing.append((game.name, game.variant))
     headings = ("game", "", *(f"{angle:g}°" for angle in angles), "weight", BEHIND)
     tables.append(Table("svo_angles", "Collective return by SVO angle", headings, lines, 2))
     pictures = (Picture("svo", "returns by SVO angle", partial(draw_series, panels, "SVO angle (degrees)", "collective return")),)
-    fill = sweeps_of(missing, "--protocol svo", "runs/svo")
-    return Section("Social value orientation", tuple(text), tuple(tables), pictures if panels else (), fill)
+    return Section("Social value orientation", (), tuple(tables), pictures if panels else ())
 
 
 def tried_weights(game: Game) -> str:
@@ -384,17 +290,9 @@ def tried_weights(game: Game) -> str:
     return f"of {tried} tried" if tried > 1 else "no other tried"
 
 
-def _remarks(games: Sequence[Game], table: str) -> list[str]:
-    """Returns remarks on the paper's figures for the games shown, in one of its tables: a list as one paragraph."""
-    shown = {game.published for game in games}
-    lines = [f"* {game}: {note}." for game, note in published.remarks(table).items() if game in shown]
-    return ["\n".join(["About the published figures:", "", *lines])] if lines else []
-
-
 def metrics(games: Sequence[Game]) -> Section:
     """Returns the section on how much agents cooperate, on the paper's scale, by the paper's six ways of training."""
     lines: list[tuple[str | Figure, ...]] = []
-    empty = []
     for game in games:
         metric = published.metric(game.published)
         if metric is None:
@@ -411,24 +309,10 @@ def metrics(games: Sequence[Game]) -> Section:
             columns[5] = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": by_angle[PROSOCIAL].run}
             chosen.append(f"weight {weight:g}, {tried_weights(game)}")
         cells = [None if way is None else _scaled(game, metric, way) for way in columns]
-        empty += [(game.name, game.variant)] if None in cells else []
         printed = [metric.printed[column] for column in published.metric_columns()]
         lines += beside(game.label, cells, printed, (metric.what, "; ".join(chosen)))
-    text = [
-        "The paper measures cooperation in each game by one figure. "
-        "The exchange column shows the ratio with the best return, and the SVO column 90 degrees at the weight shown. "
-        "The column `chosen` says how many ratios and weights we tried; the paper tried four ratios and six weights.",
-        f"Published: {published.source('metrics')}.",
-        *_remarks(games, "metrics"),
-    ]
-    if empty:
-        text.append(
-            "The command below trains exchange at the paper's ratio, and SVO at the weight of the configuration. "
-            "The commands of the sections above find the best of several ratios and weights."
-        )
     headings = ("game", "", *published.metric_columns(), "figure", "chosen", BEHIND)
-    table = Table("metrics", "Cooperation metric", headings, lines, 2)
-    return Section("Cooperation metrics", tuple(text), (table,), fill=sweeps_of(empty, "--protocol algorithms", "runs/algorithms"))
+    return Section("Cooperation metrics", (), (Table("metrics", "Cooperation metric", headings, lines, 2),))
 
 
 def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
@@ -442,7 +326,7 @@ def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
 
 def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the section on scores between a random policy and the best of the paper; the weight of SVO is chosen for each game."""
-    scores, wanted = {}, []
+    scores = {}
     for game in games:
         best = published.best_return(game.published)
         if best is None or game.setting is None:
@@ -451,16 +335,10 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         rows = rows.assign(svo_weight=rows.svo_weight.mask((rows.stage == 2) & (rows.svo_weight == game.by_angle[0])))
         named = {words: cell_of(own) for words, own in rows.assign(way=[in_words(row) for row in rows.itertuples()]).groupby("way")}
         scores[game.label] = scored(frame, game.setting, best, {way: cell for way, cell in named.items() if cell is not None})
-        random = frame[(frame.record == "random") & (frame.game == game.name) & (frame.hash == game.setting.hash)]
-        wanted += [game] if random.empty else []
-    fill = [
-        f"sjdsl crossplay {called([game.name], game.variant)} --policies random --episodes 200 -o runs/{game.name}_random"
-        for game in wanted
-    ]
     what = "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper."
     if any("chosen weight" in way for found in scores.values() for way in found):
         what += " The chosen weight of SVO is the one chosen in each game's own sweep."
-    return section_over_games(scores, what, fill)
+    return section_over_games(scores, what)
 
 
 # Experiments with policies.
@@ -474,7 +352,6 @@ def diagrams(frame: pd.DataFrame) -> Section:
         key=lambda row: (in_order(row.game), not _of_the_paper(row), setting_of(row).label, row.unit != TRAINED, row.cooperators),
     )
     rows: list[tuple[str | Figure, ...]] = []
-    missing = []
     for name in dict.fromkeys((*published.suite(), *(row.game for row in found))):
         own, shape, variant = [row for row in found if row.game == name], published.shape(name), published.variant(name)
         note = f" ({shape['note']})" if shape and shape["note"] else ""
@@ -483,13 +360,6 @@ def diagrams(frame: pd.DataFrame) -> Section:
         if shape and not (own and _of_the_paper(own[0])):
             lines.insert(0, (f"{name}, variant {variant}", *("",) * 8, said))
         rows += [(*line[:8], line[9], line[8]) for line in lines]
-        if shape and not any(row.unit == TRAINED and _of_the_paper(row) for row in own):
-            missing.append((name, variant))
     headings = ("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "published", "over")
     table = Table("schelling", "Contrasts of the return of an agent", headings, rows, 3)
-    fill = [*sweeps_of(missing, AXIS, REWARDS)]
-    for name, variant in missing:
-        common, individual = (f"{in_folder(REWARDS, variant)}/cells/{name}_reward-{reward}" for reward in ("common", "individual"))
-        command = f"sjdsl schelling {called([name], variant)} --cooperators {common} --defectors {individual}"
-        fill.append(f"{command} -o {in_folder(f'runs/{name}_diagram', variant)}")
-    return replace(section, tables=(table,), fill=tuple(fill))
+    return replace(section, tables=(table,))

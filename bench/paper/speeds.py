@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from bench.paper import published
-from bench.paper.contents import called, in_order
+from bench.paper.contents import in_order
 from bench.paper.small_multiples import Multiple, Series, draw_series
 from bench.speed.stored import read_found
 from bench.speed.training import Training
@@ -19,7 +19,7 @@ from sjdsl.bench.tables import thousands
 from sjdsl.bench.timing import Report
 from sjdsl.results.figures import EMPTY, Figure, Table, counted, interval, number
 from sjdsl.results.page import Picture, Section
-from sjdsl.results.selecting import APART, NAMES, SHARED
+from sjdsl.results.selecting import NAMES
 
 FILES = {"speeds": "speeds.csv", "updates": "updates.csv"}
 KEYS = {
@@ -31,8 +31,6 @@ NUMBERS = (1, 128, 1024, 4096)  # of environments
 OBSERVATION = "tokens"  # what agents see in the pictures
 CROWD = "+crowd"  # behind the name of a game on the map for many agents
 HOURS = 1e9 / 3600  # of 1e9 environment steps, times the rate
-# What the command for missing rows measures: action values are added up over agents, which share them.
-WAYS = {("ippo", SHARED), ("ippo", APART), ("mappo", SHARED), ("mappo", APART), ("vdn", SHARED)}
 
 
 def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
@@ -82,11 +80,6 @@ def speed(frame: pd.DataFrame) -> Section:
     numbers = sorted({*NUMBERS, *frame.num_envs})
     names = _ordered(frame.game)
     lines = [line for name in names for crowd in (False, True) for line in _lines(frame, name, crowd, numbers)]
-    text = (
-        "Environment steps a second under random actions: the median of the rounds, with the slowest and the fastest in brackets. "
-        "These are not intervals over seeds.",
-        f"Published: {published.source('speed')}. The hardware differs, so the ratio does not compare programs.",
-    )
     headings = ("game", "", *(f"{number:,}" for number in numbers), "rounds, hardware")
     plots = [plot for name in names if (plot := _plot(frame, name)) is not None]
     draw = partial(
@@ -97,10 +90,8 @@ def speed(frame: pd.DataFrame) -> Section:
         logarithmic=True,
         bars="from the slowest round to the fastest",
     )
-    missing = [name for name in published.suite() if not _complete(frame, name)]
-    fill = [f"sjdsl bench {called(missing)} --envs 1,128,1024,4096 --agents own,20 --json runs/speed.json"] if missing else []
     pictures = (Picture("speed", "speed over environments", draw),) if plots else ()
-    return Section("Speed", text, (Table("speed", "Environment steps a second", headings, lines, 2),), pictures, tuple(fill))
+    return Section("Speed", (), (Table("speed", "Environment steps a second", headings, lines, 2),), pictures)
 
 
 def _lines(frame: pd.DataFrame, game: str, crowd: bool, numbers: list[int]) -> Iterator[tuple[str | Figure, ...]]:
@@ -124,11 +115,6 @@ def _lines(frame: pd.DataFrame, game: str, crowd: bool, numbers: list[int]) -> I
         yield ("", f"ours / published, {observation}", *shown, "")
 
 
-def _complete(frame: pd.DataFrame, game: str) -> bool:
-    there = set(frame[frame.game == game][["crowd", "num_envs"]].itertuples(index=False, name=None))
-    return all((crowd, number) in there for crowd in (False, True) for number in published.speed(game, crowd))
-
-
 def _plot(frame: pd.DataFrame, game: str) -> Multiple | None:
     own = frame[(frame.game == game) & (frame.observation == OBSERVATION) & ~frame.crowd].sort_values("num_envs")
     columns = ("num_envs", "rate", "slowest", "fastest")
@@ -143,16 +129,7 @@ def hours(frame: pd.DataFrame) -> Section:
         *("game", "algorithm", "network", "parameters", "env-steps/s", "hours to 1e9 steps, extrapolated", "published"),
         "environments x steps, rounds, hardware",
     )
-    text = (
-        "Hours are extrapolated to 1e9 environment steps from the speed of the timed updates, without evaluation and checkpoints. "
-        "In brackets: at the speed of the fastest and of the slowest round.",
-        f"Published: {published.source('training')}.",
-    )
-    there = {name: set(own[["algorithm", "sharing"]].itertuples(index=False, name=None)) for name, own in frame.groupby("game")}
-    missing = [name for name in published.suite() if not there.get(name, set()) >= WAYS]
-    options = "--algorithms ippo,mappo,vdn --sharings shared,per_agent --hours 1e9 --json runs/training.json"
-    fill = (f"python -m bench.speed training {called(missing)} {options}",) if missing else ()
-    return Section("Hours of training", text, (Table("hours", "Hours of training", headings, rows, 4),), fill=fill)
+    return Section("Hours of training", (), (Table("hours", "Hours of training", headings, rows, 4),))
 
 
 def _hours(row: Any) -> tuple[str | Figure, ...]:

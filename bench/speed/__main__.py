@@ -1,11 +1,11 @@
 """Measures what docs/performance.md shows and writes its tables; `python -m bench.speed COMMAND --help` says more of each.
 
-python -m bench.speed race coins pd_arena --envs 1,1024 --agents own,20 --observation tokens,onehot --plots docs/plots
+python -m bench.speed race coins pd_arena --envs 1,1024 --agents own,20 --observation tokens,onehot
 python -m bench.speed training coins --networks mlp,cnn --algorithms ippo,vdn --sharings shared,per_agent --hours 1e9
 python -m bench.speed sweep pd_arena payoff --values 64     # many values in one program, and in a program each
 python -m bench.speed substrates daycare coins              # of Melting Pot; all, unless some are named
-python -m bench.speed everything runs/gpu coins --minutes 9 # what a GPU is needed for: speeds, kernels, resuming, training
-python -m bench.speed tables runs/gpu                       # from the figures of a --json file or of `everything`
+python -m bench.speed everything runs/gpu coins       # what a GPU is needed for: speeds, kernels, resuming, training
+python -m bench.speed tables runs/gpu/*.json            # from the figures of --json files or of `everything`
 """
 
 import shlex
@@ -17,9 +17,9 @@ from typing import Any
 import click
 import jax
 
-from bench.speed.everything import Plan, measure_everything, parts_of
-from bench.speed.outputs import Outputs, Stored, read_all, section_of, speed_section, training_section
-from bench.speed.stored import Found
+from bench.speed.everything import measure_everything, parts_of
+from bench.speed.outputs import Outputs, section_of, speed_section, training_section
+from bench.speed.stored import Found, joined, read_found
 from bench.speed.substrates import Substrates, measure_substrates, short_steps, substrate_tasks
 from bench.speed.sweep import measure_sweep, swept_params
 from bench.speed.training import measure_training, training_setups
@@ -30,24 +30,21 @@ from sjdsl.cli.stages import stages
 from sjdsl.library.games_folder import main_games
 from sjdsl.library.substrates import written_substrates
 
-SCALED = (1024, 4096, 16_384, 65_536)  # numbers of environments, on a device that needs many
-WORKERS = 8  # programs compiled at the same time
 LEAST = click.IntRange(min=1)
 Command = Callable[..., Any]
 
 
 def options(command: Command) -> Command:
-    """Adds --repeats, and --json, --markdown and --plots, which arrive together as `outputs`."""
+    """Adds --repeats, and --json and --markdown, which arrive together as `outputs`."""
 
-    def gathered(json_file: str | None, page: str | None, plots: str | None, **others: Any) -> Any:
-        return command(outputs=Outputs(json_file, page, plots), **others)
+    def gathered(json_file: str | None, page: str | None, **others: Any) -> Any:
+        return command(outputs=Outputs(json_file, page), **others)
 
     gathered.__name__, gathered.__doc__ = command.__name__, command.__doc__
     gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
     for option in (
         click.option("--repeats", type=LEAST, default=5, show_default=True, help="Rounds of timings."),
-        click.option("--plots", metavar="FOLDER", help="Draw speeds over numbers of environments, as PNGs."),
-        click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page: a new one, or one that has marks for them."),
+        click.option("--markdown", "page", metavar="FILE", help="Write the tables to a page that has marks for them."),
         click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well."),
     ):
         gathered = option(gathered)
@@ -61,7 +58,7 @@ def measured(outputs: Outputs, section: str, measurement: Callable[[Callable[[st
     with stages("compiling") as tell:
         found = measurement(tell)
     outputs.keep(found)
-    outputs.show(Stored(section, found, said(), tuple(notes)))
+    outputs.show(section, found, said(), notes)
 
 
 def said() -> str:
@@ -160,7 +157,7 @@ def substrates(names: Sequence[str], envs: Any, repeats: int, outputs: Outputs) 
         outputs.keep(found)
         left = len(entries) - len(found.compilations)
         notes = (f"the run was stopped before the last {left} of {len(entries)} substrates",) if left else ()
-        outputs.write(Stored(section_of(found), found, said(), notes))
+        outputs.write(section_of(found), found, said(), notes)
 
     tasks = substrate_tasks(entries)
     measured(outputs, "substrates", lambda tell: measure_substrates(tasks, envs, repeats, store, short_steps, tell))
@@ -169,35 +166,35 @@ def substrates(names: Sequence[str], envs: Any, repeats: int, outputs: Outputs) 
 @main.command()
 @click.argument("folder")
 @click.argument("games", nargs=-1)
-@click.option("--minutes", type=float, default=9.0, show_default=True)
-@click.option("--envs", type=COUNTS, default=",".join(map(str, SCALED)), show_default=True)
-@click.option("--repeats", type=LEAST, default=5, show_default=True)
-def everything(folder: str, games: Sequence[str], minutes: float, envs: Any, repeats: int) -> None:
-    """Measures what a GPU is needed for within --minutes, most important first, as JSON files in FOLDER."""
+def everything(folder: str, games: Sequence[str]) -> None:
+    """Measures what a GPU is needed for, most important first, each part as a JSON file in FOLDER, a new one."""
+    if Path(folder).exists():
+        raise click.ClickException(f"{folder} is there already; name a new folder, so that no earlier figures are mixed in")
     names = games or main_games()
     tasks, _ = choose_tasks(names, None, OBSERVATIONS, (None,))
-    small = jax.default_backend() == "cpu"
-    sizes = {"training_envs": 16 if small else 256, "convolutional": 3, "workers": 1 if small else WORKERS}
-    parts = tuple(parts_of(Plan(tasks, envs, repeats, names[0], **sizes), lambda _: None))
-    done = measure_everything(parts, Path(folder), minutes, said(), tell=click.echo)
-    missing = [part for part in done if part.status != "measured"]
-    for part in missing:
-        click.echo(f"not measured: {part.name} ({part.status})", err=True)
-    if len(missing) == len(done):
-        raise click.ClickException(f"nothing could be measured; {folder}/parts.json says why")
-    click.echo(f"{len(done) - len(missing)} of {len(done)} parts measured; tables: python -m bench.speed tables {folder}")
+    parts = tuple(parts_of(tasks, names[0]))
+    failed = measure_everything(parts, Path(folder), click.echo)
+    if failed:
+        raise click.ClickException(f"{len(failed)} of {len(parts)} parts failed:\n" + "\n".join(failed))
+    click.echo(f"{len(parts)} parts measured; tables: python -m bench.speed tables {folder}/*.json")
 
 
 @main.command()
-@click.argument("path")
+@click.argument("files", nargs=-1, required=True)
 @click.option("--markdown", "page", metavar="FILE")
-@click.option("--plots", metavar="FOLDER")
-def tables(path: str, page: str | None, plots: str | None) -> None:
-    """Makes the tables of figures that were measured before: a --json file, or the folder of `everything`."""
-    outputs, kept = Outputs(None, page, plots), tuple(read_all(Path(path), said()))
-    outputs.check(*(figures.section for figures in kept))
-    for figures in kept:
-        outputs.show(figures)
+def tables(files: Sequence[str], page: str | None) -> None:
+    """Makes the tables of figures that were measured before: files of --json, or those that `everything` left."""
+    outputs, kept = Outputs(None, page), dict[str, Found]()
+    try:
+        for file in files:
+            found = read_found(Path(file))
+            section = section_of(found)
+            kept[section] = joined(kept[section], found) if section in kept else found
+    except (OSError, ValueError) as error:
+        raise click.ClickException(str(error)) from None
+    outputs.check(*kept)
+    for section, found in kept.items():
+        outputs.show(section, found, said())
 
 
 if __name__ == "__main__":

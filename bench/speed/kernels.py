@@ -3,7 +3,7 @@
 import math
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,15 +45,10 @@ class Kernels:
     steps: tuple[StepKernels, ...]
 
 
-def measure_kernels(
-    tasks: Sequence[Task], num_envs: int, repeats: int = 5, steps: int = 20, tell: Callable[[str], object] = lambda _: None
-) -> Kernels:
+def measure_kernels(tasks: Sequence[Task], num_envs: int, repeats: int = 5, steps: int = 20) -> Kernels:
     """Returns what one step of each task costs; `steps`: how many are timed together in a round."""
-    found = []
-    for task in tasks:
-        tell(f"compiling one step of {num_envs} environments of {task.name}")
-        found.append(_measure_step(task, num_envs, repeats, steps))
-    return Kernels(describe_machine(), copied_bytes_per_s(repeats), tuple(found))
+    found = tuple(_measure_step(task, num_envs, repeats, steps) for task in tasks)
+    return Kernels(describe_machine(), copied_bytes_per_s(repeats), found)
 
 
 def _measure_step(task: Task, num_envs: int, repeats: int, steps: int) -> StepKernels:

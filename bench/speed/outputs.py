@@ -1,35 +1,22 @@
-"""Where figures go besides the screen: a file, a page with marks for their tables, a folder of plots."""
+"""Where figures go besides the screen: a file, and a page with marks for their tables."""
 
-import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import click
 
-from bench.speed.everything import Done, read_parts
 from bench.speed.kernels import Kernels
-from bench.speed.plots import draw_scaling
 from bench.speed.resuming import Resume
-from bench.speed.stored import Found, read_found
+from bench.speed.stored import Found
 from bench.speed.substrates import Substrates
 from bench.speed.sweep import Sweep
 from bench.speed.tables import notes_of, tables_of
 from bench.speed.training import Training
-from sjdsl.bench import Report
 from sjdsl.bench.machine import machine_line
-from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
+from sjdsl.bench.markdown import markdown_section, replace_section, write_section
 from sjdsl.bench.stored import write_found
 from sjdsl.cli.bench import print_tables
-
-
-class Stored(NamedTuple):
-    """Figures of one file, where they stand on a page, the command that measured them, and what is missing from them."""
-
-    section: str
-    found: Found
-    command: str
-    notes: tuple[str, ...] = ()
 
 
 class Outputs(NamedTuple):
@@ -37,7 +24,6 @@ class Outputs(NamedTuple):
 
     json: str | None
     page: str | None
-    plots: str | None
 
     def keep(self, found: Found) -> None:
         """Writes figures to the file, if there is one."""
@@ -45,59 +31,23 @@ class Outputs(NamedTuple):
             write_found(Path(self.json), found)
 
     def check(self, *sections: str) -> None:
-        """Makes a new page with marks for the sections. Raises ClickException where a page that is there lacks some.
-
-        Before anything is measured, not an hour later.
-        """
-        page = Path(self.page) if self.page else None
-        if page is None:
-            return
-        if not page.is_file():
-            new_page(page, sections)
-        for section in sections:
+        """Raises ClickException where the page lacks marks for one of the sections: before anything is measured, not an hour later."""
+        for section in sections if self.page else ():
             try:
-                replace_section(page.read_text(encoding="utf-8"), section, "")
-            except ValueError as error:
-                raise click.ClickException(f"{page}: {error}") from None
+                replace_section(Path(str(self.page)).read_text(encoding="utf-8"), section, "")
+            except (OSError, ValueError) as error:
+                raise click.ClickException(f"{self.page}: {error}") from None
 
-    def show(self, figures: Stored) -> None:
-        """Prints the tables, draws the plots where there are speeds, and writes the section of the page."""
-        found = figures.found
-        print_tables(tables_of(found), found.machine, [*figures.notes, *notes_of(found)])
-        self.write(figures)
+    def show(self, section: str, found: Found, command: str, notes: Sequence[str] = ()) -> None:
+        """Prints the tables, and writes the section of the page. command: what is quoted there; notes: what is missing from the figures."""
+        print_tables(tables_of(found), found.machine, [*notes, *notes_of(found)])
+        self.write(section, found, command, notes)
 
-    def write(self, figures: Stored) -> None:
-        """Draws the plots where there are speeds, and writes the section of the page."""
-        found = figures.found
-        tables, notes = tables_of(found), [*figures.notes, *notes_of(found)]
-        pictures = draw_scaling(found, Path(self.plots)) if isinstance(found, Report) and self.plots else ()
-        if self.page is None:
-            return
-        page = Path(self.page)
-        seen = [Path(os.path.relpath(picture, page.parent)).as_posix() for picture in pictures]
-        text = markdown_section(figures.command, machine_line(found.machine), notes, tables, seen)
-        write_section(page, figures.section, text)
-
-
-def read_all(path: Path, command: str) -> Iterator[Stored]:
-    """Yields the figures of a file, or of every file of a folder that `everything` has left. Raises ClickException.
-
-    Args:
-      path: a file of `--json`, or a folder of `everything`.
-      command: what is quoted beside the figures of a single file.
-    """
-    try:
-        if not path.is_dir():
-            found = read_found(path)
-            yield Stored(section_of(found), found, command, ())
-            return
-        said, parts = read_parts(path)
-        for name in dict.fromkeys(part.file for part in parts):
-            if (path / name).exists():
-                found = read_found(path / name)
-                yield Stored(section_of(found), found, said, tuple(_missing(parts, name)))
-    except (OSError, ValueError) as error:
-        raise click.ClickException(str(error)) from None
+    def write(self, section: str, found: Found, command: str, notes: Sequence[str] = ()) -> None:
+        """Writes the section of the page, if there is one."""
+        if self.page:
+            text = markdown_section(command, machine_line(found.machine), [*notes, *notes_of(found)], tables_of(found))
+            write_section(Path(self.page), section, text)
 
 
 def section_of(found: Found) -> str:
@@ -131,10 +81,3 @@ def training_section(learnt: Sequence[tuple[str, str, str]]) -> str:
     networks, algorithms, sharings = (tuple(dict.fromkeys(words)) for words in zip(*learnt, strict=True))
     what = f"training {','.join(networks)}"
     return what if (algorithms, sharings) == (("ippo",), ("shared",)) else f"{what} {','.join(algorithms)} {','.join(sharings)}"
-
-
-def _missing(parts: Sequence[Done], file: str) -> Iterator[str]:
-    """Yields a note for each part of a file that was not measured."""
-    for part in parts:
-        if part.file == file and part.status != "measured":
-            yield f"not measured: {part.name} ({part.status})"

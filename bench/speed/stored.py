@@ -1,6 +1,7 @@
 """Reads benchmark figures back, so that tables can be made on another machine."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,3 +40,14 @@ def _value(name: str, value: Any) -> Any:
 
 def _tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
+
+
+def joined(before: Found, found: Found) -> Found:
+    """Returns the figures of two files as one: speeds and updates one after the other. Raises ValueError where they aren't of that sort."""
+    if isinstance(before, Report) and isinstance(found, Report):
+        peaks = [peak for peak in (before.device_peak_bytes, found.device_peak_bytes) if peak is not None]
+        rows = before.speeds + found.speeds, before.compilations + found.compilations
+        return replace(found, speeds=rows[0], compilations=rows[1], device_peak_bytes=max(peaks, default=None))
+    if isinstance(before, Training) and isinstance(found, Training):
+        return replace(found, splits=before.splits + found.splits, left_out=before.left_out + found.left_out)
+    raise ValueError(f"two files hold figures of one {type(found).__name__.lower()}")

@@ -8,13 +8,12 @@ from sjdsl.bench.tables import Table
 from sjdsl.files import write_whole
 
 
-def markdown_section(command: str, machine: str, notes: Iterable[str], tables: Iterable[Table], pictures: Iterable[str]) -> str:
-    """Returns the figures of one run as Markdown: the command, the machine, notes, tables, pictures (as seen from the page)."""
+def markdown_section(command: str, machine: str, notes: Iterable[str], tables: Iterable[Table]) -> str:
+    """Returns the figures of one run as Markdown: the command, the machine, notes, tables."""
     parts = [f"`{command}`, on {machine}.", *(f"{note}." for note in notes)]
     for table in tables:
         parts.append(f"{table.title[0].upper()}{table.title[1:]}:")
         parts.append(markdown_table(table))
-    parts += [f"![{Path(picture).stem.replace('_', ' ')}]({picture})" for picture in pictures]
     return "\n\n".join(parts) + "\n"
 
 
@@ -34,12 +33,6 @@ def replace_section(page: str, name: str, text: str) -> str:
     if not marks.search(page):
         raise ValueError(f"the page has no lines `{opened.strip()}` and `{closed}` to write between")
     return marks.sub(lambda found: f"{found[1]}{text}{found[2]}", page, count=1)
-
-
-def new_page(path: Path, names: Iterable[str]) -> None:
-    """Writes a page that holds nothing but the marks of some sections."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, "\n".join(f"<!-- {name} -->\n<!-- end {name} -->\n" for name in names))
 
 
 def write_section(path: Path, name: str, text: str) -> None:

@@ -60,7 +60,6 @@ def measure(
     steps: Callable[[int], int] = steps_for,
     tell: Callable[[str], object] = lambda _: None,
     workers: int = 1,
-    one_step: bool = True,
     devices: int = 1,
 ) -> Report:
     """Returns the speeds of all tasks and of the yardstick at each number of environments.
@@ -71,12 +70,12 @@ def measure(
       repeats: rounds; in each every task is timed once.
       steps: number of environments -> steps of one timing.
       tell: called with a line whenever something has begun.
-      workers: programs compiled at the same time; seconds of compiling mean little with more than one.
+      workers: programs compiled at the same time. With more than one, seconds of compiling mean little, and one step of one environment
+        isn't compiled.
       devices: over how many the environments are split (`bench.devices`); every number of environments is a multiple of it.
-      one_step: whether one step of one environment is compiled as well, for its size and its seconds.
     """
     compilations = []
-    for task in tasks if one_step else ():
+    for task in tasks if workers == 1 else ():
         if task.env is not None:
             tell(f"compiling one step of {task.name}")
             compilations.append(compile_step(task.env, task.name))

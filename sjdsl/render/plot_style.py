@@ -83,39 +83,25 @@ def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
     Called when the range of the axes is known.
     """
     labels = sorted((label for label in labels if label.text and np.isfinite(label.at)), key=lambda label: label.at)
+    if not labels:
+        return
     texts = [fill(label.text, LABEL) for label in labels]
-    ends: Any = axes.transLimits.transform([(0, axes.transScale.transform((1, label.at))[1]) for label in labels])[:, 1] if labels else []
-    heights = [_LINE * (text.count("\n") + 1) for text in texts]
-    for label, text, place in zip(labels, texts, apart(list(ends), heights), strict=True):
-        axes.annotate(
-            text,
-            (1.02, place),
-            xycoords="axes fraction",
-            va="center",
-            fontsize="small",
-            color=label.colour,
-            linespacing=1.0,
-            annotation_clip=False,
-        )
+    ends = axes.transLimits.transform([(0, axes.transScale.transform((1, label.at))[1]) for label in labels])[:, 1]
+    style: Any = {"xycoords": "axes fraction", "va": "center", "fontsize": "small", "linespacing": 1.0, "annotation_clip": False}
+    for label, text, place in zip(labels, texts, apart(list(ends), [_LINE * (text.count("\n") + 1) for text in texts]), strict=True):
+        axes.annotate(text, (1.02, place), color=label.colour, **style)
 
 
 def apart(wanted: Sequence[float], heights: Sequence[float]) -> list[float]:
     """Returns the middles of labels, given from below to above, near where they are wanted, so that none overlaps the next.
 
-    Labels that would overlap share a stack around the mean of their places (as in isotonic regression); stacks stay above 0.
+    Labels that would overlap share a stack around the mean of their places; stacks stay above 0.
     """
-    stacks: list[tuple[list[float], list[float]]] = []  # places and heights of the labels in a stack
+    from scipy.optimize import isotonic_regression  # here: importing it takes a while
 
-    def bottom(stack: tuple[list[float], list[float]]) -> float:
-        below = [sum(stack[1][:i]) + height / 2 for i, height in enumerate(stack[1])]
-        return max(0.0, float(np.mean([place - offset for place, offset in zip(stack[0], below, strict=True)])))
-
-    for place, height in zip(wanted, heights, strict=True):
-        stacks.append(([place], [height]))
-        while len(stacks) > 1 and bottom(stacks[-2]) + sum(stacks[-2][1]) > bottom(stacks[-1]):
-            places, sizes = stacks.pop()
-            stacks[-1] = (stacks[-1][0] + places, stacks[-1][1] + sizes)
-    return [bottom(stack) + sum(stack[1][:i]) + height / 2 for stack in stacks for i, height in enumerate(stack[1])]
+    below = np.cumsum(heights) - np.divide(heights, 2)  # how high the middle of each would be if all stood on one another
+    middles: list[float] = (np.maximum(isotonic_regression(np.subtract(wanted, below)).x, 0) + below).tolist()
+    return middles
 
 
 def begin_at_zero(axes: "Axes", values: Iterable[float]) -> None:

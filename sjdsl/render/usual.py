@@ -5,22 +5,9 @@ from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph
-from sjdsl.render.colours import ALIKE, INK, INKS, SHAPES, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
+from sjdsl.render.colours import ALIKE, INK, INKS, PICTURED, SHAPES, SPRITES, WORDS, Colour, mixed, read_colour, word_colours
 
 EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
-
-# Parts of names that are drawn as a sprite of another name.
-PICTURED: dict[str, str] = {
-    **dict.fromkeys(("ship", "ferry", "canoe", "vessel"), "boat"),
-    **dict.fromkeys(("car", "truck", "wagon", "bus", "van", "vehicle"), "cart"),
-    **dict.fromkeys(("box", "chest", "parcel", "package"), "crate"),
-    **dict.fromkeys(("counter", "desk", "bench"), "table"),
-    **dict.fromkeys(("fruit", "berry"), "apple"),
-    **dict.fromkeys(("brick", "bricks", "fence", "border"), "wall"),
-    **dict.fromkeys(("machine", "body"), "block"),
-    **dict.fromkeys(("shrub", "hedge"), "bush"),
-    "hatch": "door",
-}
 
 STANDING = {"forest": "tree", "rock": "ore"}  # what stops agents and is no wall, by what it is drawn like
 DARKER = 0.35  # than its ground

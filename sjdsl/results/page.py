@@ -28,7 +28,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A section of a page. text: paragraphs; fill: commands that produce what is missing."""
+    """A section of a page. text: paragraphs; fill: commands that produce it where there is nothing yet."""
 
     title: str
     text: tuple[str, ...] = ()
@@ -43,20 +43,20 @@ def page_text(title: str, made: str, sections: Iterable[Section], method: Sequen
     Args:
       folder: the folder of pictures and tables relative to the page: empty, or ending in `/`.
     """
-    parts = [f"# {title}", *(_section_text(section, folder) for section in sections), "## Method", *method, made]
+    parts = [f"# {title}", *(f"## {section.title}\n\n{body_text(section, folder)}" for section in sections), "## Method", *method, made]
     if notes:
         parts += ["## Notes", "\n".join(f"* {inert(_sentence(note))}" for note in notes)]
     return "\n\n".join(parts) + "\n"
 
 
-def _section_text(section: Section, folder: str) -> str:
-    parts = [f"## {section.title}", *map(inert, section.text)]
+def body_text(section: Section, folder: str = "") -> str:
+    """Returns a section without its title. folder: as of `page_text`."""
+    parts = [inert(paragraph) for paragraph in section.text]
     for table in section.tables:
         parts += [f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):", _table_text(table)]
     parts += [f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
     if section.fill:
-        missing = "To add the missing results:" if section.tables or section.pictures else "There are no results yet. To produce them:"
-        parts += [missing, "```\n" + "\n".join(section.fill) + "\n```"]
+        parts += ["There are no results yet. To produce them:", "```\n" + "\n".join(section.fill) + "\n```"]
     return "\n\n".join(parts)
 
 

@@ -158,7 +158,7 @@ def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[
     return {way: (cell, (np.array(cell.values) - zero) / (best - zero)) for way, cell in several.items()}
 
 
-def section_over_games(scores: Scores, what: str, fill: Sequence[str] = ()) -> Section:
+def section_over_games(scores: Scores, what: str) -> Section:
     """Returns the section on ways of training with at least two seeds in the same games, of which there are at least two.
 
     The games are those that allow the most comparisons; ways that lack one of them are left out, and so are surplus seeds.
@@ -169,7 +169,7 @@ def section_over_games(scores: Scores, what: str, fill: Sequence[str] = ()) -> S
     chosen = chosen_games(scores)
     if not chosen:
         none = "No way of training has two seeds in each of two games with a random policy yet."
-        return Section("Over games", (*text, none), fill=tuple(fill))
+        return Section("Over games", (*text, none))
     tables, behind, remarks = {}, {}, []
     for way in sorted({way for found in scores.values() for way in found}):
         lacking = [game for game in chosen if way not in scores[game]]

@@ -1,17 +1,17 @@
-"""All that is measured on a device: in order, within its time, with nothing lost; figures are read back as they were."""
+"""All that is measured on a device: in order, with nothing lost; figures are read back as they were."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
+from bench.speed import resuming
 from bench.speed.__main__ import main
-from bench.speed.everything import Part, Plan, joined, measure_everything, parts_of, read_parts
+from bench.speed.everything import Part, measure_everything, parts_of
 from bench.speed.kernels import Kernels, StepKernels
-from bench.speed.resuming import Resume, differences
-from bench.speed.stored import Found, read_found
+from bench.speed.resuming import Resume, differences, train_in_this_process
+from bench.speed.stored import Found, joined, read_found
 from bench.speed.sweep import Sweep
 from bench.speed.tables import tables_of
 from bench.speed.training import Split, Training
@@ -34,23 +34,6 @@ RESUME = Resume(MACHINE, "meadow", 40, 20, "--flag", ("loss",), 3.0)
 SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5), 10, (1.0, 3.0), (2e5, 2e5), 1.5, (5e5, 5e5))
 
 
-class Clock:
-    """Seconds that pass only when a part takes them."""
-
-    def __init__(self) -> None:
-        self.now = 0.0
-
-    def __call__(self) -> float:
-        return self.now
-
-    def part(self, name: str, seconds: float, found: Callable[[], Found] = lambda: speeds(1), sort: str = "speed") -> Part:
-        def measure() -> Found:
-            self.now += seconds
-            return found()
-
-        return Part(name, sort, f"{sort}.json", measure)
-
-
 def fail() -> Found:
     raise RuntimeError("out of memory")
 
@@ -70,28 +53,20 @@ def test_other_files_are_refused(text: str, tmp_path: Path) -> None:
         read_found(tmp_path / "figures.json")
 
 
-def test_what_does_not_fit_is_left_out_and_the_rest_goes_on(tmp_path: Path) -> None:
-    """Six minutes: a second part as long as the first would not fit, a shorter one of another sort does."""
-    clock = Clock()
-    parts = [clock.part("long", 200), clock.part("as long", 200), clock.part("short", 30, lambda: KERNELS, "kernels")]
-    done = measure_everything(parts, tmp_path / "new", 6, "make gpu", clock, lambda _: None)
-    assert [(part.name, part.status, part.seconds) for part in done] == [
-        ("long", "measured", 200),
-        ("as long", "no time left", 0),
-        ("short", "measured", 30),
-    ]
-    assert read_parts(tmp_path / "new") == ("make gpu", done)
-    assert read_found(tmp_path / "new" / "speed.json") == speeds(1)
+def test_what_was_measured_survives_a_failure_and_a_stop(tmp_path: Path) -> None:
+    def stop() -> Found:
+        raise KeyboardInterrupt
 
-
-def test_a_part_that_fails_costs_no_other(tmp_path: Path) -> None:
-    clock = Clock()
-    parts = [clock.part("a", 1), clock.part("b", 1, fail), clock.part("c", 1, lambda: speeds(8))]
-    done = measure_everything(parts, tmp_path, 1, "make gpu", clock, lambda _: None)
-    assert [part.status for part in done] == ["measured", "failed: RuntimeError: out of memory", "measured"]
-    found = read_found(tmp_path / "speed.json")
-    assert isinstance(found, Report)
-    assert [speed.num_envs for speed in found.speeds] == [1, 8]
+    parts = [Part("few", lambda: speeds(1)), Part("many", fail), Part("kernels", lambda: KERNELS), Part("last", stop)]
+    failed = measure_everything(parts[:3], tmp_path / "whole", lambda _: None)
+    assert failed == ["many failed: RuntimeError: out of memory"]
+    with pytest.raises(KeyboardInterrupt):
+        measure_everything(parts, tmp_path / "stopped", lambda _: None)
+    for folder in ("whole", "stopped"):
+        assert {path.name: read_found(path) for path in (tmp_path / folder).iterdir()} == {
+            "01_few.json": speeds(1),
+            "03_kernels.json": KERNELS,
+        }
 
 
 def test_figures_of_one_sort_are_joined() -> None:
@@ -101,41 +76,38 @@ def test_figures_of_one_sort_are_joined() -> None:
     trained = joined(TRAINING, TRAINING)
     assert isinstance(trained, Training)
     assert len(trained.splits) == 2
-    with pytest.raises(TypeError, match="not measurements of one sort"):
+    with pytest.raises(ValueError, match="two files hold figures of one report"):
         joined(TRAINING, speeds(1))
 
 
-def test_the_plan_begins_with_what_tells_most(meadow_env: Environment) -> None:
-    parts = list(parts_of(Plan([game_task(meadow_env)], (4, 8), 1, "meadow.sj", convolutional=3), lambda _: None))
-    assert [part.name for part in parts] == [
-        "speed of 4 environments, tokens",
-        "speed of 8 environments, tokens",
+def test_the_parts_begin_with_what_tells_most(meadow_env: Environment) -> None:
+    one_hot = Environment(meadow_env.module, meadow_env.params, "onehot", meadow_env.game)
+    assert [part.name for part in parts_of([game_task(meadow_env), game_task(one_hot)], "meadow.sj", (4, 8))] == [
+        "speed_tokens_4",
+        "speed_tokens_8",
         "kernels",
         "resuming",
-        "training of meadow, mlp",
-        "training of meadow, cnn",
+        "training_mlp_meadow",
+        "speed_onehot_4",
+        "speed_onehot_8",
+        "training_cnn_meadow",
     ]
 
 
-def test_a_page_is_made_of_the_folder(tmp_path: Path) -> None:
-    """Only from files: nothing is measured. What is missing is named."""
-    clock = Clock()
-    parts = [
-        clock.part("few", 1),
-        clock.part("many", 1, fail),
-        clock.part("k", 1, lambda: KERNELS, "kernels"),
-        clock.part("r", 1, lambda: RESUME, "resuming"),
-    ]
-    measure_everything(parts, tmp_path / "gpu", 1, "make gpu", clock, lambda _: None)
+def test_a_page_is_made_of_the_files(tmp_path: Path) -> None:
+    """Nothing is measured; figures of one section are joined, and what no mark is for is refused."""
+    parts = [Part("few", lambda: speeds(1)), Part("many", lambda: speeds(8)), Part("kernels", lambda: KERNELS), Part("r", lambda: RESUME)]
+    measure_everything(parts, tmp_path / "gpu", lambda _: None)
     page = tmp_path / "page.md"
-    asked = ["tables", str(tmp_path / "gpu"), "--markdown", str(page)]
+    page.write_text("".join(f"<!-- {what} gpu -->\n<!-- end {what} gpu -->\n" for what in ("speed", "kernels", "resuming")))
+    asked = ["tables", *(str(path) for path in sorted((tmp_path / "gpu").iterdir())), "--markdown", str(page)]
     assert CliRunner().invoke(main, asked).exit_code == 0
     text = page.read_text()
-    for part in ("<!-- speed gpu -->\n`make gpu`, on a device", "not measured: many (failed", "<!-- kernels gpu -->", "50.0%", "no: loss"):
+    for part in ("on a device, 2 CPU cores", "| 1 env | 8 envs |", "50.0%", "no: loss"):
         assert part in text
     page.write_text("<!-- speed gpu -->\n<!-- end speed gpu -->\n")
     assert "kernels gpu" in CliRunner().invoke(main, asked).output
-    assert "holds no figures" in CliRunner().invoke(main, ["tables", str(tmp_path)]).output
+    assert "is there already" in CliRunner().invoke(main, ["everything", str(tmp_path / "gpu")]).output
 
 
 def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
@@ -152,5 +124,17 @@ def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
     lines[1] = json.dumps({**rows[1], "loss": 0.26})
     (tmp_path / "resumed" / "metrics.jsonl").write_text("\n".join(lines) + "\n")
     assert differences(tmp_path / "whole", tmp_path / "resumed") == ("loss", "policies/2.safetensors")
-    (tmp_path / "resumed" / "metrics.jsonl").write_text(lines[0] + "\n" + lines[1][:10])
+    (tmp_path / "resumed" / "metrics.jsonl").write_text(lines[0] + "\n")
     assert differences(tmp_path / "whole", tmp_path / "resumed")[0] == "2 and 1 rows of metrics"
+
+
+@pytest.mark.thorough
+def test_a_run_that_is_resumed_ends_as_one_that_was_not_stopped(meadow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resuming, "UPDATES", 4)
+    monkeypatch.setattr(resuming, "SETTINGS", {"total_timesteps": 4 * 4 * 8, "num_envs": 4, "num_steps": 8, "evaluate_every": 0})
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    train_in_this_process(str(meadow), str(whole), "train")
+    train_in_this_process(str(meadow), str(stopped), "stop")
+    assert differences(whole, stopped)[0] == "4 and 2 rows of metrics"
+    train_in_this_process(str(meadow), str(stopped), "resume")
+    assert differences(whole, stopped) == ()

@@ -1,4 +1,4 @@
-"""Figures on pages: tables, marks, pictures; no figure is measured here."""
+"""Figures on pages: tables and marks; no figure is measured here."""
 
 from collections.abc import Callable
 from dataclasses import asdict
@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from bench.speed.plots import draw_scaling
 from bench.speed.sweep import Sweep
 from bench.speed.tables import sweep_table, tables_of
 from sjdsl.bench import Compilation, Report, Speed
-from sjdsl.bench.markdown import markdown_section, new_page, replace_section, write_section
+from sjdsl.bench.markdown import markdown_section, replace_section, write_section
 
 MACHINE = {"platform": "cpu"}
 
@@ -36,7 +35,7 @@ SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5, 6e5), 10, (1.0
 def test_a_section_of_a_page(golden: Callable[[Path, str], None]) -> None:
     """Speeds, costs and relations of forms, and a sweep, of which few or many compilations are extrapolated."""
     tables = [*tables_of(RACE), *tables_of(SWEEP), sweep_table(Sweep(**{**asdict(SWEEP), "num_values": 2}))]
-    text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables, ["plots/a_b.png"])
+    text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables)
     golden(Path(__file__).with_name("section.txt"), text)
     assert len(tables_of(report(speed("meadow", 1, 1e5)))) == 2, "nothing to compare"
 
@@ -49,28 +48,19 @@ def test_only_the_text_between_the_marks_is_replaced() -> None:
         replace_section(page, "speed tpu", "")
 
 
-def test_a_new_page_has_the_marks_of_its_sections(tmp_path: Path) -> None:
-    page = tmp_path / "figures" / "page.md"
-    new_page(page, ["speed cpu", "kernels cpu"])
+def test_a_section_is_written_again(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("<!-- speed cpu -->\n<!-- end speed cpu -->\n")
     write_section(page, "speed cpu", "first\n")
     write_section(page, "speed cpu", "second\n")
-    write_section(page, "kernels cpu", "third\n")
-    assert page.read_text() == (
-        "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n\n<!-- kernels cpu -->\nthird\n<!-- end kernels cpu -->\n"
-    )
-
-
-def test_a_picture_for_each_observation_and_number_of_agents(tmp_path: Path) -> None:
-    files = draw_scaling(RACE, tmp_path / "plots")
-    assert [file.name for file in files] == ["cpu_tokens_own_agents.png", "cpu_onehot_own_agents.png", "cpu_tokens_20_agents.png"]
-    assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
+    assert page.read_text() == "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n"
 
 
 @pytest.mark.parametrize("sort", ["cpu", "gpu"])
 @pytest.mark.parametrize(
     ("section", "made"),
     [
-        ("speed", "--plots docs/plots"),
+        ("speed", "--observation tokens,onehot"),
         ("sweep harvest_open regrow_3", "sweep harvest_open regrow_3"),
         ("sweep pd_arena payoff", "sweep pd_arena payoff"),
     ],

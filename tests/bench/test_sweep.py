@@ -103,6 +103,7 @@ def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
 @pytest.mark.thorough
 def test_the_command_writes_a_sweep(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "page.md"
+    page.write_text("<!-- sweep orchard apple cpu -->\n<!-- end sweep orchard apple cpu -->\n")
     asked = ["sweep", str(file), "apple", *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--markdown"], str(page)]
     monkeypatch.setattr("sys.argv", ["bench.speed", *asked])
     found = CliRunner().invoke(main, asked)

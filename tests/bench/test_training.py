@@ -101,7 +101,7 @@ def test_what_is_measured(meadow_env: Environment) -> None:
 def test_a_variant_is_measured_under_its_own_name(meadow_env: Environment) -> None:
     (setup,), _ = training_setups([("meadow+dry", meadow_env)], ["mlp"], num_envs=ENVS, num_steps=STEPS)
     (split,) = measure_training([setup], repeats=1).splits
-    assert split.game == "meadow+dry"
+    assert split.name == "meadow+dry"
 
 
 def test_forms_of_one_name_are_all_measured(meadow_env: Environment) -> None:

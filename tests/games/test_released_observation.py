@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.game_pages import released_game, released_section, unread
+from bench.game_pages import released_game, released_table, unread
 from sjdsl.compiler.lower import token_planes
 from sjdsl.interop.socialjax_table import NOT_HERE, channels_of, differences, entries
 from sjdsl.interpreter.planes import planes
@@ -58,7 +58,7 @@ def test_every_channel_is_in_the_table_or_in_the_program(theirs: str) -> None:
 
 def test_the_page_has_a_row_for_each_difference() -> None:
     page = PAGE.read_text(encoding="utf-8")
-    rows = [line for line in released_section() if line.startswith("| ")][2:]
+    rows = [line for line in released_table() if line.startswith("| ")][2:]
     assert all(row in page for row in rows)
     wanted = {d.what for d in differences()}
     wanted |= {s.removeprefix(NOT_HERE) for e in entries().values() for s in e.rest if s.startswith(NOT_HERE)}

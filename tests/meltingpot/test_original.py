@@ -1,4 +1,4 @@
-"""Our games against the figures of Melting Pot itself in original.toml, which bench/meltingpot_figures.py has measured there."""
+"""Our games against the figures of Melting Pot itself in original.toml, which were measured there."""
 
 import tomllib
 from collections.abc import Callable

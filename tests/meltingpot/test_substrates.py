@@ -99,7 +99,9 @@ def test_a_page_of_something_else_is_found(tmp_path: Path) -> None:
         shutil.copy(picture, pictures)
     stray = pictures / "stray.png"
     stray.write_bytes(b"")
-    (tmp_path / "meltingpot.md").write_text(PAGE.read_text(encoding="utf-8").replace("# Melting Pot", "# Another pot"), encoding="utf-8")
+    (tmp_path / "meltingpot.md").write_text(
+        PAGE.read_text(encoding="utf-8").replace("| `boat_race__eight_races` |", "| `another` |"), encoding="utf-8"
+    )
     assert page_problems(tmp_path / "meltingpot.md") == [
         f"{stray}: of no game",
         f"{tmp_path / 'meltingpot.md'}: not what the games say",

@@ -1,12 +1,10 @@
-"""The page of results beside the paper: what its cells and findings say, and which commands find what is empty."""
+"""The page of results beside the paper: what its cells and findings say."""
 
-import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 from unittest import mock
 
-import click
 import pytest
 from report_folders import (
     AGENTS,
@@ -22,8 +20,6 @@ from report_folders import (
 
 from bench.paper import __main__ as paper
 from bench.paper.speeds import FILES, read_speeds
-from bench.speed.__main__ import main as measures
-from sjdsl.cli import commands
 
 ROOT = Path(__file__).parents[2]
 NOW: Mapping[tuple[str, str], Any] = {
@@ -36,17 +32,17 @@ def page_of(*folders: Path) -> str:
     found = read(*folders)
     speeds = {FILES[name]: frame for name, frame in read_speeds(ROOT / paper.DATA, []).items()}
     data = {paper.RESULTS: found.frame, paper.CURVES: found.curves, **speeds}
-    notes = [*found.notes]
     with mock.patch("bench.paper.contents.rules_now", lambda *game: NOW.get(game)):
-        return paper.made_page(data, paper.sections_of(data, notes), notes)
+        sections = paper.sections_of(data)
+    marks = "\n\n".join(f"<!-- {name} -->\n<!-- end {name} -->" for name in sections)
+    return paper.made_page(marks + "\n", sections)
 
 
 def test_everything(tmp_path: Path, golden: Callable[[Path, str], None]) -> None:
-    """What cells, findings and commands say of runs, diagrams and sweeps under the paper's rules and under others; not what was measured."""
+    """What cells and findings say of runs, diagrams and sweeps under the paper's rules and under others; not what was measured."""
     write_everything(tmp_path)
     text = page_of(tmp_path).replace(str(tmp_path), "runs")
-    measured = text.index("\n## Speed"), text.index("\n## Method")
-    golden(Path(__file__).with_name("paper_page.txt"), text[: measured[0]] + text[measured[1] :])
+    golden(Path(__file__).with_name("paper_page.txt"), text[: text.index("<!-- speed -->")])
 
 
 def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
@@ -65,22 +61,6 @@ def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
     assert coins.tolist() == pytest.approx([30 / 164, 50 / 164])
     assert harvest.tolist() == pytest.approx([20 / 410, 40 / 410])
     assert "The chosen weight of SVO is the one chosen in each game's own sweep." in text
-
-
-def test_commands_are_there_and_carry_the_variant_that_the_paper_played() -> None:
-    rows = page_of().splitlines()
-    called = [shlex.split(row) for row in rows if row.startswith("sjdsl ")]
-    assert {call[1] for call in called} == {"sweep", "schelling"}
-    above = click.Context(commands, info_name="sjdsl")
-    for _, name, *arguments in called:
-        command = commands.get_command(above, name)
-        assert command is not None, name
-        command.make_context(name, [*arguments], parent=above)
-        variant = "socialjax+automatic" if "gift_refinement" in arguments else "socialjax"
-        assert arguments[arguments.index("--variant") + 1] == variant
-        assert arguments[-1].endswith(f"_{variant}")
-    (measuring,) = [shlex.split(row)[3:] for row in rows if row.startswith("python -m bench.speed ")]
-    measures.commands[measuring[0]].make_context(measuring[0], measuring[1:])
 
 
 def test_speeds_are_taken_in_and_stand_beside_the_published_ones(tmp_path: Path) -> None:
