@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 @run_options(seeds=3)
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each evaluation.")
 @click.option("--workers", type=click.IntRange(min=1), metavar="K", default=1, show_default=True, help="Processes at a time.")
-@click.option("--together", type=click.IntRange(min=1), metavar="K", help="The most cells that one program trains.")
 @click.option("--retry", "again", is_flag=True, help="Try failed cells again.")
 @click.option("--dry-run", is_flag=True, help="List the cells and their progress, and stop.")
 @environment_options
@@ -44,7 +43,6 @@ def command(
     run: RunOptions,
     episodes: int,
     workers: int,
-    together: int | None,
     again: bool,
     dry_run: bool,
     options: EnvironmentOptions,
@@ -71,7 +69,7 @@ def command(
         return 0
     watch = Watch("auto", lambda line: click.echo(line, err=True))
     try:
-        outcome = sweep(spec, folder, describe, workers, together, again, watch)
+        outcome = sweep(spec, folder, describe, workers, again, watch)
     except (KeyboardInterrupt, OSError, DiskError):
         click.echo(f"what was trained is kept in {folder}; the same command resumes it", err=True)
         raise

@@ -220,20 +220,19 @@ def cells_of(known: Mapping[str, Any]) -> list[Cell]:
     return [Cell.read(name, described) for name, described in known["cells"].items()]
 
 
-def cells_at(folders: Sequence[Path | str]) -> tuple[Path, dict[str, Any], list[Cell]]:
-    """Returns the folder of a sweep, the content of its `sweep.json`, and the cells in these folders `DIR/cells/NAME`.
+def cell_at(folder: Path | str) -> tuple[Path, dict[str, Any], Cell]:
+    """Returns the folder of a sweep, the content of its `sweep.json`, and the cell in a folder `DIR/cells/NAME`.
 
     Raises:
-      ExperimentError: they aren't folders of cells of one sweep.
+      ExperimentError: it isn't the folder of a cell of a sweep.
     """
-    paths = [Path(folder).resolve() for folder in folders]
-    sweep = paths[0].parents[1]
+    path = Path(folder).resolve()
+    sweep = path.parents[1]
     known = read_sweep(sweep)
-    named = {run_dir(sweep, cell): cell for cell in cells_of(known)}
-    unknown = [path.name for path in paths if path not in named]
-    if unknown:
-        raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
-    return sweep, known, [named[path] for path in paths]
+    cell = next((cell for cell in cells_of(known) if run_dir(sweep, cell) == path), None)
+    if cell is None:
+        raise ExperimentError(f"{sweep} has no cell {path.name}")
+    return sweep, known, cell
 
 
 def run_dir(folder: Path, cell: Cell) -> Path:

@@ -28,7 +28,7 @@ STATUS = "status.csv"
 Row = dict[str, str]
 
 OF_CELL = ("cell", "game", "hash", "protocol", "stage", "point", "algorithm", "reward", "sharing", "variant")
-OF_RUN = ("seed", "updates", "env_steps", "episodes", "together", "hardware")
+OF_RUN = ("seed", "updates", "env_steps", "episodes", "hardware")
 FIRST = ("collective_return", "collective_return_low", "collective_return_high", "equality", "episode_length")
 KINDS = ("return_agent_", "event_", "mean_", "final_")  # of further figures
 OF_STATUS = ("cell", "game", "stage", "point", "seeds", "state", "update", "updates", "env_steps", "seconds", "reason")
@@ -60,7 +60,6 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
                 "updates": last.get("update"),
                 "env_steps": last.get("env_steps"),
                 "episodes": evaluation["episodes"],
-                "together": manifest.get("together", 1),
                 "hardware": f"{device.get('platform', '?')} x{device.get('count', '?')}: {device.get('kind', '?')}",
             }
             texts = {key: as_text(value) for key, value in {**cell.values, **place, **way}.items()}
