@@ -31,7 +31,7 @@ from .resuming import check_same_run, extended
 from .run_errors import DiskError, RunError
 from .run_files import write_json
 from .run_folder import describe_run, seed_folders
-from .run_lock import in_use, is_unused, locked
+from .run_lock import is_unused, locked
 from .updates import AfterUpdate, Callback, Keeping, Progress, Update, diverged_before, of_seed, run_updates
 
 NOT_EMPTY = "{} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it"
@@ -135,7 +135,7 @@ def resume(
 
 def _lock(run_dir: Path) -> AbstractContextManager[None]:
     """Returns the lock of a run's folder, in the process that writes there."""
-    return locked(run_dir, in_use(run_dir)) if is_first() else nullcontext()
+    return locked(run_dir) if is_first() else nullcontext()
 
 
 def _run(

@@ -49,7 +49,7 @@ def command(
 ) -> int:
     """Trains every cell of a sweep in GAMEs. Each combination of the values of all axes is a cell, with K seeds.
 
-    The folder gets sweep.json, a run in cells/NAME for each cell, results.csv and status.csv. The same command resumes a stopped sweep; a
+    The folder gets sweep.json, a run in cells/NAME for each cell, and results.csv. The same command resumes a stopped sweep; a
     new value adds cells. Several processes can work on one folder: docs/sweeps.md.
     """
     listed = [read_axis(text) for text in axes]
@@ -127,7 +127,7 @@ def _report(outcome: "Outcome", folder: Path) -> int:
     """Prints the result of a sweep; returns the exit status, 1 if a cell failed."""
     total = len(outcome.done) + len(outcome.failed) + len(outcome.stopped)
     click.echo(f"\n{len(outcome.done)} of {_counted(total, 'cell')} are done")
-    for name in ("sweep.json", "results.csv", "status.csv", "cells"):
+    for name in ("sweep.json", "results.csv", "cells"):
         click.echo(f"  {folder / name}")
     for name, reason in outcome.failed.items():
         click.echo(f"failed: {name}: {reason}", err=True)

@@ -7,6 +7,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import ConfigDict, StrictInt
+
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.library.stored_hashes import current_hash
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
@@ -31,13 +33,15 @@ Describe = Callable[[str, str | None, Mapping[str, Any]], tuple[dict[str, Any], 
 class Cell:
     """One cell; all fields are JSON values."""
 
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
     name: str  # and that of its folder
     game: str  # by the name in its file
     hash: str
     provenance: Mapping[str, Any]  # the arguments of `sjdsl.make`
     config: Mapping[str, Any]
     values: Mapping[str, Any]  # what its axes and its protocol set
-    stage: int
+    stage: StrictInt
     point: Any  # its place in the protocol; None without one
 
     @property

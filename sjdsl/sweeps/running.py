@@ -1,4 +1,4 @@
-"""A whole sweep: plans it, runs what is left, and writes its tables."""
+"""A whole sweep: plans it, runs what is left, and writes its table."""
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,7 +14,7 @@ from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.plan import Plan, plan_sweep, second_stage
 from sjdsl.sweeps.processes import run_in_processes
 from sjdsl.sweeps.protocols import SETS
-from sjdsl.sweeps.tables import collective_returns, write_tables
+from sjdsl.sweeps.tables import collective_returns, write_results
 from sjdsl.sweeps.work import ALONE, Watch, environment_of, run_cell
 from sjdsl.trainers.algorithms import make_train
 from sjdsl.trainers.config import ConfigError
@@ -73,7 +73,7 @@ def sweep(
             for line in _best_weights(following):
                 watch.tell(line)
             _run_stage(path, following, spec.episodes, workers, watch)
-    write_tables(path, read_sweep(path))
+    write_results(path, read_sweep(path))
     states = {cell.name: progress_of(path, cell, spec.episodes) for cell in cells}
     return Outcome(
         path,
@@ -122,18 +122,19 @@ def check_sweep(plan: Plan, folder: Path) -> dict[str, Any]:
       ExperimentError: a logger, a folder or a configuration is refused; nothing has been written.
     """
     check_loggers(plan.spec.loggers)
-    known = merged(folder, describe_sweep(plan.spec, plan.cells), plan)
+    known = merged(folder, describe_sweep(plan.spec, plan.cells))
     check_cells(plan.cells)
     return known
 
 
 def check_cells(cells: Sequence[Cell]) -> None:
-    """Raises ExperimentError if a configuration doesn't fit its game, before anything is written. Of those that differ in floats alone, one is enough."""
-    kinds = {
-        (cell.hash, repr({key: value for key, value in cell.config.items() if not isinstance(value, float)})): cell
-        for cell in reversed(cells)
-    }
-    for cell in reversed(kinds.values()):
+    """Raises ExperimentError if a configuration doesn't fit its game, before anything is written."""
+    checked = set()
+    for cell in cells:
+        kind = cell.hash, repr({key: value for key, value in cell.config.items() if not isinstance(value, float)})
+        if kind in checked:
+            continue  # floats alone don't decide what fits
+        checked.add(kind)
         try:
             make_train(environment_of(cell), cell.configuration())
         except (ConfigError, PolicyError) as error:

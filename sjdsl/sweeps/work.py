@@ -3,7 +3,6 @@
 import gc
 import json
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -31,7 +30,7 @@ from sjdsl.sweeps.folder import (
     seed_dirs,
 )
 from sjdsl.sweeps.locks import take
-from sjdsl.sweeps.tables import collective_returns, write_status, write_tables
+from sjdsl.sweeps.tables import collective_returns, write_results
 from sjdsl.trainers.config import ConfigError, make_config, stored_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
 from sjdsl.trainers.manifest import MANIFEST
@@ -61,7 +60,7 @@ ALONE = Watch()
 def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
     """Runs the cell in a folder `DIR/cells/NAME` of a sweep, unless it is done, has failed, or is running in another process.
 
-    A cell that was stopped resumes from its last checkpoint. The tables of the sweep are updated.
+    A cell that was stopped resumes from its last checkpoint. The table of the sweep is updated.
 
     Returns:
       the cell's state afterwards: `done`, `failed`, or `running` (elsewhere).
@@ -79,16 +78,11 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
         try:
             if progress_of(sweep, cell, episodes).state not in OVER:  # another process may have finished it meanwhile
                 ran = True
-                write_status(sweep, known)
                 _run(sweep, cell, known, watch)
-        except BaseException:  # an interruption too: the cell isn't running any more
+        finally:
             lock.release()
-            with suppress(OSError, ExperimentError):  # the disk may be full
-                write_status(sweep, read_sweep(sweep))  # another process may have added cells
-            raise
-        lock.release()
     known = read_sweep(sweep)  # another process may have added cells
-    write_tables(sweep, known)
+    write_results(sweep, known)
     progress = progress_of(sweep, cell, episodes)
     if ran and progress.state == "done":
         returns = collective_returns(sweep, known)[cell.name]

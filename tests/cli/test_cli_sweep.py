@@ -39,7 +39,7 @@ def test_a_sweep_over_numbers_of_a_game(sjdsl: Sjdsl, folder: Path) -> None:
     assert again.out.splitlines()[-1] == "2 cells: 2 done; at most 0 environment steps left"
     other = sjdsl(*SWEEP, "--seeds", "3")
     assert other.status == 1
-    assert "swept holds another sweep: its cell orchard_apple-1 has seeds 2 there, 3 here" in other.err
+    assert "swept holds another sweep: its cell orchard_apple-1 has config seeds 2 there, 3 here" in other.err
 
 
 @pytest.mark.thorough

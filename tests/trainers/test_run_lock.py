@@ -16,7 +16,7 @@ from sjdsl.trainers.run_lock import LOCK, is_unused
 from sjdsl.trainers.updates import Update
 
 CONFIG = SHORT.model_copy(update={"evaluate_every": 0})
-HOLDS = "from sjdsl.trainers.run_lock import in_use, locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1]), in_use(Path(sys.argv[1]))): print('held', flush=True); time.sleep(600)"
+HOLDS = "from sjdsl.trainers.run_lock import locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1])): print('held', flush=True); time.sleep(600)"
 
 
 @pytest.fixture(autouse=True)
