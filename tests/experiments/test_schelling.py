@@ -156,7 +156,7 @@ def test_another_experiment_is_refused_in_the_folder(tmp_path: Path) -> None:
         "episodes 2 there, 3 here": plan_diagram(matrix_game(), "stay", OTHER, 3, 0),
         "seed 0 there, 1 here": plan_diagram(matrix_game(), "stay", OTHER, 2, 1),
         "its policies differ": plan_diagram(matrix_game(), "random", OTHER, 2, 0),
-        "game params its payoff differ": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
+        "game hash": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
     }
     for message, other in changed.items():
         with pytest.raises(ExperimentError, match=message):
