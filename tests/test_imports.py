@@ -41,7 +41,7 @@ def homes(package: str) -> dict[str, str]:
     """Returns the modules that the names of a package are loaded from when they are first used (`lazy_names`)."""
     tree = ast.parse(MODULES[package].read_text("utf-8") if package in MODULES else "")
     calls = [n for n in ast.walk(tree) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id == "lazy_names"]
-    return {name: f"{package}.{home}" for call in calls for name, home in ast.literal_eval(call.args[1]).items()}
+    return {name: f"{package}.{home}" for call in calls for home, names in ast.literal_eval(call.args[1]).items() for name in names}
 
 
 @cache

@@ -13,7 +13,7 @@ from sjdsl.runtime.planes import TokenPlane
 from .config import ConfigError, PPOConfig
 from .environment import Environment, abstract_key, reset_shapes
 from .masks import wants_masks
-from .networks import TEAM, ActorCritic, ActorCriticPair, Memory
+from .networks import ActorCritic, Memory
 from .packing import Packing, make_packing
 from .teams import Bundle, bundle_teams, in_order, over_teams
 
@@ -25,17 +25,12 @@ class ActorCritics:
     """Networks of teams of agents, bundle by bundle; parameters and memory are tuples with an entry for each bundle."""
 
     bundles: tuple[Bundle, ...]
-    networks: tuple[ActorCritic | ActorCriticPair, ...]  # of a team, by bundle
+    networks: tuple[ActorCritic, ...]  # of a team, by bundle
     joint_shape: tuple[int, ...] | None  # of a central critic's input; None: critics are local
     from_state: bool  # whether that input is the state of the environment
     packing: Packing  # of the observations in a rollout
     masks: bool  # whether forbidden actions are never taken
     num_actions: int  # A
-    paired: bool = False  # agents have two policies and values, individual and team, on an axis after that of agents
-
-    def of_result(self, leaf: Array) -> Array:
-        """Returns logits or values `[L, M, N, ...]` of the resulting policies: of pairs, the team's."""
-        return leaf[:, :, :, TEAM] if self.paired else leaf
 
     def init(self, key: Array, env: Environment) -> tuple[Any, ...]:
         """Returns initial parameters: leaves `[G, ...]`, drawn with a different key for each team."""
@@ -55,7 +50,7 @@ class ActorCritics:
     def start_memory(self, num_envs: int) -> Memory:
         """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
 
-        def of_teams(bundle: Bundle, network: ActorCritic | ActorCriticPair) -> Memory:
+        def of_teams(bundle: Bundle, network: ActorCritic) -> Memory:
             one = network.start_memory(num_envs)
             return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(bundle.agents), axis=1), one)
 
@@ -81,7 +76,7 @@ class ActorCritics:
           from_state: `[L, M, K]` float32 for critics that see the state, else None.
           fresh: `[L, M]` bool, whether the episode starts with this step.
         Returns:
-          the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`; of pairs `[L, M, N, 2, A]` and `[L, M, N, 2]`.
+          the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`.
         """
         joint = self.joint(observation, from_state)
         memories, logits, values = [], [], []
@@ -104,8 +99,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     planes = token_planes(env)
     joint_planes: tuple[TokenPlane, ...] | None = None
     joint_shape: tuple[int, ...] | None = None
-    paired = config.algorithm == "irat"
-    central = config.algorithm in ("mappo", "irat")
+    central = config.algorithm == "mappo"
     from_state = central and config.critic == "state"
     if from_state:
         joint_planes, joint_shape = (), state_shape(env)
@@ -114,7 +108,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         joint_planes = planes * env.num_agents
         joint_shape = (len(joint_planes), *observation.shape[2:])
     bundles = bundle_teams(env, config)
-    single = tuple(
+    networks = tuple(
         ActorCritic(
             num_actions=env.num_actions,
             num_agents=bundle.team_size,
@@ -131,9 +125,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         )
         for bundle in bundles
     )
-    pairs = tuple(ActorCriticPair(individual=network.clone(joint_planes=None), team=network) for network in single)
-    networks = pairs if paired else single
-    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env), wants_masks(env, config), env.num_actions, paired)
+    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env), wants_masks(env, config), env.num_actions)
 
 
 def token_planes(env: Environment) -> tuple[TokenPlane, ...]:

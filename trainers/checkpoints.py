@@ -8,6 +8,7 @@ fails, orbax closes its event loop under those still being read, whose threads t
 import os
 import re
 import shutil
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from sjdsl.files import naming
 from .digest import digest_of
 from .processes import is_first
 from .seal import damage_of, seal
+from .training_functions import TrainState
 
 CHECKPOINTS = "checkpoints"
 KEPT = 2  # the last one, and the one before it in case the last is damaged
@@ -83,6 +85,19 @@ class Checkpoints:
         restored = [(leaf, arrays[keystr(place)]) for place, leaf in leaves]
         keys = [jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf)) if _is_key(leaf) else array for leaf, array in restored]
         return jax.tree.unflatten(structure, keys)
+
+    def restore_last(self, start: TrainState) -> tuple[TrainState, int]:
+        """Returns the state after the last checkpoint that can be read, and its update; `start` and 0 without one.
+
+        An unreadable checkpoint is dropped with a warning; the run reaches the same figures again from the one before.
+        """
+        for update in self.updates():
+            try:
+                return self.restore(update, start), update
+            except CheckpointError as error:
+                warnings.warn(f"{error}; resuming from the one before", stacklevel=2)
+                self.drop(update)
+        return start, 0
 
     def _read(self, update: int, **parts: Any) -> Any:
         """Returns parts of a checkpoint. Raises CheckpointError."""

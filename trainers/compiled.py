@@ -1,9 +1,8 @@
 """Compiles the functions of a run for its seeds and devices, and predicts whether they fit into memory."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import jax
@@ -40,22 +39,9 @@ class Compiled:
     megabytes: float  # memory of the larger of both functions, according to XLA
 
 
-@dataclass(frozen=True)
-class Lanes:
-    """Runs side by side in one program: L lanes, one for each seed of each run, that differ in numbers."""
-
-    seeds: Sequence[int]  # [L]
-    numbers: Any  # tree of [L, ...]
-    program_of: Callable[[Any], Train]  # returns the run of one lane from its numbers, which are traced
-
-
-def compile_train(program: Train, config: Config, lanes: Lanes | None = None) -> Compiled:
+def compile_train(program: Train, config: Config) -> Compiled:
     """Compiles a run.
 
-    Args:
-      program: the run.
-      config: its configuration. With lanes, `seeds` is their number.
-      lanes: seeds of several runs, of which `program` is any; None: the seeds of one run.
     Raises:
       ConfigError: the environments don't divide evenly over the devices.
       NoMemoryError: the run doesn't fit into the device's memory.
@@ -65,27 +51,23 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
     at_once: Over = jax.vmap if config.seeds > 1 else (lambda function: function)
     loops = program.loops and config.seeds > 1 and jax.default_backend() == "cpu"
     over_seeds: Over = one_after_the_other if loops else at_once
-    lanes = lanes or Lanes(config.seed_numbers, (), lambda _: program)
-    program_of = lanes.program_of
 
-    def first(numbers: Any, seeds: Array) -> TrainState:
-        start = at_once(lambda own, seed: program_of(own).init(jax.random.key(seed)))
-        result: TrainState = start(numbers, seeds if config.seeds > 1 else seeds[0])
+    def first(seeds: Array) -> TrainState:
+        result: TrainState = at_once(lambda seed: program.init(jax.random.key(seed)))(seeds if config.seeds > 1 else seeds[0])
         return result
 
-    seeds = jnp.asarray(lanes.seeds, jnp.uint32)
-    numbers = jax.device_put(lanes.numbers, placement.everywhere)
-    shapes = jax.eval_shape(first, numbers, seeds)
+    seeds = jnp.asarray(config.seed_numbers, jnp.uint32)
+    shapes = jax.eval_shape(first, seeds)
     places = placement.of_state(shapes)
     state = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, places)
     # Return leaves, not a tree: tracing again creates a new optimiser, which JAX would take for a different tree structure.
-    init = jax.jit(lambda *given: jax.tree.leaves(first(*given)), out_shardings=jax.tree.leaves(places))
-    collect_over = over_seeds(lambda own, state: program_of(own).collect(state))
-    collect = jax.jit(collect_over, donate_argnums=1, out_shardings=(places, None)).lower(numbers, state).compile()
-    played_shapes, played_places = jax.eval_shape(collect_over, numbers, state)[1], collect.output_shardings[1]
+    init = jax.jit(lambda seeds: jax.tree.leaves(first(seeds)), out_shardings=jax.tree.leaves(places))
+    collect_over = over_seeds(program.collect)
+    collect = jax.jit(collect_over, donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
+    played_shapes, played_places = jax.eval_shape(collect_over, state)[1], collect.output_shardings[1]
     played = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), played_shapes, played_places)
-    learn_over = over_seeds(lambda own, state, played: program_of(own).learn(state, played))
-    learn = jax.jit(learn_over, donate_argnums=1, out_shardings=(places, placement.everywhere)).lower(numbers, state, played).compile()
+    learn_over = over_seeds(program.learn)
+    learn = jax.jit(learn_over, donate_argnums=0, out_shardings=(places, placement.everywhere)).lower(state, played).compile()
     need, free = max(_bytes(collect), _bytes(learn)), free_memory()
     if need > free:
         raise NoMemoryError(
@@ -93,9 +75,9 @@ def compile_train(program: Train, config: Config, lanes: Lanes | None = None) ->
             f"{free / MEGABYTE:,.0f} MB are free; make num_envs, num_steps, seeds or buffer_size smaller"
         )
     return Compiled(
-        lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(numbers, seeds)),
-        partial(collect, numbers),
-        partial(learn, numbers),
+        lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(seeds)),
+        collect,
+        learn,
         at_once(program.parameters),
         state,
         time.perf_counter() - began,

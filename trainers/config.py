@@ -31,7 +31,7 @@ from .policy_names import lasting_name, split_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
-Algorithm = Literal["ippo", "mappo", "irat", "vdn"]
+Algorithm = Literal["ippo", "mappo", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
 # The built-in names of each kind of hook, which a configuration may replace by custom code.
@@ -43,6 +43,7 @@ BUNDLED: Mapping[Kind, tuple[str, ...]] = {
 }
 MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
+FORMER = (*RETIRED, "team_reward", "similarity_clip", "individual_kl", "team_kl")  # keys of stored configurations that nothing reads
 SEEDS = 2**32  # the number of seeds: JAX uses the lower 32 bits, so a larger seed would repeat the run of a smaller one
 
 
@@ -71,14 +72,6 @@ def _listed(value: Any) -> Any:
     if isinstance(value, str):
         return [part.strip() for part in value.split(",") if part.strip()]
     return [value] if isinstance(value, int | float) else value
-
-
-def _span(value: Any) -> Any:
-    """Returns one number as a constant span, two unchanged."""
-    listed = _listed(value)
-    if not isinstance(listed, list | tuple) or len(listed) not in (1, 2):
-        raise ValueError("one number, or two: at the start and at the end of the run")
-    return (*listed, *listed) if len(listed) == 1 else listed
 
 
 def _odd(value: int) -> int:
@@ -145,7 +138,6 @@ CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
 Sides = Annotated[tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...], Field(min_length=1), BeforeValidator(_listed)]
-Span = Annotated[tuple[NonNegativeFloat, NonNegativeFloat], BeforeValidator(_span)]  # from the start to the end of the run, linearly
 Groups = Annotated[tuple[NonNegativeInt, ...], BeforeValidator(_listed)]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partners)]
 
@@ -153,9 +145,7 @@ COMMON, SVO = only("reward", "common"), only("reward", "svo")
 EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
 TRACES = Only("reward", "svo or one of your own", lambda reward: reward not in get_args(RewardMode) or reward == "svo")
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
-CNN, MAPPO, IRAT = only("network", "cnn"), only("algorithm", "mappo"), only("algorithm", "irat")
-CENTRAL = only("algorithm", "mappo", "irat")
-ONE_POLICY = Only("algorithm", "ippo, mappo or one of your own", lambda algorithm: algorithm != "irat")
+CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
 BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
@@ -287,10 +277,10 @@ class Config(BaseModel):
 
 
 class PPOConfig(Config):
-    """Proximal policy optimisation with local critics (ippo), a central critic (mappo), or both (irat)."""
+    """Proximal policy optimisation with local critics (ippo) or a central critic (mappo)."""
 
-    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo", "irat")))] = "ippo"  # or a custom one
-    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUNDLED["loss"])), ONE_POLICY] = "ppo"  # or a custom one, of a minibatch
+    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo")))] = "ippo"  # or a custom one
+    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUNDLED["loss"]))] = "ppo"  # or a custom one, of a minibatch
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8
@@ -302,12 +292,8 @@ class PPOConfig(Config):
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 
-    critic: Annotated[Literal["observations", "state"], CENTRAL] = "observations"  # the critic's input: all agents' windows, or the state
+    critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"  # the critic's input: all agents' windows, or the state
     joint_optimiser: Annotated[bool, MAPPO] = False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
-    team_reward: Annotated[Literal["sum", "mean"], IRAT] = "mean"  # of all agents' raw rewards: the reward of team policies
-    similarity_clip: Annotated[Span, IRAT] = (3.0, 0.5)  # how far from 1 the individual policy's ratio to the team's counts
-    individual_kl: Annotated[Span, IRAT] = (0.2, 2.0)  # weight of KL(team ‖ individual) in the individual policy's loss
-    team_kl: Annotated[Span, IRAT] = (1.5, 0.0)  # weight of KL(individual ‖ team) in the team policy's loss
     sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents share a network
     roles: Annotated[Groups, only("sharing", "by_role")] = ()  # the role of each agent, as numbers from 0; empty: those of the game
     memory: Literal["none", "gru"] = "none"
@@ -335,7 +321,7 @@ class VDNConfig(Config):
     epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1  # of the run, until epsilon_end is reached
 
 
-CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "irat": PPOConfig, "vdn": VDNConfig}
+CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
 KEYS_OF: Mapping[str, Mapping[str, Any]] = {algorithm: kind.model_fields for algorithm, kind in CLASSES.items()}
 
 
@@ -366,7 +352,7 @@ def stored_config(values: Any, strict: bool = False) -> Config:
     """
     if not isinstance(values, Mapping):
         raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
-    return _config({key: value for key, value in values.items() if key not in RETIRED}, Given(None if strict else (), stored=True))
+    return _config({key: value for key, value in values.items() if key not in FORMER}, Given(None if strict else (), stored=True))
 
 
 def require_code(config: Config, place: str, to_act: bool) -> None:

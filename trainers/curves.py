@@ -25,8 +25,7 @@ def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
 
     Args:
       run_dir: a folder that `sjdsl train` wrote. Its rows are read one at a time, as those of a long run don't fit into memory.
-      metric: a column of `metrics.jsonl`; or several joined by `+`, perhaps divided by several:
-        `event_own/event_own+event_other`. Counts of single agents are added up. NaN where there is no value.
+      metric: a column of `metrics.jsonl`; without `_agent_N`, counts of single agents are added up. NaN where there is no value.
     Raises:
       RunError: no such run, no such column, or no metrics yet.
     """
@@ -40,16 +39,10 @@ def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
 
 def figures(rows: Iterable[Row], metric: str) -> np.ndarray:
     """Returns the environment steps and a metric of each row, `float64[2, T]`; see `read_seeds`."""
-    above, _, below = metric.partition("/")
     kept = array("d")
     for row in rows:
-        total = _sum(row, above)
-        kept.extend((row["env_steps"], np.divide(total, _sum(row, below)) if below else total))
+        kept.extend((row["env_steps"], math.fsum(row[key] for key in _columns(tuple(row), metric))))
     return np.array(kept).reshape(-1, 2).T
-
-
-def _sum(row: Row, names: str) -> np.float64:
-    return np.float64(math.fsum(row[key] for name in names.split("+") for key in _columns(tuple(row), name)))
 
 
 @lru_cache
@@ -99,21 +92,8 @@ def curve_line(label: str, folder: Path, metric: str) -> Line:
 
 
 def in_words(metric: str) -> str:
-    """Returns a metric in words, as the title of an axis: `event_own/event_own+event_other` is a share."""
-    above, _, below = metric.partition("/")
-    if not below:
-        prefixes = {next((prefix for prefix in OF_AN_EPISODE if name.startswith(prefix)), "") for name in above.split("+")}
-        form = OF_AN_EPISODE.get(prefixes.pop(), "{}") if len(prefixes) == 1 else "{}"
-        return form.format(_names_in_words(above))
-    relation = "share of" if set(above.split("+")) <= set(below.split("+")) else "ratio of"
-    joint = "in" if relation == "share of" else "to"
-    return f"{relation} {_names_in_words(above)} {joint} {_names_in_words(below)}"
-
-
-def _names_in_words(names: str) -> str:
-    words = []
-    for name in names.split("+"):
-        bare = next((name.removeprefix(prefix) for prefix in OF_AN_EPISODE if name.startswith(prefix)), name)
-        bare, _, agent = bare.partition("_agent_")
-        words.append(bare.replace("_", " ") + (f" of agent {agent}" if agent else ""))
-    return " and ".join(words)
+    """Returns a column in words, as the title of an axis: `event_own_agent_1` is `own of agent 1 in an episode`."""
+    prefix = next((prefix for prefix in OF_AN_EPISODE if metric.startswith(prefix)), "")
+    name, _, agent = metric.removeprefix(prefix).partition("_agent_")
+    words = name.replace("_", " ") + (f" of agent {agent}" if agent else "")
+    return OF_AN_EPISODE.get(prefix, "{}").format(words)

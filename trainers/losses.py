@@ -22,8 +22,7 @@ Loss = Callable[..., tuple[Array, Metrics]]  # (parameters, apply, batch, config
 class Batch:
     """A rollout to learn from, as M sequences of L steps: L is 1 for networks without memory, T with it.
 
-    A minibatch has some of the sequences, with all agents. With two policies there are values, advantages and targets of both,
-    `[L, M, N, 2]`, and log probabilities of both and of all actions, `[L, M, N, 2, A]`.
+    A minibatch has some of the sequences, with all agents.
     """
 
     observation: Array  # [L, M, N, bytes, V * V] uint8, packed; in a minibatch [L, m, S, P, V, V]
@@ -36,7 +35,6 @@ class Batch:
     advantage: Array  # [L, M, N] float32
     target: Array  # [L, M, N] float32, of the value
     allowed: Array | None = None  # [L, M, N, bytes] uint8, packed, or None: all; in a minibatch [L, m, S, A] bool
-    progress: Array | None = None  # [] float32, how much of the run is done, 0 .. 1
 
 
 def normalised(advantage: Array, config: PPOConfig) -> Array:

@@ -59,7 +59,6 @@ class _Manifest(_Part):
     extended: list[dict[str, Any]] = []
     diverged: list[_Diverged] = []
     updates: Number = 0
-    together: Number = 1
 
 
 def read_manifest(run_dir: Path) -> dict[str, Any]:

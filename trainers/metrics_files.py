@@ -1,9 +1,8 @@
-"""The metrics files of a run: one line an update, written at once, and truncated to the checkpoint when a run resumes.
+"""The metrics of a run: one line an update, written at once, and truncated to the checkpoint when a run resumes.
 
 A run of many small updates has more rows than fit into memory, so nothing here holds them all.
 """
 
-import csv
 import json
 import math
 import os
@@ -19,7 +18,6 @@ from .run_errors import RunError
 from .run_files import plain
 
 METRICS_JSONL = "metrics.jsonl"
-METRICS_CSV = "metrics.csv"
 EVALUATIONS = "evaluations.jsonl"
 
 Row = dict[str, Any]  # one line of the metrics: column -> number; NaN if missing
@@ -27,58 +25,64 @@ Row = dict[str, Any]  # one line of the metrics: column -> number; NaN if missin
 
 @dataclass(frozen=True)
 class Metrics:
-    """The open metrics of one seed: `metrics.jsonl` and `metrics.csv`. All rows have the same columns."""
+    """The open `metrics.jsonl` of one seed. All rows have the same columns."""
 
     lines: TextIO
-    table: TextIO
 
     def append(self, row: Row) -> None:
-        """Writes one row to both files and flushes them."""
-        known = plain(row)
-        writer = csv.writer(self.table)
-        if self.table.tell() == 0:
-            writer.writerow(known)
-        writer.writerow(known.values())
-        self.lines.write(json.dumps(known) + "\n")
-        for file in (self.table, self.lines):
-            with naming(file.name):
-                file.flush()
+        """Writes one row and flushes it."""
+        self.lines.write(json.dumps(plain(row)) + "\n")
+        with naming(self.lines.name):
+            self.lines.flush()
 
     def to_disk(self) -> None:
         """Makes the system write what was appended, so that nothing is lost even if the machine stops."""
-        for file in (self.lines, self.table):
-            os.fsync(file.fileno())
+        os.fsync(self.lines.fileno())
 
 
 @contextmanager
 def open_metrics(folder: Path) -> Iterator[Metrics]:
     """Opens the metrics of one seed for appending."""
-    with (
-        open_in_place(folder / METRICS_JSONL, "a") as lines,
-        open_in_place(folder / METRICS_CSV, "a", newline="") as table,
-    ):
-        yield Metrics(lines, table)
+    with open_in_place(folder / METRICS_JSONL, "a") as lines:
+        yield Metrics(lines)
 
 
-def cut_metrics(folder: Path, update: int) -> Iterator[Row]:
-    """Drops what was written after an update, including half a line; yields the remaining rows of the metrics, one at a time.
+def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Row]:
+    """Drops what was written after update `done`, including half a line; yields the remaining rows of the metrics, one at a time.
 
     Nothing is dropped before the last row has been taken.
+
+    Args:
+      folder: of a seed.
+      evaluate_every: updates from one evaluation to the next; 0: none.
+    Raises:
+      RunError: rows up to that update, or evaluations, are lost.
     """
-    size = kept = 0
-    for line, row in _whole_lines(folder / METRICS_JSONL):
-        if row["update"] > update:
+    lines, evaluations = folder / METRICS_JSONL, folder / EVALUATIONS
+    size, last = 0, Row()
+    for line, row in _whole_lines(lines) if done else ():
+        if row.get("update") != last.get("update", 0) + 1:
             break
         size += len(line)
-        kept += 1
-        yield known_row(row)
-        if row["update"] == update:
+        last = known_row(row)
+        yield last
+        if last["update"] == done:  # what follows may be anything
             break
-    _cut(folder / METRICS_JSONL, size)
-    table = folder / METRICS_CSV
-    _cut(table, _size_of_lines(table, kept + 1) if kept else 0)
-    evaluations = folder / EVALUATIONS
-    _cut(evaluations, sum(len(line) for line, row in _whole_lines(evaluations) if row["update"] <= update))
+    known, diverged = last.get("update", 0), not math.isfinite(last.get("loss", 0.0))  # a seed that has diverged has no more rows
+    if known != done and not diverged:
+        raise RunError(
+            f"{lines} is damaged: it holds only the first {known} of the {done} updates. Restore the file; or resume from an earlier update "
+            f"by removing the later ones from {folder / 'checkpoints'} (with several seeds, from the folder above)"
+        )
+    wanted = range(evaluate_every, known - diverged + 1, evaluate_every) if evaluate_every else range(0)
+    found = [line for number, (line, row) in zip(wanted, _whole_lines(evaluations), strict=False) if row.get("update") == number]
+    if len(found) < len(wanted):
+        raise RunError(
+            f"{evaluations} is damaged: it holds only {len(found)} of {len(wanted)} evaluations. Restore the file, or start a new run"
+        )
+    _cut(lines, size)
+    _cut(evaluations, sum(map(len, found)))
+    (folder / "metrics.csv").unlink(missing_ok=True)  # of an earlier version: the same rows, which wouldn't go on
 
 
 def read_rows(path: Path) -> Iterator[Row]:
@@ -136,14 +140,6 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
             if not isinstance(row, dict):
                 raise RunError(f"{path} is damaged: its line {number} can't be read. Restore the file")
             yield line, row
-
-
-def _size_of_lines(path: Path, number: int) -> int:
-    """Returns the bytes of the first lines of a file."""
-    if not path.exists():
-        return 0
-    with open(path, "rb") as file:
-        return sum(len(line) for line, _ in zip(file, range(number), strict=False))
 
 
 def _cut(path: Path, size: int) -> None:

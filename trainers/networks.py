@@ -189,29 +189,6 @@ class ActorCritic(nn.Module):
         return memory
 
 
-INDIVIDUAL, TEAM = 0, 1  # indices of the two policies of an agent
-
-
-class ActorCriticPair(nn.Module):
-    """Two separate networks of the same S agents: individual policies with a local critic, and team policies."""
-
-    individual: ActorCritic
-    team: ActorCritic
-
-    def __call__(
-        self, memory: Memory, observation: Array, joint: Array | None, fresh: Array, agents: Array | None = None
-    ) -> tuple[Memory, Array, Array]:
-        """Reads as `ActorCritic` does; returns memory, logits `[L, M, S, 2, A]`, values `[L, M, S, 2]`."""
-        own, *individual = self.individual(memory["individual"], observation, None, fresh, agents)
-        common, *team = self.team(memory["team"], observation, joint, fresh, agents)
-        logits, values = (jnp.stack(both, axis=3) for both in zip(individual, team, strict=True))
-        return {"individual": own, "team": common}, logits, values
-
-    def start_memory(self, num_envs: int) -> Memory:
-        """Returns the memory before the first step of M environments."""
-        return {"individual": self.individual.start_memory(num_envs), "team": self.team.start_memory(num_envs)}
-
-
 class ActionValues(nn.Module):
     """The value of each action given an agent's window; all agents share the network."""
 

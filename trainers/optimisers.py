@@ -29,16 +29,13 @@ def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
 
 
 def parts(config: PPOConfig) -> tuple[str, ...]:
-    """Returns the parts with an optimiser each: a central critic shares no layer with its actor, nor does an individual policy."""
-    if config.algorithm == "irat":
-        return ("individual", "actor", "critic")
+    """Returns the parts with an optimiser each: a central critic shares no layer with its actor."""
     return ("actor", "critic") if config.algorithm == "mappo" and not config.joint_optimiser else ()
 
 
 def part_of_each(parameters: Any) -> Any:
-    """Returns `actor`, `critic` or `individual` for each leaf, by the name of the module it is in."""
-    named = ("individual", "critic")
-    return jax.tree_util.tree_map_with_path(lambda path, _: next((p for p in named if f"['{p}" in keystr(path)), "actor"), parameters)
+    """Returns `actor` or `critic` for each leaf, by the name of the module it is in."""
+    return jax.tree_util.tree_map_with_path(lambda path, _: "critic" if "['critic" in keystr(path) else "actor", parameters)
 
 
 def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:

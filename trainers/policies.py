@@ -152,7 +152,7 @@ def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: 
     def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
         never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with the memory `start`
         memory, logits, _ = networks.apply(parameters, memory, observation[None, None], state, never_fresh)
-        likes = masked(networks.of_result(logits)[0, 0], allowed)
+        likes = masked(logits[0, 0], allowed)
         action = jnp.argmax(likes, axis=-1) if greedy else jax.random.categorical(key, likes)
         return memory, action.astype(jnp.int32)
 

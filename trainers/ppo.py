@@ -1,4 +1,4 @@
-"""Proximal policy optimisation (PPO) of N agents: runs of IPPO, MAPPO and IRAT, with shared or separate networks, and the clipped loss."""
+"""Proximal policy optimisation (PPO) of N agents: runs of IPPO and MAPPO, with shared or separate networks, and the clipped loss."""
 
 import math
 from dataclasses import replace
@@ -18,10 +18,9 @@ from .config import ConfigError, PPOConfig
 from .data_parallel import ALL, OF_ENVS, SECOND_OF_ENVS, mean_of_all, over_devices, own_keys, own_share
 from .environment import Environment, ObservableEnvironment
 from .episodes import FinishedEpisodes, mean_episode
-from .irat import both_rewards, irat_loss
 from .losses import Apply, Batch, Loss, clipped_surrogate, mean_entropy, normalised, value_loss
 from .masks import allowed_in, masked, pack_mask, unpack_mask
-from .networks import INDIVIDUAL, Memory
+from .networks import Memory
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
 from .own_settings import filled
 from .partners import Partners, learning_agents
@@ -34,7 +33,7 @@ from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 @flax.struct.dataclass
 class Acting:
-    """What a rollout stores of acting. For paired policies, log probabilities of all actions, `[..., B, N, 2, A]`, and values of both."""
+    """What a rollout stores of acting."""
 
     log_probability: Array  # [..., B, N] float32, of the drawn action
     value: Array  # [..., B, N] float32, of the observation
@@ -80,23 +79,22 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         after = replace(state, key=key, worlds=worlds)
         return after, Played(rollout, state.worlds.memory, finished, measured)
 
-    def take_steps(learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, progress: Array, key: Array) -> Any:
+    def take_steps(learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array) -> Any:
         """Returns the learners, their losses, and the values `[1, M, N]` that the rollout had with their targets."""
         params = tuple(own.params for own in learner)
         joint = _joint(env, networks, worlds.state)
         last_value = _value(networks, params, worlds.memory, worlds.observation, joint, worlds.fresh)
-        batch = replace(make_batch(rollout, memory, last_value, config), progress=progress)
+        batch = make_batch(rollout, memory, last_value, config)
         return *learn_teams(learner, batch, key, networks, config), batch.value, batch.target
 
     def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
         rollout = played.rollout
         key, shuffle_key = jax.random.split(state.key)
-        given, returned = (ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL, ALL), (ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS)
-        progress = state.updates / config.num_updates
+        given, returned = (ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL), (ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS)
         together = over_devices(take_steps, given, returned)
-        learners, losses, value, target = together(state.learner, state.worlds, rollout, played.memory, progress, shuffle_key)
+        learners, losses, value, target = together(state.learner, state.worlds, rollout, played.memory, shuffle_key)
         learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner, state.diverged)
-        value, target = (networks.of_result(leaf)[..., learning] for leaf in (value, target))
+        value, target = (leaf[..., learning] for leaf in (value, target))
         metrics = {
             **mean_episode(played.finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
@@ -156,10 +154,6 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         seen = jax.tree.map(lambda leaf: leaf[None], (worlds.observation, joint, worlds.fresh))
         memory, logits, value = networks.apply(parameters, worlds.memory, *seen)
         allowed = allowed_in(env, networks.masks, worlds.state)
-        if networks.paired:
-            likes = masked(logits[0], None if allowed is None else allowed[..., None, :])
-            action = draw_actions(key, likes[..., INDIVIDUAL, :])
-            return memory, action, Acting(jax.nn.log_softmax(likes), value[0], pack_mask(allowed))
         likes = masked(logits[0], allowed)
         action = draw_actions(key, likes)
         return memory, action, Acting(chosen_log_probability(likes, action), value[0], pack_mask(allowed))
@@ -173,7 +167,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         result: Array = jax.lax.cond(
             truncated.any(),
             lambda memory, last, joint: _value(networks, parameters, memory, last, joint, jnp.zeros_like(truncated)),
-            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents, *[2] * networks.paired), jnp.float32),
+            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
             memory,
             info["terminal_observation"],
             joint,
@@ -217,16 +211,8 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
       last_value: `[B, N]`, values of the observations after its last step.
     """
     acting: Acting = rollout.acting
-
-    def advantages(reward: Array, value: Array, last_value: Array, ending: Array) -> Array:
-        successors = successor_values(value, last_value, ending, rollout.done, rollout.truncated)
-        return generalised_advantages(reward, value, successors, rollout.done, config.gamma, config.gae_lambda)
-
-    if config.algorithm == "irat":
-        of_both = jax.vmap(advantages, in_axes=-1, out_axes=-1)
-        advantage = of_both(both_rewards(rollout, config), acting.value, last_value, rollout.ending)
-    else:
-        advantage = advantages(rollout.shaped_reward, acting.value, last_value, rollout.ending)
+    successors = successor_values(acting.value, last_value, rollout.ending, rollout.done, rollout.truncated)
+    advantage = generalised_advantages(rollout.shaped_reward, acting.value, successors, rollout.done, config.gamma, config.gae_lambda)
     steps = {
         "observation": rollout.observation,
         "joint": rollout.joint,
@@ -349,14 +335,11 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
         advantage=of_team(batch.advantage),
         target=of_team(batch.target),
         allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.num_actions),
-        progress=batch.progress,
     )
 
 
 def loss_of(config: PPOConfig) -> Loss:
     """Returns the loss that gradient steps minimise."""
-    if config.algorithm == "irat":
-        return irat_loss
     if config.loss == "ppo":
         return ppo_loss
     own = filled("loss", config.loss, config.own)

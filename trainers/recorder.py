@@ -15,7 +15,6 @@ from .evaluation import Evaluation, evaluation_key, make_evaluator, summarise
 from .learning_curve import draw_learning_curve
 from .learning_signs import Signs, is_due
 from .loggers import LoggerName, Loggers, open_loggers
-from .mending import mend_metrics
 from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
 from .policies import trained_policy
 from .policy_file import POLICIES, SUFFIX, remove_policies, write_policy
@@ -144,9 +143,8 @@ def open_recorders(
 
         for folder, seed in zip(folders, config.seed_numbers, strict=True) if is_first() else ():
             folder.mkdir(parents=True, exist_ok=True)
-            mend_metrics(folder, done, config.evaluate_every)
             history = History(config)
-            for row in cut_metrics(folder, done):
+            for row in cut_metrics(folder, done, config.evaluate_every):
                 history.recall(row)
             steps = done * config.steps_per_update
             opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config, steps))

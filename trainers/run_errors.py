@@ -5,9 +5,5 @@ class RunError(Exception):
     """A run can't start, or can't continue."""
 
 
-class TooLargeError(RunError):
-    """A run needs more memory than there is."""
-
-
 class DiskError(RunError):
     """A file of a run couldn't be written; what was saved before is whole."""

@@ -1,10 +1,10 @@
-"""The lock of a folder: only one process writes there. The system releases it however the process ends."""
+"""The lock of a run's folder: only one process writes there. The system releases it however the process ends."""
 
 import fcntl
 import os
 import socket
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -20,19 +20,12 @@ def is_unused(run_dir: Path) -> bool:
     return not run_dir.exists() or (run_dir.is_dir() and all(path.name == LOCK for path in run_dir.iterdir()))
 
 
-def in_use(run_dir: Path) -> Callable[[str], RunError]:
-    """Returns the error about a run's folder in which a process trains, from the name of that process."""
-    return lambda holder: RunError(f"{run_dir} is in use: {holder} trains there. Wait until it has ended, or name another folder")
-
-
 @contextmanager
-def locked(folder: Path, refusal: Callable[[str], Exception]) -> Iterator[None]:
-    """Locks a folder, which is made if it is missing.
+def locked(folder: Path) -> Iterator[None]:
+    """Locks the folder of a run, which is made if it is missing.
 
-    Args:
-      refusal: makes the error to raise if another process has the lock, from the name of that process.
     Raises:
-      OSError: the lock is a link.
+      RunError: another process trains there. OSError: the lock is a link.
     """
     folder.mkdir(parents=True, exist_ok=True)
     with open_in_place(folder / LOCK, "a+") as file:
@@ -40,7 +33,8 @@ def locked(folder: Path, refusal: Callable[[str], Exception]) -> Iterator[None]:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             file.seek(0)
-            raise refusal(file.read().strip() or "another process") from None
+            holder = file.read().strip() or "another process"
+            raise RunError(f"{folder} is in use: {holder} trains there. Wait until it has ended, or name another folder") from None
         except OSError as error:
             warnings.warn(f"{folder} can't be locked ({error.strerror}): make sure that no other process writes there", stacklevel=3)
         with suppress(OSError):  # the holder only matters to the message above

@@ -46,7 +46,7 @@ class Update:
 Callback = Callable[[Update], Any]  # called after an update; the run ends there if it returns True
 
 
-# Called after an update with its number, the rows of all lanes, the indices of those that learn, and the parameters; whether to end the run.
+# Called after an update with its number, the rows of all seeds, the indices of those that learn, and the parameters; whether to end the run.
 AfterUpdate = Callable[[int, Sequence[Row], Sequence[int], Any], bool]
 
 
@@ -67,7 +67,6 @@ class Keeping:
     save: Callable[[int, Any], None]  # writes a checkpoint: the state after an update
     show: Show
     after_update: AfterUpdate = lambda *_: False
-    runs: int = 1  # trained side by side by one program, with the same number of seeds each
 
     def recording(self, seeds: Sequence[int]) -> list[tuple[int, Recorder]]:
         """Returns the recorders of seeds, by their indices; none in processes that don't write."""
@@ -110,7 +109,7 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                     "update": number,
                     "env_steps": number * config.steps_per_update,
                     "seconds": before + now - began,
-                    "steps_per_second": config.steps_per_update * config.seeds / keeping.runs / (now - last),
+                    "steps_per_second": config.steps_per_update * config.seeds / (now - last),
                     "rollout_share": (acted - last) / (now - last),
                 }
                 rows = [start | flatten_metrics(of_seed(measured, index, config)) for index in range(config.seeds)]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.trainers import Estimate, Evaluation
 
-WITHOUT_GAME = ("run", "episodes", "seed", "greedy", "which", "film", "scenario", "allow_code")  # parameters allowed without --game
+WITHOUT_GAME = ("run", "episodes", "seed", "greedy", "film", "scenario", "allow_code")  # parameters allowed without --game
 STORED = ".safetensors"
 
 
@@ -33,7 +33,6 @@ STORED = ".safetensors"
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes to play.")
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
 @click.option("--greedy/--drawn", default=None, help="Take the best action, or draw one.  [default: drawn; greedy with vdn]")
-@click.option("--which", type=click.Choice(["last", "best"]), help="The last or the best policy of a run.")
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif, .mp4 or .html.")
 @click.option("-o", "output", metavar="FILE|DIR", help="Where results go: a .json with --game, a folder with --scenario.")
 @code_option
@@ -45,7 +44,6 @@ def command(
     episodes: int,
     seed: int,
     greedy: bool | None,
-    which: str | None,
     film: str | None,
     output: str | None,
     options: EnvironmentOptions,
@@ -54,9 +52,9 @@ def command(
 
     RUN is a folder that `sjdsl train` wrote (each of its seeds is evaluated), RUN@best or RUN@UPDATE. POLICY is random, stay, a policy of
     the game's file, a .safetensors file, or FILE.py:FUNCTION. --scenario gives a score between 0, random agents, and 1, the best scripted
-    ones; the same command resumes a stopped one.
+    ones.
     """
-    path, named = split_name(run)
+    path, which = split_name(run)
     if game is None:
         given = written_options(*WITHOUT_GAME)
         if "-o" in given and scenario is None:
@@ -64,20 +62,15 @@ def command(
         for option in given:
             if option != "-o":
                 raise click.UsageError(f"{option} is for --game; without it, a run plays in the game it was trained in")
-    if which is not None and named not in (which, "last"):
-        raise click.UsageError(f"{run} names one policy and --which {which} another; leave out one of them")
     if scenario is not None:
         if film is not None or greedy is not None:
             raise click.UsageError(f"{'--film' if film is not None else '--greedy' if greedy else '--drawn'} is not for --scenario")
-        chosen = f"{run}@{which}" if which is not None and path == Path(run) else run
-        evaluate_in_scenarios(chosen, scenario, game, episodes, seed, output, options)
+        evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options)
         return
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))
     if game is not None:
-        if which is not None:
-            raise click.UsageError(f"--which is for runs; with --game, `{run}` must be a single policy")
         env, policy = _evaluate_policy(run, game, episodes, seed, greedy, output, options)
     else:
         provenance = provenance_of(path, OR_A_GAME)
@@ -85,9 +78,9 @@ def command(
             env = make_environment(provenance)
         folders = sorted(path.glob("seed_*")) or [path]
         for folder in folders:
-            evaluate_run(folder, env, episodes, seed, greedy, which or named)
+            evaluate_run(folder, env, episodes, seed, greedy, which)
         list_files(path)
-        policy = stored_policy(folders[0], env, greedy, which or named) if film is not None else None
+        policy = stored_policy(folders[0], env, greedy, which) if film is not None else None
     if film is not None:
         with stages("drawing an episode") as say:
             done = save_film(env, policy, Path(film), env.episode_length, seed, say=say)

@@ -12,7 +12,7 @@ EXAMPLES = {
     "doc": ("sjdsl doc clean_up", "sjdsl doc my_game.sj --variant lush -o my_game.md"),
     "dump": ("sjdsl dump my_game.sj --after ir", "sjdsl dump my_game.sj --after python --no-positions"),
     "evaluate": (
-        "sjdsl evaluate runs/coins --which best --film coins.gif",
+        "sjdsl evaluate runs/coins@best --film coins.gif",
         "sjdsl evaluate cooperator --game coins --scenario all",
     ),
     "explain": ("sjdsl explain SJ401", "sjdsl explain SJ101"),

@@ -40,16 +40,10 @@ def experiment(game: str, policies: Sequence[str], folder: Path, options: Enviro
 
 @contextmanager
 def playing_in(arguments: Mapping[str, Any], folder: Path) -> Iterator[tuple["Environment", Say]]:
-    """Yields the environment of these arguments and a function that announces stages; if interrupted, says where the results are."""
+    """Yields the environment of these arguments and a function that announces stages."""
     require_folder_of(folder)
     with stages(LOADING) as say:
-        env = make_environment(arguments)
-        try:
-            yield env, say
-        except KeyboardInterrupt:
-            if folder.is_dir():
-                click.echo(f"what was played is kept in {folder}; the same command resumes it", err=True)
-            raise
+        yield make_environment(arguments), say
 
 
 def echo_files(folder: Path, names: Sequence[str]) -> None:

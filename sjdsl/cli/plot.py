@@ -15,7 +15,7 @@ from sjdsl.extras import require
     "--metric",
     default="collective_return",
     show_default=True,
-    help="A column of metrics.jsonl, a sum, or a quotient of sums, such as event_own/event_own+event_other.",
+    help="A column of metrics.jsonl.",
 )
 def command(runs: tuple[str, ...], output: str, metric: str) -> None:
     """Plots a metric of RUNs over environment steps: the mean over the seeds of each run, and their range.

@@ -12,9 +12,8 @@ from sjdsl.extras import require
 
 @click.command("report")
 @click.argument("sources", nargs=-1, required=True, metavar="DIR...")
-@click.option("-o", "output", default="report", show_default=True, metavar="OUT", help="The folder to write to.")
-@click.option("--json", "nested", is_flag=True, help="Also write marl_eval.json, for the library marl-eval.")
-def command(sources: tuple[str, ...], output: str, nested: bool) -> None:
+@click.option("-o", "output", default="report", show_default=True, metavar="OUT", help="The new folder to write to.")
+def command(sources: tuple[str, ...], output: str) -> None:
     """Makes a report of DIRs: a page, a CSV for each table, pictures as PNG and SVG, and the results as CSV.
 
     DIR is the folder of a run, a sweep, a Schelling diagram or a cross-play, a folder of such folders, or the `data` of an earlier report.
@@ -28,7 +27,7 @@ def command(sources: tuple[str, ...], output: str, nested: bool) -> None:
     with stages("reading the results and drawing"):
         from sjdsl.results.report import write_report
 
-        report = write_report([Path(source) for source in sources], folder, call, nested)
+        report = write_report([Path(source) for source in sources], folder, call)
     for note in report.notes:
         click.echo(f"note: {note}", err=True)
     click.echo(f"{folder / 'report.md'}  {report.runs} runs, {report.seeds} seeds, {report.tables} tables, {report.pictures} pictures")

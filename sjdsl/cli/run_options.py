@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from sjdsl.trainers.loggers import LoggerName
 
 Command = Callable[..., Any]
-ALGORITHMS = ("ippo", "mappo", "irat", "vdn")
+ALGORITHMS = ("ippo", "mappo", "vdn")
 REWARDS = ("individual", "common", "svo", "exchange", "inequity")
 
 

@@ -20,8 +20,7 @@ FILES = ("schelling.json", "schelling.png", "schelling.svg")
 def command(game: str, cooperators: str, defectors: str, episodes: int, seed: int, output: str | None, options: EnvironmentOptions) -> None:
     """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a dilemma for them, at 95 %.
 
-    A RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the intervals are over seeds. The same command
-    resumes a stopped diagram.
+    A RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the intervals are over seeds.
     """
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_schelling")

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 @run_options(seeds=3)
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each evaluation.")
 @click.option("--workers", type=click.IntRange(min=1), metavar="K", default=1, show_default=True, help="Processes at a time.")
-@click.option("--together", type=click.IntRange(min=1), metavar="K", help="The most cells that one program trains.")
 @click.option("--retry", "again", is_flag=True, help="Try failed cells again.")
 @click.option("--dry-run", is_flag=True, help="List the cells and their progress, and stop.")
 @environment_options
@@ -44,14 +43,13 @@ def command(
     run: RunOptions,
     episodes: int,
     workers: int,
-    together: int | None,
     again: bool,
     dry_run: bool,
     options: EnvironmentOptions,
 ) -> int:
     """Trains every cell of a sweep in GAMEs. Each combination of the values of all axes is a cell, with K seeds.
 
-    The folder gets sweep.json, a run in cells/NAME for each cell, results.csv and status.csv. The same command resumes a stopped sweep; a
+    The folder gets sweep.json, a run in cells/NAME for each cell, and results.csv. The same command resumes a stopped sweep; a
     new value adds cells. Several processes can work on one folder: docs/sweeps.md.
     """
     listed = [read_axis(text) for text in axes]
@@ -71,7 +69,7 @@ def command(
         return 0
     watch = Watch("auto", lambda line: click.echo(line, err=True))
     try:
-        outcome = sweep(spec, folder, describe, workers, together, again, watch)
+        outcome = sweep(spec, folder, describe, workers, again, watch)
     except (KeyboardInterrupt, OSError, DiskError):
         click.echo(f"what was trained is kept in {folder}; the same command resumes it", err=True)
         raise
@@ -129,7 +127,7 @@ def _report(outcome: "Outcome", folder: Path) -> int:
     """Prints the result of a sweep; returns the exit status, 1 if a cell failed."""
     total = len(outcome.done) + len(outcome.failed) + len(outcome.stopped)
     click.echo(f"\n{len(outcome.done)} of {_counted(total, 'cell')} are done")
-    for name in ("sweep.json", "results.csv", "status.csv", "cells"):
+    for name in ("sweep.json", "results.csv", "cells"):
         click.echo(f"  {folder / name}")
     for name, reason in outcome.failed.items():
         click.echo(f"failed: {name}: {reason}", err=True)

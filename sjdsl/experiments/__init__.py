@@ -5,27 +5,25 @@ from typing import TYPE_CHECKING
 from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .crossplay import cross_play
-    from .diagram import Diagram
-    from .mixtures import CrossPlay
-    from .players import find_pool
-    from .refusals import ExperimentError
-    from .scenario_scores import ScenarioScores
-    from .scenarios import play_scenarios
-    from .schelling import schelling_diagram
-
-__all__ = ["CrossPlay", "Diagram", "ExperimentError", "ScenarioScores", "cross_play", "find_pool", "play_scenarios", "schelling_diagram"]
+    from .crossplay import cross_play as cross_play
+    from .diagram import Diagram as Diagram
+    from .mixtures import CrossPlay as CrossPlay
+    from .players import find_pool as find_pool
+    from .refusals import ExperimentError as ExperimentError
+    from .scenario_scores import ScenarioScores as ScenarioScores
+    from .scenarios import play_scenarios as play_scenarios
+    from .schelling import schelling_diagram as schelling_diagram
 
 __getattr__ = lazy_names(
     __name__,
     {
-        "CrossPlay": "mixtures",
-        "Diagram": "diagram",
-        "ExperimentError": "refusals",
-        "ScenarioScores": "scenario_scores",
-        "cross_play": "crossplay",
-        "find_pool": "players",
-        "play_scenarios": "scenarios",
-        "schelling_diagram": "schelling",
+        "crossplay": ("cross_play",),
+        "diagram": ("Diagram",),
+        "mixtures": ("CrossPlay",),
+        "players": ("find_pool",),
+        "refusals": ("ExperimentError",),
+        "scenario_scores": ("ScenarioScores",),
+        "scenarios": ("play_scenarios",),
+        "schelling": ("schelling_diagram",),
     },
 )

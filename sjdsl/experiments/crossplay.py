@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from sjdsl.experiments.folder import open_folder, write_compact_json
+from sjdsl.experiments.folder import record_experiment, require_same, write_compact_json
 from sjdsl.experiments.lineups import Lineup, all_mixtures, paired_mixtures
 from sjdsl.experiments.mixtures import CrossPlay, Mix, report_of, table_of
 from sjdsl.experiments.pictures import draw_matrix, picture_bytes
@@ -35,10 +35,10 @@ def cross_play(
       mix: `all`: every mixture over N slots; `pairs`: one agent of a policy among N - 1 of another, and each with itself.
       episodes: E, of each mixture and replicate.
       seed: the seed of the episodes. All mixtures have the same starts; a line-up plays those of `evaluate` with `evaluation_key(seed)`.
-      folder: where episodes are stored and looked up first, and results are written. None: nothing is written.
+      folder: where results are written: a new or empty folder, or one of the same experiment. None: nothing is written.
       tell: called with a line before each line-up.
     Raises:
-      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full; what was played before stays.
+      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
     """
     return play_mixtures(plan_cross_play(env, slots, policies, mix, episodes, seed), mix if slots is None else None, folder, tell)
 
@@ -46,10 +46,12 @@ def cross_play(
 def play_mixtures(experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell) -> CrossPlay:
     """Plays a plan of `plan_cross_play`; see `cross_play`. `mix`: None for a given line-up."""
     asked = {"experiment": "crossplay", "mix": mix, "lineups": experiment.lineups, **experiment.describe()}
-    with open_folder(None if folder is None else Path(folder), asked) as kept:
-        found = CrossPlay(experiment, tuple(play_experiment(experiment, kept, tell)), mix)
-        if kept is not None:
-            write_cross_play(found, kept.path)
+    if folder is not None:
+        require_same(Path(folder), asked)
+    found = CrossPlay(experiment, tuple(play_experiment(experiment, tell)), mix)
+    if folder is not None:
+        record_experiment(Path(folder), asked)
+        write_cross_play(found, Path(folder))
     return found
 
 

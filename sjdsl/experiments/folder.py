@@ -1,97 +1,44 @@
-"""The folder of an experiment: its settings, and a part for each line-up that has been played, so that a stopped command can resume."""
+"""The folder of an experiment: `experiment.json` says what its results depend on, so that no other experiment overwrites them."""
 
 import json
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.files import UNFINISHED, naming, write_whole
-from sjdsl.trainers.evaluation import Evaluation
+from sjdsl.files import UNFINISHED, write_whole
 from sjdsl.trainers.run_files import plain, write_json
-from sjdsl.trainers.run_lock import LOCK, locked
 
 ASKED = "experiment.json"
-PARTS = "parts"
-ARRAYS = ("returns", "lengths", "order")
 INNERMOST_LIST = re.compile(r"\[\n\s*([^\[\]{}]*?)\n\s*\]")  # JSON strings contain no line breaks
 
 
-class Folder:
-    """A folder with the settings in `experiment.json`, and in `parts` one file for each line-up and replicate, written atomically."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def find(self, name: str) -> tuple[Evaluation, np.ndarray] | None:
-        """Returns the episodes that were played and the order of their slots; None if there are none, or they can't be read."""
-        found = read_json(self.path / PARTS / f"{name}.json")
-        if found is None or not all(isinstance(found.get(key), list) for key in ARRAYS):
-            return None
-        try:
-            events = {event: np.asarray(counts, np.int32) for event, counts in found.get("events", {}).items()}
-            played = Evaluation(np.asarray(found["returns"], np.float32), np.asarray(found["lengths"], np.int32), events, {}, {})
-            return played, np.asarray(found["order"], np.int32)
-        except (TypeError, ValueError):  # not numbers, or not of one shape
-            return None
-
-    def keep(self, name: str, played: Evaluation, order: np.ndarray) -> None:
-        """Stores the episodes. Raises OSError if the disk is full; then nothing of them is stored."""
-        content = {"returns": played.returns, "lengths": played.lengths, "events": dict(played.events), "order": order}
-        write_json(self.path / PARTS / f"{name}.json", content)
-
-
-@contextmanager
-def open_folder(path: Path | None, asked: Mapping[str, Any]) -> Iterator[Folder | None]:
-    """Makes a folder, or resumes the experiment in it; no other process can use it until the block ends.
+def require_same(path: Path, asked: Mapping[str, Any]) -> None:
+    """Checks that an experiment may write its results to a folder: it is new, empty, or of the same experiment.
 
     Args:
-      path: a new or empty folder, or one of the same experiment; None stores nothing.
       asked: everything that the results depend on, as JSON values.
     Raises:
-      ExperimentError: the folder holds something else, or another process is using it.
+      ExperimentError: it holds something else.
     """
-    if path is None:
-        yield None
-        return
-    wanted = plain(asked)
-    _check_same(path, wanted)
-    in_use = "{} is in use by {}; wait until it has ended, or name another folder"
-    with naming(path / PARTS / LOCK), locked(path / PARTS, lambda holder: ExperimentError(in_use.format(path, holder))):
-        if not _check_same(path, wanted):  # again: another process may have started in between
-            write_json(path / ASKED, wanted)
-        yield Folder(path)
-
-
-def _check_same(path: Path, wanted: Mapping[str, Any]) -> bool:
-    """Returns whether a folder holds this experiment; False if it is empty. Raises ExperimentError if it holds something else."""
     if path.exists() and not path.is_dir():
         raise ExperimentError(f"{path} is a file, but the results need a folder; name another")
-    before = read_json(path / ASKED)
-    if before is not None:
-        if before != wanted:
-            if not _foreign(path):
-                return False  # stopped before its first line-up was played: nothing is lost
-            raise ExperimentError(f"{path} holds another experiment: {'; '.join(differences(before, wanted))}. Name another folder")
-        return True
-    if (path / ASKED).exists():
+    before, wanted = read_json(path / ASKED), plain(asked)
+    if before is not None and before != wanted:
+        raise ExperimentError(f"{path} holds another experiment: {first_difference(before, wanted)}. Name another folder")
+    if before is None and (path / ASKED).exists():
         raise ExperimentError(f"{path / ASKED} is damaged and can't be read. Name another folder, or remove this one")
-    others = _foreign(path) if path.is_dir() else []
-    if others:
-        raise ExperimentError(f"{path} is not empty and holds no experiment to resume ({', '.join(others[:3])}); name another folder")
-    return False
+    inside = sorted(found.name for found in path.iterdir() if not found.name.endswith(UNFINISHED)) if path.is_dir() else []
+    if before is None and inside:
+        raise ExperimentError(f"{path} is not empty and holds no experiment ({', '.join(inside[:3])}); name another folder")
 
 
-def _foreign(path: Path) -> list[str]:
-    """Returns what a folder holds besides the files that every experiment starts with."""
-    others = sorted(inside.name for inside in path.iterdir() if inside.name not in (ASKED, PARTS) and not inside.name.endswith(UNFINISHED))
-    played = sorted(f"{PARTS}/{inside.name}" for inside in (path / PARTS).glob("*") if inside.name != LOCK)
-    return others + played
+def record_experiment(path: Path, asked: Mapping[str, Any]) -> None:
+    """Writes what the results in a folder depend on, before they are written themselves."""
+    path.mkdir(parents=True, exist_ok=True)
+    write_json(path / ASKED, asked)
 
 
 def read_json(path: Path) -> dict[str, Any] | None:
@@ -103,18 +50,17 @@ def read_json(path: Path) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
-def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
-    """Yields the differences between two experiments, one phrase each."""
-    for key in sorted(before.keys() | now.keys()):
+def first_difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    """Returns the first key that differs, with both values unless they are lists, which come last; empty if none does."""
+    for key in sorted(before.keys() | now.keys(), key=lambda key: (isinstance(before.get(key, now.get(key)), list), key)):
         there, here = before.get(key), now.get(key)
-        if there == here:
-            continue
         if isinstance(there, Mapping) and isinstance(here, Mapping):
-            yield from (f"{key} {phrase}" for phrase in differences(there, here))
-        elif isinstance(there, list | Mapping) or isinstance(here, list | Mapping):
-            yield f"its {key} differ"
-        else:
-            yield f"{key} {there} there, {here} here"
+            if found := first_difference(there, here):
+                return f"{key} {found}"
+        elif there != here:
+            is_long = isinstance(there, list | Mapping) or isinstance(here, list | Mapping)
+            return f"its {key} differ" if is_long else f"{key} {there} there, {here} here"
+    return ""
 
 
 def write_compact_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -33,7 +33,7 @@ init_from loss reward common_reward reward_smoothing svo_angle svo_weight svo_at
 exchange_ratio inequity_envy inequity_guilt inequity_smoothing match_socialjax
 checkpoint_minutes checkpoint_share checkpoint_updates policy_every keep_policies evaluate_every evaluation_episodes
 num_epochs num_minibatches gae_lambda clip_epsilon scale_clip_epsilon clip_value_loss entropy_coefficient value_coefficient
-joint_optimiser spread_starts advantage_floor team_reward similarity_clip individual_kl team_kl
+joint_optimiser spread_starts advantage_floor
 buffer_size batch_size gradient_steps learning_starts double_q target_update_every target_rate epsilon_start epsilon_fraction
 """
 LEARNING = frozenset(_LEARNING.split())
@@ -182,28 +182,24 @@ def player_of(pool: Pool, replicate: int) -> Player:
 
 
 def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
-    """Returns pools whose players at the same index play together; a seed without a partner is left out, with a note.
+    """Returns pools whose players at the same index play together: seeds with the same number, or the only ones.
 
-    Seeds with the same number play together, so that a diverged seed of one pool shifts nobody. If no number is in all trained pools, as
-    with seeds 0 to 4 and 5 to 9, those of the same rank do, counted before any is left out.
+    If a seed of one pool has diverged, that of the others is left out, with a note.
 
     Raises:
-      ExperimentError: the pools have different numbers of seeds, or too few are left to play.
+      ExperimentError: the pools have different seeds, or too few are left to play.
     """
     trained = [pool for pool in pools if pool.is_trained]
-    if len(trained) < 2:
-        return tuple(pools)
     seeds = {pool: sorted({*pool.seeds, *pool.diverged}) for pool in trained}
-    by_number = bool(set.intersection(*map(set, seeds.values())))
-    partner_of = {pool: {seed: seed if by_number else rank for rank, seed in enumerate(own)} for pool, own in seeds.items()}
-    diverged = {partner_of[pool][seed] for pool in trained for seed in pool.diverged}
-    if len({len(own) for own in seeds.values()}) > 1 and len({len(set(own.values()) - diverged) for own in partner_of.values()}) > 1:
-        listed = ", ".join(f"{pool.name} has {len(own)}" for pool, own in seeds.items())
+    if len(trained) < 2 or all(len(own) == 1 for own in seeds.values()):
+        return tuple(pools)
+    if len(set(map(tuple, seeds.values()))) > 1:
+        listed = "; ".join(f"{pool.name} has {', '.join(map(str, own))}" for pool, own in seeds.items())
         raise ExperimentError(
-            f"pools must have equally many seeds, as each seed of one plays with a seed of the other: {listed}; name single seeds, "
-            "such as RUN/seed_0, or train as many of each"
+            f"pools must have the same seeds, as seed i of one plays with seed i of the others: {listed}; name single seeds, such as "
+            "RUN/seed_0, or train the same"
         )
-    common = set.intersection(*({partner_of[pool][seed] for seed in pool.seeds} for pool in trained))
+    common = set.intersection(*(set(pool.seeds) for pool in trained))
     if len(common) < min(2, *(len(pool.players) for pool in trained)):  # with one pair of several, seeds would not be the samples any more
         listed = "; ".join(f"{pool.name} has {', '.join(map(str, pool.seeds))}" for pool in trained)
         raise ExperimentError(
@@ -211,18 +207,11 @@ def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
             "name single seeds, such as RUN/seed_0, or train more"
         )
 
-    def reason(pool: Pool, seed: int) -> str:
-        place = partner_of[pool][seed]
-        other = next(other for other in trained if place not in {partner_of[other][left] for left in other.seeds})
-        partner = next((number for number, of_other in partner_of[other].items() if of_other == place), None)
-        if partner is None:
-            return f"seed {seed} of {pool.name} is left out: {other.name} has no seed {seed}"
-        return f"seed {seed} of {pool.name} is left out, as its partner, seed {partner} of {other.name}, is too"
-
     def paired(pool: Pool) -> Pool:
-        notes = {seed: reason(pool, seed) for seed in pool.seeds if partner_of[pool][seed] not in common}
-        for note in notes.values():
+        left_out = [seed for seed in pool.seeds if seed not in common]
+        notes = [f"seed {seed} of {pool.name} is left out, as that of another pool is" for seed in left_out]
+        for note in notes:
             warnings.warn(note, stacklevel=3)
-        return replace(pool, players=tuple(p for p in pool.players if p.seed not in notes), notes=(*pool.notes, *notes.values()))
+        return replace(pool, players=tuple(p for p in pool.players if p.seed in common), notes=(*pool.notes, *notes))
 
     return tuple(paired(pool) if pool.is_trained else pool for pool in pools)

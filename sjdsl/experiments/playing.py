@@ -1,13 +1,12 @@
-"""Plays the line-ups of an experiment one by one, and stores each in the folder as soon as it is played."""
+"""Plays the line-ups of an experiment one by one."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sjdsl.experiments.folder import Folder
 from sjdsl.experiments.lineups import Lineup, as_given, key_words, orders_of, play_key
 from sjdsl.experiments.players import Pool, find_pool, pair_pools, player_of, replicates_of
 from sjdsl.experiments.refusals import ExperimentError
@@ -94,15 +93,13 @@ def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tup
     return tuple(paired[pool] for _, pool in found)
 
 
-def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell, wanted: Collection[Lineup] | None = None) -> list[Part]:
-    """Returns each line-up as every replicate played it, line-up by line-up; what is already in the folder is not played again.
+def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
+    """Returns each line-up as every replicate played it, line-up by line-up.
 
     Args:
-      kept: the folder for what is played; None stores nothing.
       tell: called with a line before each line-up that is played.
-      wanted: the line-ups to play; of the others, only what is in the folder is returned. None: all.
     Raises:
-      ExperimentError: a return is not finite. OSError: the disk is full; what was stored before stays.
+      ExperimentError: a return is not finite.
     """
     env, slots = experiment.env, experiment.env.num_agents
     replicates = range(experiment.replicates)
@@ -116,26 +113,19 @@ def play_experiment(experiment: Experiment, kept: Folder | None, tell: Tell, wan
 
     everyone = [players(lineup, replicate) for lineup in experiment.lineups for replicate in replicates]
     play = make_player_of_lineups(env, everyone, experiment.episodes)
-    parts, asked = [], [lineup for lineup in experiment.lineups if wanted is None or lineup in wanted]
-    for number, lineup in enumerate(experiment.lineups):
+    parts = []
+    for number, lineup in enumerate(experiment.lineups, start=1):
         for replicate in replicates:
-            name = f"lineup_{number:03d}_replicate_{replicate:02d}"
-            known = kept.find(name) if kept else None
-            if known is None and lineup not in asked:
-                continue
-            if known is None:
-                place = f"{asked.index(lineup) + 1} of {len(asked)}"
-                which = f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
-                tell(f"playing {experiment.episodes} episodes of line-up {place}{which}")
-                order = orders[replicate]
-                known = play(play_key(experiment.seed, replicate), players(lineup, replicate), order), order
-                wrong = np.argwhere(~np.isfinite(known[0].returns))
-                if len(wrong):
-                    episode, agent = wrong[0]
-                    raise ExperimentError(f"the return of agent {agent} in episode {episode} of {name} is not finite, so there is no mean")
-                if kept:
-                    kept.keep(name, *known)
-            parts.append(Part(lineup, replicate, *known))
+            which = f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
+            tell(f"playing {experiment.episodes} episodes of line-up {number} of {len(experiment.lineups)}{which}")
+            played = play(play_key(experiment.seed, replicate), players(lineup, replicate), orders[replicate])
+            wrong = np.argwhere(~np.isfinite(played.returns))
+            if len(wrong):
+                episode, agent = wrong[0]
+                raise ExperimentError(
+                    f"the return of agent {agent} in episode {episode} of line-up {number}{which} is not finite, so there is no mean"
+                )
+            parts.append(Part(lineup, replicate, played, orders[replicate]))
     return parts
 
 

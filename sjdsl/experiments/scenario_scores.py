@@ -1,6 +1,5 @@
 """Returns of the focal agents in the scenarios of a game, and their score between random and the best scripted policy."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -70,10 +69,9 @@ class ScenarioScore:
 
 @dataclass(frozen=True)
 class ScenarioScores:
-    """The scenarios that were requested, and all that were played under the same conditions, by name."""
+    """The scores of the scenarios that were played, by name."""
 
     experiment: Experiment
-    asked: tuple[str, ...]
     scenarios: Mapping[str, ScenarioScore]
 
     @property
@@ -108,11 +106,8 @@ def line_up(scenario: ir.Scenario, focal: int, scripted: Mapping[str, int]) -> L
     return tuple(scripted[part.policy] if part.policy else focal for part in scenario.slots for _ in range(part.number))
 
 
-def score_of(scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part], replicates: int) -> ScenarioScore | None:
-    """Returns the scores of a scenario with pool 0 and each scripted pool as focal agents; None if not all of them were played."""
-    played = Counter(part.lineup for part in parts)
-    if any(played[line_up(scenario, pool, scripted)] < replicates for pool in (0, *scripted.values())):
-        return None
+def score_of(scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part]) -> ScenarioScore:
+    """Returns the scores of a scenario with pool 0 and each scripted pool as focal agents."""
     is_focal = np.array([not part.policy for part in scenario.slots for _ in range(part.number)])
 
     def per_capita(pool: int, members: np.ndarray) -> np.ndarray:

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.experiments.folder import open_folder, write_compact_json
-from sjdsl.experiments.lineups import Lineup
+from sjdsl.experiments.folder import read_json, record_experiment, require_same, write_compact_json
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores, line_up, report_of, score_of, slots_of
@@ -23,16 +22,12 @@ EXAMPLE = 'scenario visitors "one among agents who stay" { slots 1 focal  slots 
 
 @dataclass(frozen=True)
 class Plan:
-    """The line-ups of all scenarios that fit the number of agents, and the names of those that were requested."""
+    """The line-ups of the scenarios to play."""
 
     experiment: Experiment
-    scenarios: tuple[ir.Scenario, ...]
-    asked: tuple[str, ...]
+    scenarios: tuple[ir.Scenario, ...]  # to play
+    fitting: tuple[ir.Scenario, ...]  # all that fit the number of agents
     scripted: dict[str, int]  # indices of the pools of `random`, the file's policies and `stay`
-
-    def lineups_of(self, scenario: ir.Scenario) -> tuple[Lineup, ...]:
-        """Returns the line-ups of a scenario, with the evaluated policy and each scripted one as its focal agents."""
-        return tuple(line_up(scenario, pool, self.scripted) for pool in (0, *self.scripted.values()))
 
     def describe(self) -> dict[str, Any]:
         """Returns everything that the results depend on; a policy with a digest is identified by it, wherever its file is."""
@@ -41,7 +36,7 @@ class Plan:
         if all(player["digest"] for player in focal["players"]):
             focal["name"] = None
         described["policies"] = [focal, *described["policies"][1:]]
-        return {"experiment": NAME, "scenarios": {each.name: slots_of(each) for each in self.scenarios}, **described}
+        return {"experiment": NAME, "scenarios": {each.name: slots_of(each) for each in self.fitting}, **described}
 
 
 def play_scenarios(
@@ -64,11 +59,10 @@ def play_scenarios(
       names: the scenarios: `all`, one name or several.
       episodes: E, of each line-up and training seed.
       seed: of the episodes.
-      folder: where episodes are stored (in `scenarios/`) and looked up first, and where `scenarios.json` is written, with all scenarios of
-        the game that were played there. None: nothing is written.
+      folder: where `scenarios.json` is written; scenarios that are in it already, played in the same way, stay. None: nothing is written.
       tell: called with a line before each line-up.
     Raises:
-      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full; what was played before stays.
+      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
     """
     return play_planned(plan_scenarios(env, policy, names, episodes, seed), folder, tell)
 
@@ -76,26 +70,31 @@ def play_scenarios(
 def plan_scenarios(env: Environment, policy: str | Path | Policy, names: str | Sequence[str], episodes: int, seed: int) -> Plan:
     """Plans `play_scenarios`, and raises the same errors."""
     check_episodes(episodes)
-    asked = choose_scenarios(env, names)
+    chosen = choose_scenarios(env, names)
     fitting = tuple(scenario for scenario in scenarios_of(env) if not unfilled(scenario, env.num_agents))
     names_of_scripted = (RANDOM, *declared_policies(env), "stay")
     found = find_pools((policy, *names_of_scripted), env)
     pools = tuple(dict.fromkeys(found))
     scripted = {name: pools.index(pool) for name, pool in zip(names_of_scripted, found[1:], strict=True)}
-    lineups = dict.fromkeys(line_up(scenario, pool, scripted) for scenario in fitting for pool in (0, *scripted.values()))
+    lineups = dict.fromkeys(line_up(scenario, pool, scripted) for scenario in chosen for pool in (0, *scripted.values()))
     experiment = Experiment(env, pools, tuple(lineups), episodes, seed, permuted=True)
-    return Plan(experiment, fitting, tuple(scenario.name for scenario in asked), scripted)
+    return Plan(experiment, chosen, fitting, scripted)
 
 
 def play_planned(plan: Plan, folder: Path | str | None, tell: Tell, name: str = NAME) -> ScenarioScores:
     """Plays a plan of `plan_scenarios`; see `play_scenarios`. `name`: the name of the results in the folder."""
-    wanted = {lineup for scenario in plan.scenarios if scenario.name in plan.asked for lineup in plan.lineups_of(scenario)}
-    with open_folder(None if folder is None else Path(folder) / name, plan.describe()) as kept:
-        parts = play_experiment(plan.experiment, kept, tell, wanted)
-        scores = {scenario.name: score_of(scenario, plan.scripted, parts, plan.experiment.replicates) for scenario in plan.scenarios}
-        found = ScenarioScores(plan.experiment, plan.asked, {name: score for name, score in scores.items() if score is not None})
-        if folder is not None:
-            write_compact_json(Path(folder) / f"{name}.json", report_of(found))
+    if folder is not None:
+        require_same(Path(folder) / name, plan.describe())
+    parts = play_experiment(plan.experiment, tell)
+    found = ScenarioScores(plan.experiment, {scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios})
+    if folder is not None:
+        file = Path(folder) / f"{name}.json"
+        known = (read_json(file) or {}).get("scenarios", {}) if (Path(folder) / name).is_dir() else {}
+        record_experiment(Path(folder) / name, plan.describe())
+        report = report_of(found)
+        scores = {**known, **report["scenarios"]}
+        ordered = {scenario.name: scores[scenario.name] for scenario in plan.fitting if scenario.name in scores}
+        write_compact_json(file, {**report, "scenarios": ordered})
     return found
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from sjdsl.experiments.diagram import Diagram, report_of, returns_of
-from sjdsl.experiments.folder import open_folder, write_compact_json
+from sjdsl.experiments.folder import record_experiment, require_same, write_compact_json
 from sjdsl.experiments.lineups import cooperating
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
@@ -35,10 +35,11 @@ def schelling_diagram(
       cooperators, defectors: policies as `find_pool` takes them.
       episodes: the number for each k and replicate.
       seed: the seed of the episodes.
-      folder: where episodes are stored and looked up first, and `schelling.json`, `.png` and `.svg` are written. None: nothing is written.
+      folder: where `schelling.json`, `.png` and `.svg` are written: a new or empty folder, or one of the same experiment. None: nothing is
+        written.
       tell: called with a line before each line-up.
     Raises:
-      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full; what was played before stays.
+      ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
     """
     return play_diagram(plan_diagram(env, cooperators, defectors, episodes, seed), folder, tell)
 
@@ -46,11 +47,13 @@ def schelling_diagram(
 def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) -> Diagram:
     """Plays a plan of `plan_diagram`; see `schelling_diagram`."""
     asked = {"experiment": "schelling", **experiment.describe()}
-    with open_folder(None if folder is None else Path(folder), asked) as kept:
-        parts = play_experiment(experiment, kept, tell)
-        found = Diagram(experiment, returns_of(parts, experiment.env.num_agents, experiment.replicates))
-        if kept is not None:
-            write_diagram(found, kept.path)
+    if folder is not None:
+        require_same(Path(folder), asked)
+    parts = play_experiment(experiment, tell)
+    found = Diagram(experiment, returns_of(parts, experiment.env.num_agents, experiment.replicates))
+    if folder is not None:
+        record_experiment(Path(folder), asked)
+        write_diagram(found, Path(folder))
     return found
 
 

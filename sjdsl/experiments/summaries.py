@@ -61,7 +61,7 @@ def scenarios_text(found: ScenarioScores) -> str:
     agents = found.experiment.env.num_agents
     rows = [("scenario", "focal agents", "focal return", "background return", "random", "best scripted", "score")]
     cautions = []
-    for name in found.asked:
+    for name in found.scenarios:
         score = found[name]
         background = "none" if score.background is None else _with_bounds(score.background)
         best = f"{score.baseline(score.best).mean:.4g}, {score.best}"

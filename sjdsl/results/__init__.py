@@ -5,19 +5,12 @@ from typing import TYPE_CHECKING
 from sjdsl.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .loading import load, load_curves
-    from .refusals import ResultsError, ResultsWarning
-    from .report import write_report
-
-__all__ = ["ResultsError", "ResultsWarning", "load", "load_curves", "write_report"]
+    from .loading import load as load
+    from .loading import load_curves as load_curves
+    from .refusals import ResultsError as ResultsError
+    from .refusals import ResultsWarning as ResultsWarning
+    from .report import write_report as write_report
 
 __getattr__ = lazy_names(
-    __name__,
-    {
-        "ResultsError": "refusals",
-        "ResultsWarning": "refusals",
-        "load": "loading",
-        "load_curves": "loading",
-        "write_report": "report",
-    },
+    __name__, {"loading": ("load", "load_curves"), "refusals": ("ResultsError", "ResultsWarning"), "report": ("write_report",)}
 )

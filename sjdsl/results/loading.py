@@ -17,7 +17,6 @@ Columns, in this order:
   `mean`, `unit` and `units`; diagrams have `cooperators`, `defectors`, `outcome`, `fear`, `greed`, and A, B, fear and greed with bounds.
 """
 
-import csv
 import json
 import math
 import warnings
@@ -66,7 +65,7 @@ OF_EXPERIMENT = (
 )
 
 RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
-SWEEP, CELLS, STATUS = "sweep.json", "cells", "status.csv"
+SWEEP, CELLS, FAILED = "sweep.json", "cells", "failed"
 ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
 FORMAT = 1  # of the files of experiments
 EPISODES = 30  # at least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`
@@ -77,6 +76,8 @@ DIGITS = 6  # significant digits of a figure, here and in a CSV
 NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
 # Settings that runs of earlier versions lack, with the values they had.
 AS_EVER = {"own": {}, "loss": "ppo"}
+# Settings that runs of earlier versions have and nothing reads, with their values: the names of ways in stored results are made with them.
+FORMER_VALUES = {"team_reward": "mean", "similarity_clip": [3.0, 0.5], "individual_kl": [0.2, 2.0], "team_kl": [1.5, 0.0]}
 KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
 
 
@@ -233,11 +234,9 @@ def _sweep(path: Path) -> Found:
     absent = len(stages) - len(there)
     if absent:
         _warn(f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} not trained yet")
-    if (path / STATUS).is_file():
-        with open(path / STATUS, encoding="utf-8", newline="") as file:
-            for row in csv.DictReader(file):
-                if row.get("state") == "failed":
-                    _warn(f"the cell `{row['cell']}` of the sweep `{path}` has failed")
+    for name in stages:
+        if (path / FAILED / f"{name}.json").is_file():
+            _warn(f"the cell `{name}` of the sweep `{path}` has failed")
     found = [_run(path / CELLS / name, stages[name]) for name in there]
     return [row for rows, _ in found for row in rows], [point for _, points in found for point in points]
 
@@ -286,10 +285,11 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, A
     game, config = manifest["game"], manifest["config"]
     made = manifest.get("provenance") or {}
     way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith("checkpoint_")}
-    way = {key: value for key, value in way.items() if key not in AS_EVER or value != AS_EVER[key]}
+    way = {key: value for key, value in way.items() if key not in FORMER_VALUES and (key not in AS_EVER or value != AS_EVER[key])}
     if way.get("init_from"):  # seeds that each started from their own policy count as trained the same
         way["init_from"] = "a policy"
-    everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": way, "stage": stage}
+    named = way if way["algorithm"] == "vdn" else way | FORMER_VALUES
+    everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": named, "stage": stage}
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward, angles = str(config["reward"]), config.get("svo_angle", [])
     ids = {

@@ -11,7 +11,7 @@ import numpy as np
 
 from sjdsl.render.plot_style import line_colour
 from sjdsl.results.figures import Cell, Figure, Table, counted, interval, of_cell, of_comparison, short
-from sjdsl.results.loading import CONTRASTS, WAY
+from sjdsl.results.loading import CONTRASTS
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_of
 from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 BEHIND = "seeds, steps, preset, hardware"
 OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing about other training seeds
-USUAL = {"algorithm": "ippo", "reward": "individual", "sharing": "shared"}  # the values that others are compared with
-REWARD = ("reward", "exchange_ratio", "svo_weight", "svo_angle")  # together they are one choice
 Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
 Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]  # game -> way of training -> its cell, and the scores of its seeds
 
@@ -50,39 +48,6 @@ def returns(frame: "pd.DataFrame") -> Section:
             rows += [(setting.label, words, of_cell(cell), cell.origin)] if cell is not None else []
     table = Table("returns", "Collective return", ("game", "way of training", "collective return", BEHIND), rows, 2)
     return Section("Returns", (), (table,) if rows else (), fill=() if rows else ("sjdsl train coins --seeds 3 --run runs/coins",))
-
-
-def comparisons(frame: "pd.DataFrame") -> Section:
-    """Returns the section on pairs of ways of training that differ in one choice: algorithm, reward, sharing or a setting."""
-    lines: list[Pair] = []
-    for setting, own in games(frame):
-        named = [(words, seeds.iloc[0], cell_of(seeds)) for words, seeds in ways(own)]
-        for words, row, cell in named:
-            for other_words, other, other_cell in named:
-                if _differ_in_one_choice(other, row):
-                    lines.append(((setting.label, other_words, words), other_cell, cell))
-    text = (
-        "Pairs of ways of training that differ in one choice: the algorithm, the reward, whether agents share parameters, or one setting."
-    )
-    p = "p is for each pair alone (Welch's test), not corrected for their number."
-    table = compared_table("comparisons", "Collective return", ("game", "first", "second"), ("first", "second"), lines)
-    return Section("Comparisons", (text, p), (table,)) if lines else Section("Comparisons", (text, "There are no such pairs yet."))
-
-
-def _differ_in_one_choice(usual: Any, other: Any) -> bool:
-    """Returns whether two ways of training differ in one choice only, for which `usual` has the usual value or the default."""
-
-    def choices(row: Any) -> dict[str, Any]:
-        own: dict[str, Any] = {name: None if (value := row[name]) != value else value for name in WAY if name not in REWARD}
-        settings: dict[str, Any] = json.loads(row.settings)
-        return own | settings | {"reward": tuple(str(row[name]) for name in REWARD)}
-
-    first, second = choices(usual), choices(other)
-    apart = [name for name in first.keys() | second.keys() if first.get(name) != second.get(name)]
-    if len(apart) != 1:
-        return False
-    name = apart[0]
-    return usual[name] == USUAL[name] if name in USUAL else name not in first
 
 
 def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]) -> Table:
@@ -261,6 +226,6 @@ def cross_play(frame: "pd.DataFrame") -> Section:
 
 def report_sections(frame: "pd.DataFrame", curves: "pd.DataFrame") -> list[Section]:
     """Returns the sections of a report that have something to show."""
-    summaries = (returns(frame), comparisons(frame), learning_curves(frame, curves), over_games(frame))
+    summaries = (returns(frame), learning_curves(frame, curves), over_games(frame))
     sections = (*summaries, diagrams(frame), cross_play(frame))
     return [section for section in sections if section.tables or section.pictures or section.fill]

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SHARED, APART = "shared", "per_agent"
-NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "irat": "IRAT", "vdn": "VDN"}
+NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "vdn": "VDN"}
 
 
 class Setting(NamedTuple):

@@ -7,11 +7,13 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import ConfigDict, StrictInt
+
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.library.stored_hashes import current_hash
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
 from sjdsl.sweeps.protocols import Point
-from sjdsl.trainers.config import Config, make_config, require_code, stored_config
+from sjdsl.trainers.config import FORMER, Config, make_config, require_code, stored_config
 from sjdsl.trainers.config_errors import ConfigError
 from sjdsl.trainers.extensions import short_name
 from sjdsl.trainers.own_settings import spread
@@ -31,13 +33,15 @@ Describe = Callable[[str, str | None, Mapping[str, Any]], tuple[dict[str, Any], 
 class Cell:
     """One cell; all fields are JSON values."""
 
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
     name: str  # and that of its folder
     game: str  # by the name in its file
     hash: str
     provenance: Mapping[str, Any]  # the arguments of `sjdsl.make`
     config: Mapping[str, Any]
     values: Mapping[str, Any]  # what its axes and its protocol set
-    stage: int
+    stage: StrictInt
     point: Any  # its place in the protocol; None without one
 
     @property
@@ -61,7 +65,8 @@ class Cell:
     @staticmethod
     def read(name: str, described: Mapping[str, Any]) -> "Cell":
         """Returns the cell that `described` describes; its hash becomes the one that the same rules have now."""
-        return Cell(name=name, **{**described, "hash": current_hash(described["hash"])})
+        config = {key: value for key, value in described["config"].items() if key not in FORMER}
+        return Cell(name=name, **{**described, "config": config, "hash": current_hash(described["hash"])})
 
 
 @dataclass(frozen=True)

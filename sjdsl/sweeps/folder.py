@@ -2,21 +2,19 @@
 
 import json
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, PositiveInt, StringConstraints, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, PositiveInt, StringConstraints, TypeAdapter, ValidationError
 
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.experiments.folder import differences, read_json
+from sjdsl.experiments.folder import first_difference, read_json
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell, SweepSpec
 from sjdsl.sweeps.locks import is_running
-from sjdsl.sweeps.plan import Plan, remake_cell
 from sjdsl.trainers.checkpoints import CHECKPOINTS
 from sjdsl.trainers.config import ConfigError, stored_config
 from sjdsl.trainers.manifest import read_manifest
@@ -33,33 +31,9 @@ CELLS = "cells"
 EVALUATION = "evaluation.json"  # of each seed's last policy, as `sjdsl train` writes it
 FAILED = "failed"
 State = Literal["waiting", "running", "stopped", "done", "failed"]
-
-
-class _Cell(BaseModel):
-    """A cell in `sweep.json`."""
-
-    model_config = ConfigDict(strict=True, extra="forbid")
-
-    game: str
-    hash: str
-    provenance: dict[str, Any]
-    config: dict[str, Any]
-    values: dict[str, Any]
-    stage: int
-    point: Any
-
-    @field_validator("config")
-    @classmethod
-    def _can_be_read(cls, config: dict[str, Any]) -> dict[str, Any]:
-        try:
-            stored_config(config)
-        except ConfigError as error:
-            raise ValueError(str(error)) from None
-        return config
-
-
 # The name of a cell is that of a folder: a path would lead elsewhere.
 NAME = Annotated[str, StringConstraints(pattern=r"^\w[\w.+\-]*$", max_length=200)]
+CELL = TypeAdapter(Cell)
 
 
 class _Sweep(BaseModel):
@@ -74,7 +48,7 @@ class _Sweep(BaseModel):
     loggers: list[str] = []
     versions: dict[str, str | None]
     games: dict[str, str]
-    cells: dict[NAME, _Cell]
+    cells: dict[NAME, dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -110,11 +84,9 @@ def describe_sweep(spec: SweepSpec, cells: Sequence[Cell]) -> dict[str, Any]:
     }
 
 
-def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) -> dict[str, Any]:
+def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the new content of `sweep.json`: the wanted sweep added to the one in the folder.
 
-    Args:
-      plan: the plan of the wanted sweep, to check also the cells that it doesn't name again. None: they have been checked before.
     Raises:
       ExperimentError: the folder holds something else; nothing in it is changed.
     """
@@ -129,8 +101,7 @@ def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) ->
         if inside:
             raise ExperimentError(f"{folder} is not empty and holds no sweep to resume ({', '.join(inside[:3])}); name another folder")
         return dict(wanted)
-    fault = "; ".join(_faults(before, wanted, plan))
-    if fault:
+    if fault := _fault(before, wanted):
         advice = "Ask for new values of its axes with all else as it was, the games' files included, or name another folder"
         raise ExperimentError(f"{folder} holds another sweep: {fault}. {advice}")
     axes = {name: [*values, *(value for value in wanted["axes"][name] if value not in values)] for name, values in before["axes"].items()}
@@ -138,51 +109,19 @@ def merged(folder: Path, wanted: Mapping[str, Any], plan: Plan | None = None) ->
     return {**before, "axes": axes, "loggers": wanted["loggers"], **both}
 
 
-def _faults(before: Mapping[str, Any], wanted: Mapping[str, Any], plan: Plan | None) -> Iterator[str]:
-    """Yields the reasons why the wanted sweep doesn't continue the one from before.
-
-    A cell that isn't named again is made once more from the new plan: any change other than a new value of an axis (in the game's file, the
-    preset or the settings) gives a different cell. One for each algorithm, reward and variant is enough, as presets and files have a part
-    for each.
-    """
+def _fault(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
+    """Returns the first difference for which the wanted sweep can't be added to the one from before; empty if there is none."""
     if fault := _format_fault(before):
-        yield fault
-        return
-    if before["protocol"] != wanted["protocol"]:
-        yield f"its protocol is {before['protocol'] or 'none'}, here {wanted['protocol'] or 'none'}"
-        return
-    if before["axes"].keys() != wanted["axes"].keys():
-        yield f"its axes are {', '.join(before['axes']) or 'none'}, here {', '.join(wanted['axes']) or 'none'}"
-        return
-    if before["episodes"] != wanted["episodes"]:
-        yield f"it has {before['episodes']} episodes of each seed, here {wanted['episodes']}"
-    if before["versions"] != wanted["versions"]:
-        yield f"it was made with other versions: {'; '.join(differences(before['versions'], wanted['versions']))}"
-    grown = {cell["game"] for name, cell in wanted["cells"].items() if name not in before["cells"]}
-    compared = set()
-    for cell in sorted(cells_of(before), key=lambda cell: cell.name not in wanted["cells"]):
-        part = cell.game, cell.config.get("algorithm"), cell.config.get("reward"), cell.provenance.get("variant")
-        here = wanted["cells"].get(cell.name)
-        if here is None:
-            if plan is None or cell.stage != 1 or cell.game not in grown or part in compared:
-                continue
-            try:
-                cell.require_code()
-                here = plain(remake_cell(plan, cell).described())
-            except (ExperimentError, CompileError, ConfigError) as error:
-                yield f"its cell {cell.name} can't be made any more: {str(error).splitlines()[0]}"
-                return
-        compared.add(part)
-        what = "; ".join(differences(_flat(cell.described()), _flat(here)))
-        if what:
-            yield f"its cell {cell.name} has {what}"
-            return  # the others probably differ for the same reason
-
-
-def _flat(cell: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what defines a cell, under unique names."""
-    of_game = {f"{key} of the game": value for key, value in cell["provenance"].items()}
-    return {"hash of the game": cell["hash"], **cell["config"], **of_game}
+        return fault
+    there, here = (
+        {"axes": [*sweep["axes"]], **{key: sweep[key] for key in ("protocol", "episodes", "versions")}} for sweep in (before, wanted)
+    )
+    if fault := first_difference(there, here):
+        return fault
+    for cell in cells_of(before):
+        if cell.name in wanted["cells"] and (fault := first_difference(cell.described(), wanted["cells"][cell.name])):
+            return f"its cell {cell.name} has {fault}"
+    return ""
 
 
 def read_sweep(folder: Path) -> dict[str, Any]:
@@ -197,11 +136,18 @@ def read_sweep(folder: Path) -> dict[str, Any]:
 
 def _format_fault(known: Mapping[str, Any]) -> str:
     """Returns what is wrong with the content of a `sweep.json`; empty if nothing is."""
+    where: tuple[str, ...] = ()
     try:
         _Sweep.model_validate(known)
+        for name, described in known["cells"].items():
+            where = ("cells", name)
+            CELL.validate_python({**described, "name": name})
+            stored_config(described["config"])
     except ValidationError as error:
         fault = error.errors()[0]
-        return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join(map(str, fault['loc']))}`: {fault['msg']}"
+        return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join(map(str, (*where, *fault['loc'])))}`: {fault['msg']}"
+    except ConfigError as error:
+        return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join((*where, 'config'))}`: {error}"
     return ""
 
 
@@ -220,20 +166,19 @@ def cells_of(known: Mapping[str, Any]) -> list[Cell]:
     return [Cell.read(name, described) for name, described in known["cells"].items()]
 
 
-def cells_at(folders: Sequence[Path | str]) -> tuple[Path, dict[str, Any], list[Cell]]:
-    """Returns the folder of a sweep, the content of its `sweep.json`, and the cells in these folders `DIR/cells/NAME`.
+def cell_at(folder: Path | str) -> tuple[Path, dict[str, Any], Cell]:
+    """Returns the folder of a sweep, the content of its `sweep.json`, and the cell in a folder `DIR/cells/NAME`.
 
     Raises:
-      ExperimentError: they aren't folders of cells of one sweep.
+      ExperimentError: it isn't the folder of a cell of a sweep.
     """
-    paths = [Path(folder).resolve() for folder in folders]
-    sweep = paths[0].parents[1]
+    path = Path(folder).resolve()
+    sweep = path.parents[1]
     known = read_sweep(sweep)
-    named = {run_dir(sweep, cell): cell for cell in cells_of(known)}
-    unknown = [path.name for path in paths if path not in named]
-    if unknown:
-        raise ExperimentError(f"{sweep} has no cell {', '.join(unknown)}")
-    return sweep, known, [named[path] for path in paths]
+    cell = next((cell for cell in cells_of(known) if run_dir(sweep, cell) == path), None)
+    if cell is None:
+        raise ExperimentError(f"{sweep} has no cell {path.name}")
+    return sweep, known, cell
 
 
 def run_dir(folder: Path, cell: Cell) -> Path:

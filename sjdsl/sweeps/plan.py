@@ -50,22 +50,6 @@ def plan_sweep(spec: SweepSpec, describe: Describe) -> Plan:
     return Plan(spec, describe, tuple(cells))
 
 
-def remake_cell(plan: Plan, cell: Cell) -> Cell:
-    """Returns this plan's version of a first-stage cell of a sweep that has the same axes and protocol.
-
-    The two differ if the game's file has changed since, or if the plan has other settings.
-
-    Args:
-      cell: of one of the plan's games.
-
-    Raises:
-      ExperimentError: the plan's settings, or the game as it is now, don't fit the cell's values. What `describe` raises.
-    """
-    game = next(other.provenance["game"] for other in plan.cells if other.game == cell.game)
-    point = next(point for point in points_of(plan.spec.protocol, Path(game).stem, plan.spec.settings) if point.place == cell.point)
-    return make_cell(game, point, _axis_values(cell, plan.spec.axes), plan.spec, plan.describe)
-
-
 def second_stage(plan: Plan, returns: Mapping[str, Sequence[float]]) -> list[Cell]:
     """Returns the second stage of `svo`: for each game and combination of axes, the angles at the weight that was best.
 

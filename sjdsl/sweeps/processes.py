@@ -12,23 +12,23 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
 from itertools import pairwise
+from pathlib import Path
 
-from sjdsl.sweeps.folder import cells_at, progress_of, record_failure
-from sjdsl.sweeps.work import Tell, run_cells
+from sjdsl.sweeps.folder import cell_at, progress_of, record_failure
+from sjdsl.sweeps.work import Tell, run_cell
 
 INTERRUPTED = 130  # the exit status of what Ctrl-C ended
-Batch = tuple[str, ...]  # folders of cells for one call of `run_cells`
 KILLED = "its process was killed, perhaps because memory ran out; --retry resumes it from its last checkpoint"
 
 
-def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None:
-    """Runs batches of cells, each once. If a process is killed, its cells fail, and another process replaces it.
+def run_in_processes(folders: Sequence[Path], workers: int, tell: Tell) -> None:
+    """Runs the cells in these folders, each once. If a process is killed, its cell fails, and another process replaces it.
 
     Raises:
       DiskError, OSError: a disk is full; what was written before stays.
     """
-    left = [*batches]
-    running: dict[Future[list[str]], tuple[Batch, ProcessPoolExecutor, tuple[int, ...]]] = {}
+    left = [*folders]
+    running: dict[Future[str], tuple[Path, ProcessPoolExecutor, tuple[int, ...]]] = {}
     with ExitStack() as stack:
 
         def start(cores: tuple[int, ...]) -> ProcessPoolExecutor:
@@ -44,31 +44,23 @@ def run_in_processes(batches: Sequence[Batch], workers: int, tell: Tell) -> None
                 pool, cores = free.pop(0)
                 try:
                     with _interrupts_held_back():  # here the process starts
-                        future = pool.submit(run_cells, left[0])
+                        future = pool.submit(run_cell, left[0])
                 except BrokenProcessPool:  # its process was killed while idle
                     free.append((start(cores), cores))
                     continue
                 running[future] = left.pop(0), pool, cores
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
-                batch, pool, cores = running.pop(future)
+                folder, pool, cores = running.pop(future)
+                sweep, known, cell = cell_at(folder)
                 try:
                     future.result()
                 except BrokenProcessPool:
-                    _fail_cells_of_dead_worker(batch)
+                    if progress_of(sweep, cell, known["episodes"]).state in ("waiting", "stopped"):  # not done, or run by another process
+                        record_failure(sweep, cell, KILLED)
                     pool = start(cores)
                 free.append((pool, cores))
-                sweep, known, cells = cells_at(batch)
-                for cell in cells:
-                    tell(f"{cell.name}: {progress_of(sweep, cell, known['episodes']).summary}")
-
-
-def _fail_cells_of_dead_worker(batch: Batch) -> None:
-    """Marks the cells of a batch whose process died as failed, unless they were done or run in another process."""
-    sweep, known, cells = cells_at(batch)
-    for cell in cells:
-        if progress_of(sweep, cell, known["episodes"]).state in ("waiting", "stopped"):
-            record_failure(sweep, cell, KILLED)
+                tell(f"{cell.name}: {progress_of(sweep, cell, known['episodes']).summary}")
 
 
 def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:

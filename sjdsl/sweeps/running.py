@@ -1,4 +1,4 @@
-"""A whole sweep: plans it, runs what is left, and writes its tables."""
+"""A whole sweep: plans it, runs what is left, and writes its table."""
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,23 +6,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jax
-
 import sjdsl
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec
 from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, read_sweep, retry, run_dir, write_sweep
 from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.plan import Plan, plan_sweep, second_stage
-from sjdsl.sweeps.processes import Batch, run_in_processes
+from sjdsl.sweeps.processes import run_in_processes
 from sjdsl.sweeps.protocols import SETS
-from sjdsl.sweeps.tables import collective_returns, write_tables
-from sjdsl.sweeps.work import ALONE, Watch, environment_of, run_cells
+from sjdsl.sweeps.tables import collective_returns, write_results
+from sjdsl.sweeps.work import ALONE, Watch, environment_of, run_cell
 from sjdsl.trainers.algorithms import make_train
 from sjdsl.trainers.config import ConfigError
 from sjdsl.trainers.loggers import check_loggers
 from sjdsl.trainers.policies import PolicyError
-from sjdsl.trainers.side_by_side import kind_of_config
 
 PATIENCE = 2.0  # seconds between two checks of cells that other processes run
 
@@ -43,7 +40,6 @@ def sweep(
     folder: Path | str,
     describe: Describe | None = None,
     workers: int = 1,
-    together: int | None = None,
     again: bool = False,
     watch: Watch = ALONE,
 ) -> Outcome:
@@ -54,8 +50,6 @@ def sweep(
       folder: of the sweep; new, empty, or of the same sweep.
       describe: returns the arguments of an environment, its name and its hash; None: by `sjdsl.make`.
       workers: processes on this machine, at most; 1: this one.
-      together: the most cells that one program trains, if they differ only in numbers without shape. None: one on a CPU, where more
-        aren't faster, and with several workers; elsewhere as many as fit into memory.
       again: whether to try failed cells again.
       watch: shows the progress of runs in this process, and gets a line for each event.
     Raises:
@@ -70,7 +64,7 @@ def sweep(
                 retry(path, cell)
             finally:
                 lock.release()
-    _run_stage(path, plan.cells, spec.episodes, workers, together, watch)
+    _run_stage(path, plan.cells, spec.episodes, workers, watch)
     if plan.has_second_stage:
         _, cells, following = _prepared(spec, path, describe)
         if following is None:
@@ -78,8 +72,8 @@ def sweep(
         else:
             for line in _best_weights(following):
                 watch.tell(line)
-            _run_stage(path, following, spec.episodes, workers, together, watch)
-    write_tables(path, read_sweep(path))
+            _run_stage(path, following, spec.episodes, workers, watch)
+    write_results(path, read_sweep(path))
     states = {cell.name: progress_of(path, cell, spec.episodes) for cell in cells}
     return Outcome(
         path,
@@ -128,15 +122,19 @@ def check_sweep(plan: Plan, folder: Path) -> dict[str, Any]:
       ExperimentError: a logger, a folder or a configuration is refused; nothing has been written.
     """
     check_loggers(plan.spec.loggers)
-    known = merged(folder, describe_sweep(plan.spec, plan.cells), plan)
+    known = merged(folder, describe_sweep(plan.spec, plan.cells))
     check_cells(plan.cells)
     return known
 
 
 def check_cells(cells: Sequence[Cell]) -> None:
-    """Raises ExperimentError if a configuration doesn't fit its game, before anything is written. One cell of each kind is enough."""
-    kinds = {(cell.hash, kind_of_config(cell.configuration())): cell for cell in reversed(cells)}
-    for cell in reversed(kinds.values()):
+    """Raises ExperimentError if a configuration doesn't fit its game, before anything is written."""
+    checked = set()
+    for cell in cells:
+        kind = cell.hash, repr({key: value for key, value in cell.config.items() if not isinstance(value, float)})
+        if kind in checked:
+            continue  # floats alone don't decide what fits
+        checked.add(kind)
         try:
             make_train(environment_of(cell), cell.configuration())
         except (ConfigError, PolicyError) as error:
@@ -160,20 +158,19 @@ def describe_with_make(game: str, variant: str | None, params: Mapping[str, Any]
     return provenance, env.name, env.hash
 
 
-def _run_stage(folder: Path, cells: Sequence[Cell], episodes: int, workers: int, together: int | None, watch: Watch) -> None:
+def _run_stage(folder: Path, cells: Sequence[Cell], episodes: int, workers: int, watch: Watch) -> None:
     """Runs cells until each is done or has failed, in this process or another."""
     reported: set[str] = set()
-    at_once = together or (1 if workers > 1 or jax.default_backend() == "cpu" else len(cells))
     while True:
         states = {cell.name: progress_of(folder, cell, episodes).state for cell in cells}
         left = [cell for cell in cells if states[cell.name] in ("waiting", "stopped")]
         if left:
-            batches = batches_of(folder, left, at_once)
-            if workers > 1 and len(batches) > 1:
-                run_in_processes(batches, workers, watch.tell)
+            folders = [run_dir(folder, cell) for cell in left]
+            if workers > 1 and len(folders) > 1:
+                run_in_processes(folders, workers, watch.tell)
             else:
-                for batch in batches:
-                    run_cells(batch, watch)
+                for path in folders:
+                    run_cell(path, watch)
             continue
         running = [name for name, state in states.items() if state == "running"]
         if not running:
@@ -183,18 +180,3 @@ def _run_stage(folder: Path, cells: Sequence[Cell], episodes: int, workers: int,
                 watch.tell(f"{name}: waiting for the process that runs it")
         reported.update(running)
         time.sleep(PATIENCE)
-
-
-def batches_of(folder: Path, cells: Sequence[Cell], at_once: int) -> list[Batch]:
-    """Returns the folders of cells in batches, each for one program, in the order of the cells.
-
-    Args:
-      at_once: the most cells in a batch; they differ only in numbers without shape.
-    """
-    kinds: dict[Any, list[Cell]] = {}
-    for cell in cells:
-        kinds.setdefault((cell.hash, kind_of_config(cell.configuration())), []).append(cell)
-    chunks = [members[start : start + at_once] for members in kinds.values() for start in range(0, len(members), at_once)]
-    order = {cell.name: number for number, cell in enumerate(cells)}
-    chunks.sort(key=lambda chunk: order[chunk[0].name])
-    return [tuple(str(run_dir(folder, cell)) for cell in chunk) for chunk in chunks]

@@ -1,10 +1,9 @@
-"""The tables of a sweep, `results.csv` and `status.csv`: made from the folders of its cells whenever one of them changes."""
+"""The table of a sweep, `results.csv`: made from the folders of its cells whenever one of them ends."""
 
 import csv
 import io
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -16,22 +15,18 @@ from sjdsl.sweeps.folder import (
     evaluation_of,
     is_finished,
     manifest_of,
-    progress_of,
     run_dir,
     seed_dirs,
-    steps_of,
 )
 from sjdsl.trainers.metrics_files import METRICS_JSONL
 
 RESULTS = "results.csv"
-STATUS = "status.csv"
 Row = dict[str, str]
 
 OF_CELL = ("cell", "game", "hash", "protocol", "stage", "point", "algorithm", "reward", "sharing", "variant")
-OF_RUN = ("seed", "updates", "env_steps", "episodes", "together", "hardware")
+OF_RUN = ("seed", "updates", "env_steps", "episodes", "hardware")
 FIRST = ("collective_return", "collective_return_low", "collective_return_high", "equality", "episode_length")
 KINDS = ("return_agent_", "event_", "mean_", "final_")  # of further figures
-OF_STATUS = ("cell", "game", "stage", "point", "seeds", "state", "update", "updates", "env_steps", "seconds", "reason")
 
 
 def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
@@ -60,7 +55,6 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
                 "updates": last.get("update"),
                 "env_steps": last.get("env_steps"),
                 "episodes": evaluation["episodes"],
-                "together": manifest.get("together", 1),
                 "hardware": f"{device.get('platform', '?')} x{device.get('count', '?')}: {device.get('kind', '?')}",
             }
             texts = {key: as_text(value) for key, value in {**cell.values, **place, **way}.items()}
@@ -96,55 +90,16 @@ def figures(summary: Mapping[str, Mapping[str, float | None]]) -> Row:
     return {name: "" if value is None else repr(float(value)) for name, value in values.items()}
 
 
-def status(folder: Path, known: Mapping[str, Any]) -> list[Row]:
-    """Returns a row for each cell: its progress, and why it failed."""
-    rows = []
-    for cell in cells_of(known):
-        path, progress = run_dir(folder, cell), progress_of(folder, cell, known["episodes"])
-        seeds, updates = cell.seeds, cell.configuration().num_updates
-        # Seconds of all seeds together. They are no part of the results, which are the same wherever and whenever a cell runs; and while it
-        # trains there are none, as they would change with every look.
-        seconds = ""
-        if progress.state != "running":
-            with suppress(FileNotFoundError):  # the cell hasn't run yet
-                seconds = f"{_last_row(seed_dirs(path, cell)[seeds[0]] / METRICS_JSONL).get('seconds', 0.0):.1f}"
-        row = {
-            "cell": cell.name,
-            "game": cell.game,
-            "stage": cell.stage,
-            "point": as_text(cell.point),
-            "seeds": f"{seeds[0]}-{seeds[-1]}" if len(seeds) > 1 else seeds[0],
-            "state": progress.state,
-            "update": progress.update,
-            "updates": updates,
-            "env_steps": steps_of(cell) * progress.update // updates,
-            "seconds": seconds,
-            "reason": progress.reason,
-        }
-        rows.append({key: str(value) for key, value in row.items()})
-    return rows
+def write_results(folder: Path, known: Mapping[str, Any]) -> None:
+    """Writes `results.csv`, whole or not at all.
 
-
-def write_tables(folder: Path, known: Mapping[str, Any]) -> None:
-    """Writes both tables, each whole or not at all.
-
-    Another process may write them at the same time, from what it read before this one's cell was done. So the folders are read again
-    afterwards, and the tables written again until they agree: the last process to write has read everything.
+    Another process may write it at the same time, from what it read before this one's cell was done. So the folders are read again
+    afterwards, and the table written again until they agree: the last process to write has read everything.
     """
-    _write(folder / RESULTS, lambda: result_table(results(folder, known)))
-    write_status(folder, known)
-
-
-def write_status(folder: Path, known: Mapping[str, Any]) -> None:
-    """Writes `status.csv`, whole or not at all."""
-    _write(folder / STATUS, lambda: table(OF_STATUS, status(folder, known)))
-
-
-def _write(path: Path, make: Callable[[], str]) -> None:
-    text = make()
+    text = result_table(results(folder, known))
     for _ in range(10):
-        write_whole(path, text.encode())
-        again = make()
+        write_whole(folder / RESULTS, text.encode())
+        again = result_table(results(folder, known))
         if again == text:
             return
         text = again
@@ -154,13 +109,9 @@ def result_table(rows: Sequence[Row]) -> str:
     """Returns `results.csv`: first the columns of the cell, then its axes, its run, and its figures."""
     others = [name for name in dict.fromkeys(name for row in rows for name in row) if name not in (*OF_CELL, *OF_RUN, *FIRST)]
     figures_by_kind = [name for kind in KINDS for name in others if name.startswith(kind)]
-    return table((*OF_CELL, *(name for name in others if name not in figures_by_kind), *OF_RUN, *FIRST, *figures_by_kind), rows)
-
-
-def table(columns: Iterable[str], rows: Sequence[Row]) -> str:
-    """Returns rows as CSV; a column that a row lacks is empty."""
+    columns = (*OF_CELL, *(name for name in others if name not in figures_by_kind), *OF_RUN, *FIRST, *figures_by_kind)
     text = io.StringIO()
-    writer = csv.DictWriter(text, [*columns], restval="", lineterminator="\n")
+    writer = csv.DictWriter(text, columns, restval="", lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue()

@@ -13,8 +13,7 @@ SWEEP = ("sweep", "orchard.sj", "--axis", "param.apple=1,2", *SETS, "--episodes"
 
 
 @pytest.mark.thorough
-def test_a_sweep_side_by_side(sjdsl: Sjdsl, folder: Path) -> None:
-    """Numbers of a game are numbers without shape."""
+def test_a_sweep_over_numbers_of_a_game(sjdsl: Sjdsl, folder: Path) -> None:
     listed = sjdsl(*SWEEP, "--seeds", "2", "--dry-run")
     assert listed.out.splitlines() == [
         "orchard_apple-1  seeds 0 to 1             64 steps each  waiting",
@@ -23,18 +22,16 @@ def test_a_sweep_side_by_side(sjdsl: Sjdsl, folder: Path) -> None:
         "2 cells: 2 waiting; at most 256 environment steps left",
     ]
     assert not (folder / "swept").exists()
-    shown = sjdsl(*SWEEP, "--seeds", "2", "--together", "2")
+    shown = sjdsl(*SWEEP, "--seeds", "2")
     assert shown.status == 0, shown.text
-    assert [line for line in shown.err.splitlines() if line.startswith("orchard_apple")][:2] == [
-        "orchard_apple-1: training side by side",
-        "orchard_apple-2: training side by side",
+    assert [line for line in shown.err.splitlines() if line.endswith(": training")] == [
+        "orchard_apple-1: training",
+        "orchard_apple-2: training",
     ]
     assert "2 of 2 cells are done" in shown.out
     assert "swept/results.csv" in shown.out
     rows = [*csv.DictReader((folder / "swept/results.csv").read_text().splitlines())]
-    assert [(row["param.apple"], row["seed"], row["together"]) for row in rows] == [
-        *(("1", "0", "2"), ("1", "1", "2"), ("2", "0", "2"), ("2", "1", "2")),
-    ]
+    assert [(row["param.apple"], row["seed"]) for row in rows] == [("1", "0"), ("1", "1"), ("2", "0"), ("2", "1")]
     for one, two in zip(rows[:2], rows[2:], strict=True):
         for row, apple in ((one, 1.0), (two, 2.0)):
             assert float(row["collective_return"]) == pytest.approx(apple * float(row["event_eaten"]))
@@ -42,7 +39,7 @@ def test_a_sweep_side_by_side(sjdsl: Sjdsl, folder: Path) -> None:
     assert again.out.splitlines()[-1] == "2 cells: 2 done; at most 0 environment steps left"
     other = sjdsl(*SWEEP, "--seeds", "3")
     assert other.status == 1
-    assert "swept holds another sweep: its cell orchard_apple-1 has seeds 2 there, 3 here" in other.err
+    assert "swept holds another sweep: its cell orchard_apple-1 has config seeds 2 there, 3 here" in other.err
 
 
 @pytest.mark.thorough

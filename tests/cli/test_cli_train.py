@@ -19,7 +19,7 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     assert trained.status == 0, trained.text
     run_dir = Path("runs/orchard_ippo_individual_seed0")  # each learns from its own reward, unless asked otherwise
     assert f"{run_dir}/" in trained.out
-    assert "metrics.csv" in trained.out
+    assert "metrics.jsonl" in trained.out
     assert "training 96 environment steps: 2 updates of 4 environments x 12 steps" in trained.err
     assert "loading JAX and the game" in trained.err
     rates = re.findall(r"([\d,]+) steps(?:/s| a second)", trained.out)
@@ -43,8 +43,6 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     said = {"policy": "best", "seed": 0, "greedy": None, "episodes": 3}
     assert {name: stored[name] for name in said} == said
     assert not (run_dir / "evaluation.json").exists(), "that is the last policy's"
-    both = sjdsl("evaluate", f"{run_dir}@best", "--which", "last")
-    assert (both.status, "names one policy and --which last another" in both.err) == (2, True)
 
     for state, said in (
         ({"status": "interrupted"}, "may not have finished its training: interrupted"),
@@ -108,7 +106,7 @@ def test_seeds_have_folders(trained: Path, sjdsl: Sjdsl) -> None:
 
 @pytest.mark.slow
 def test_the_best_policy_is_evaluated_and_filmed(trained: Path, sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl("evaluate", trained / "seed_5", "--which", "best", "--episodes", "2", "--film", "x.gif")
+    shown = sjdsl("evaluate", f"{trained / 'seed_5'}@best", "--episodes", "2", "--film", "x.gif")
     assert shown.status == 0, shown.text
     assert "x.gif  7 frames" in shown.out, "an episode of six steps, and its start"
     assert (folder / "x.gif").read_bytes().startswith(b"GIF8")

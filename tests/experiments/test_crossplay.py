@@ -172,5 +172,5 @@ def test_what_is_asked_wrongly_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError, match="name at least one policy"):
         cross_play(env, policies=[])
     two, three = (store_pool(tmp_path / str(n), env, range(n)) for n in (2, 3))
-    with pytest.raises(ExperimentError, match="pools must have equally many seeds"):
+    with pytest.raises(ExperimentError, match="pools must have the same seeds"):
         cross_play(env, slots=[str(two), str(three)])

@@ -149,39 +149,14 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     assert "spread" not in draw_diagram(spread).axes[0].get_title(loc="left")
 
 
-class Stopped(Exception):
-    """Stands for whatever ends a process."""
-
-
-def test_a_stopped_diagram_goes_on_to_the_same_result(tmp_path: Path) -> None:
-    """Stopped after two line-ups, and a file that was cut off besides: what is whole is not played again."""
-    env = public_goods(3)
-
-    def stop(said: str) -> None:
-        if "line-up 3" in said:
-            raise Stopped
-
-    said: list[str] = []
-    schelling_diagram(env, "random", OTHER, episodes=4, folder=tmp_path / "whole")
-    with pytest.raises(Stopped):
-        schelling_diagram(env, "random", OTHER, episodes=4, folder=tmp_path / "stopped", tell=stop)
-    assert not (tmp_path / "stopped/schelling.json").exists()
-    cut = tmp_path / "stopped/parts/lineup_001_replicate_00.json"
-    cut.write_text(cut.read_text()[:50])
-    schelling_diagram(env, "random", OTHER, episodes=4, folder=tmp_path / "stopped", tell=said.append)
-    assert [line.split(" of line-up ")[1] for line in said] == ["2 of 4", "3 of 4", "4 of 4"]
-    for name in ("schelling.json", "schelling.png", "schelling.svg"):
-        assert (tmp_path / "stopped" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
-
-
-def test_another_experiment_does_not_go_on_in_the_folder(tmp_path: Path) -> None:
+def test_another_experiment_is_refused_in_the_folder(tmp_path: Path) -> None:
     plan = plan_diagram(matrix_game(), "stay", OTHER, 2, 0)
     play_diagram(plan, tmp_path / "diagram", lambda _: None)
     changed = {
         "episodes 2 there, 3 here": plan_diagram(matrix_game(), "stay", OTHER, 3, 0),
         "seed 0 there, 1 here": plan_diagram(matrix_game(), "stay", OTHER, 2, 1),
         "its policies differ": plan_diagram(matrix_game(), "random", OTHER, 2, 0),
-        "game params its payoff differ": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
+        "game hash": plan_diagram(matrix_game("chicken"), "stay", OTHER, 2, 0),
     }
     for message, other in changed.items():
         with pytest.raises(ExperimentError, match=message):
@@ -207,8 +182,8 @@ def test_returns_that_are_not_finite_are_refused() -> None:
 
     env = endless_riches()
     experiment = Experiment(env, plan_diagram(env, STAY, OTHER, 1, 0).pools, ((0, 0),), 1, 0, permuted=False)
-    with pytest.raises(ExperimentError, match="the return of agent 0 in episode 0 of lineup_000_replicate_00 is not finite"):
-        play_experiment(experiment, None, lambda _: None)
+    with pytest.raises(ExperimentError, match="the return of agent 0 in episode 0 of line-up 1 is not finite"):
+        play_experiment(experiment, lambda _: None)
 
 
 def test_one_agent_has_no_dilemma() -> None:

@@ -1,6 +1,5 @@
 """Folders and files as the commands write them, with figures that a test chooses: runs, sweeps, diagrams, cross-play, benchmarks."""
 
-import csv
 import json
 import math
 import warnings
@@ -121,10 +120,9 @@ def write_sweep(folder: Path, protocol: str, stages: Mapping[str, int], absent: 
     """Writes the files of a sweep around its cells, which are runs in `cells`: their names and stages, and those that are not there."""
     cells = {name: {"stage": stage} for name, stage in {**stages, **dict.fromkeys([*absent, *failed], 1)}.items()}
     write_json(folder / "sweep.json", {"format": 1, "protocol": protocol, "axes": {}, "cells": cells})
-    with open(folder / "status.csv", "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["cell", "state"])
-        writer.writerows([name, "failed" if name in failed else "waiting" if name in absent else "done"] for name in cells)
+    for name in failed:
+        (folder / "failed").mkdir(exist_ok=True)
+        write_json(folder / "failed" / f"{name}.json", {"reason": "it had to"})
 
 
 def write_diagram(

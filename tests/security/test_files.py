@@ -11,13 +11,12 @@ from pathlib import Path
 import pytest
 
 from sjdsl.cli import run
-from sjdsl.experiments.folder import open_folder
 from sjdsl.files import parse_json, read_bytes, read_json, write_whole, written_whole
 from sjdsl.replay import DatasetWriter, Header, Recording
 from sjdsl.replay.recording import save_recording
 from sjdsl.studio.folder import Folder, digest
 from sjdsl.sweeps.locks import take
-from sjdsl.trainers.metrics_files import EVALUATIONS, METRICS_CSV, METRICS_JSONL, append_line, cut_metrics, open_metrics
+from sjdsl.trainers.metrics_files import EVALUATIONS, METRICS_JSONL, append_line, cut_metrics, open_metrics
 from sjdsl.trainers.run_files import write_json
 from sjdsl.trainers.run_lock import LOCK, locked
 
@@ -139,16 +138,14 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
     assert (victim.read_text(), mode(target), target.read_text() != "game") == ("theirs", 0o600, True)
 
 
-@pytest.mark.parametrize("what", ["run", "experiment", "metrics", "table", "evaluations", "cut", "cell"])
+@pytest.mark.parametrize("what", ["run", "metrics", "evaluations", "cut", "cell"])
 def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     """Locks, logs and what is taken off their ends: a folder of a stranger may have links in their places."""
     victim = tmp_path / "victim"
     victim.write_text('{"update": 1}\n{"update": 2}\n')
     names = {
         "run": LOCK,
-        "experiment": f"parts/{LOCK}",
         "metrics": METRICS_JSONL,
-        "table": METRICS_CSV,
         "evaluations": EVALUATIONS,
         "cut": METRICS_JSONL,
         "cell": "locks/cell.lock",
@@ -157,8 +154,7 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     link.parent.mkdir(parents=True)
     link.symlink_to(victim)
     changes: dict[str, Callable[[], object]] = {
-        "run": lambda: locked(link.parent, lambda holder: RuntimeError(holder)).__enter__(),
-        "experiment": lambda: open_folder(link.parents[1], {}).__enter__(),
+        "run": lambda: locked(link.parent).__enter__(),
         "evaluations": lambda: append_line(link, {"update": 3}),
         "cut": lambda: list(cut_metrics(link.parent, 1)),
         "cell": lambda: take(link.parents[1], "cell"),

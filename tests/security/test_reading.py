@@ -19,7 +19,6 @@ from sjdsl.render import make_page
 from sjdsl.render.playing import first_moment
 from sjdsl.replay import EpisodePlayer
 from sjdsl.results.page import inert, page_text
-from sjdsl.results.report import LISTED, _listed
 from sjdsl.studio.folder import Folder
 from sjdsl.studio.runs import stored_policies
 from sjdsl.trainers import PolicyError
@@ -137,13 +136,3 @@ def test_a_report_shows_names_as_texts() -> None:
         assert not re.search(r"<[a-zA-Z/!?]", inert(title))
         assert not re.search(r"<[a-zA-Z/!?]", page_text("Results", "Made.", [], [], [title]))
     assert inert("p < 0.05, a <= b") == "p < 0.05, a <= b"
-
-
-def test_a_report_removes_nothing_outside_its_folder(tmp_path: Path) -> None:
-    folder = tmp_path / "report"
-    folder.mkdir()
-    victim = tmp_path / "victim"
-    victim.touch()
-    (folder / "in").symlink_to(tmp_path)
-    (folder / LISTED).write_text(json.dumps({"files": ["tables/a.csv", "../victim", str(victim), "in/victim"]}))
-    assert _listed(folder) == {"tables/a.csv"}

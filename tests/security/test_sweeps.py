@@ -10,10 +10,10 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.results import ResultsError, load
 from sjdsl.sweeps import SweepSpec, run_cell
 from sjdsl.sweeps.axes import read_axis
-from sjdsl.sweeps.folder import cells_of, describe_sweep, merged, read_sweep
+from sjdsl.sweeps.folder import cells_of, describe_sweep, merged, progress_of, read_sweep, write_sweep
 from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.sweeps.running import describe_with_make
-from sjdsl.sweeps.tables import status, write_status
+from sjdsl.sweeps.tables import results
 from sjdsl.trainers.extensions import NotAllowed
 
 STRANGE = [None, True, -1, 0.5, 10**400, "x", "\udcff", [], {}, [[]], [5], {"a": 1}]
@@ -49,9 +49,9 @@ def test_code_that_only_the_folder_names_does_not_run(asked: dict[str, Any], tmp
     name, cell = next(iter(changed["cells"].items()))
     cell["config"]["reward"] = f"{code}:reward"
     put(tmp_path, changed)
-    known = merged(tmp_path, {**asked, "cells": {other: asked["cells"][other] for other in asked["cells"] if other != name}})
-    write_status(tmp_path, known)
-    assert [row["cell"] for row in status(tmp_path, read_sweep(tmp_path))] == list(asked["cells"])
+    known = write_sweep(tmp_path, {**asked, "cells": {other: asked["cells"][other] for other in asked["cells"] if other != name}})
+    assert results(tmp_path, known) == []
+    assert [cell.name for cell in cells_of(read_sweep(tmp_path))] == list(asked["cells"])
     with pytest.raises(NotAllowed, match=r"the cell .* of a sweep names a reward of your own, .*--allow-code"):
         run_cell(tmp_path / "cells" / name)
     assert not code.with_suffix(".ran").exists()
@@ -72,7 +72,8 @@ def test_whatever_stands_in_its_file_is_a_message(asked: dict[str, Any], tmp_pat
                 known = read_sweep(tmp_path)
             except ExperimentError:
                 continue
-            status(tmp_path, known)
+            for cell in cells_of(known):
+                assert progress_of(tmp_path, cell, known["episodes"]).state == "waiting"
             assert len(cells_of(known)) == len(known["cells"])
             try:
                 merged(tmp_path, asked)

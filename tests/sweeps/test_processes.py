@@ -28,9 +28,8 @@ def test_shares(cores: list[int], workers: int, shares: list[tuple[int, ...]]) -
     assert shares_of(cores, workers) == shares
 
 
-def run_beside_another(batch: tuple[str]) -> None:
-    """Stands in for `run_cells`: writes which cores it may use, and waits until two processes have; `killed` is killed by the system."""
-    path = Path(batch[0])
+def run_beside_another(path: Path) -> None:
+    """Stands in for `run_cell`: writes which cores it may use, and waits until two processes have; `killed` is killed by the system."""
     path.write_text(f"{os.getpid()} {sorted(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else ''}")
     if path.name == "killed":
         os.kill(os.getpid(), signal.SIGKILL)
@@ -43,8 +42,8 @@ def run_beside_another(batch: tuple[str]) -> None:
 def failed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the cells that have failed."""
     found: list[str] = []
-    monkeypatch.setattr(processes, "run_cells", run_beside_another)
-    monkeypatch.setattr(processes, "cells_at", lambda batch: (Path(), {"episodes": 1}, [SimpleNamespace(name=Path(batch[0]).name)]))
+    monkeypatch.setattr(processes, "run_cell", run_beside_another)
+    monkeypatch.setattr(processes, "cell_at", lambda path: (Path(), {"episodes": 1}, SimpleNamespace(name=path.name)))
     monkeypatch.setattr(processes, "record_failure", lambda _, cell, __: found.append(cell.name))
     monkeypatch.setattr(processes, "progress_of", lambda *_: SimpleNamespace(state="stopped", summary="stopped"))
     return found
@@ -53,7 +52,7 @@ def failed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 @pytest.mark.thorough
 def test_processes_have_cores_of_their_own_and_one_that_is_killed_is_replaced(tmp_path: Path, failed: list[str]) -> None:
     told: list[str] = []
-    run_in_processes([(str(tmp_path / name),) for name in ("first", "killed", "second", "third")], 2, told.append)
+    run_in_processes([tmp_path / name for name in ("first", "killed", "second", "third")], 2, told.append)
     assert failed == ["killed"]
     assert sorted(told) == [f"{name}: stopped" for name in ("first", "killed", "second", "third")]
     seen: Any = {path.name: path.read_text().split(" ", 1) for path in tmp_path.iterdir()}

@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from sjdsl.sweeps.cells import SweepSpec
 from sjdsl.sweeps.folder import cells_of, read_sweep, record_failure
 from sjdsl.sweeps.running import Outcome, sweep
 from sjdsl.sweeps.work import Watch
-from sjdsl.trainers.run_errors import TooLargeError
+from sjdsl.trainers.run_errors import RunError
 from tests.sweeps.described import GAME, TINY
 
 ASKED = SweepSpec([GAME], (), "svo", {**TINY, "seed": 4}, episodes=2)
@@ -36,17 +36,15 @@ def run_with(earned: Callable[[Any, int], float], fails: Callable[[Any], bool], 
     """Runs the sweep with cells that earn what `earned` says of a cell and a seed."""
     said: list[str] = []
 
-    def run(batch: Sequence[str], _: Watch) -> None:
-        cells = {cell.name: cell for cell in cells_of(read_sweep(folder))}
-        for path in map(Path, batch):
-            cell = cells[path.name]
-            if fails(cell):
-                record_failure(folder, cell, "it had to")
-            else:
-                finish(path, cell.seeds, lambda seed, cell=cell: earned(cell, seed))  # type: ignore[misc]
+    def run(path: Path, _: Watch) -> None:
+        cell = next(cell for cell in cells_of(read_sweep(folder)) if cell.name == path.name)
+        if fails(cell):
+            record_failure(folder, cell, "it had to")
+        else:
+            finish(path, cell.seeds, lambda seed: earned(cell, seed))
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(running, "run_cells", run)
+        patch.setattr(running, "run_cell", run)
         patch.setattr(running, "check_cells", lambda _: None)
         return sweep(ASKED, folder, watch=Watch(tell=said.append)), said
 
@@ -84,32 +82,14 @@ def test_no_second_stage_while_a_cell_of_the_first_has_failed(tmp_path: Path) ->
 RATES = SweepSpec([GAME], [Axis("learning_rate", (0.1, 0.2, 0.3, 0.4, 0.5))], settings=TINY, episodes=2)
 
 
-def test_cells_that_do_not_fit_into_memory_together_are_halved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    sizes: list[int] = []
-
-    def train(runs: Sequence[Any], *_: Any) -> None:
-        sizes.append(len(runs))
-        if len(runs) > 2:
-            raise TooLargeError("an update needs more")
-        for run in runs:
-            finish(run.run_dir, range(2), float)
-
-    monkeypatch.setattr(work, "train_side_by_side", train)
-    said: list[str] = []
-    outcome = sweep(RATES, tmp_path / "sweep", watch=Watch(tell=said.append), together=5)
-    assert len(outcome.done) == 5
-    assert sizes == [5, 3, 2, 1, 2]
-    assert "5 cells do not fit into memory together; 3 at a time" in said
-
-
 @pytest.mark.thorough
-def test_a_cell_that_does_not_fit_alone_has_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def train(runs: Sequence[Any], *_: Any) -> None:
-        if runs[0].config.learning_rate == 0.2:
-            raise TooLargeError("an update needs more")
-        finish(runs[0].run_dir, range(2), float)
+def test_a_cell_that_does_not_fit_into_memory_has_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def train(_: Any, config: Any, run_dir: Path, *__: Any) -> None:
+        if config.learning_rate == 0.2:
+            raise RunError("an update needs more")
+        finish(run_dir, range(2), float)
 
-    monkeypatch.setattr(work, "train_side_by_side", train)
+    monkeypatch.setattr(work, "train", train)
     outcome = sweep(RATES, tmp_path / "sweep")
     assert outcome.failed == {"matrix_game_learning_rate-0.2": "an update needs more"}
     assert len(outcome.done) == 4

@@ -74,12 +74,10 @@ def read_lines(path: Path) -> list[dict[str, Any]]:
 def outcome(folder: Path) -> dict[str, Any]:
     """Returns what a seed of a run came to, without what depends on the clock; policies as their bytes."""
     metrics = read_lines(folder / "metrics.jsonl")
-    table = (folder / "metrics.csv").read_text().splitlines()
     evaluations = folder / "evaluations.jsonl"
     return {
         "metrics": [{name: value for name, value in row.items() if name not in OF_THE_CLOCK} for row in metrics],
-        "columns": table[0],
-        "lines": len(table),
+        "columns": list(metrics[0]),
         "evaluations": read_lines(evaluations) if evaluations.exists() else [],
         "policies": {path.name: path.read_bytes() for path in sorted((folder / "policies").iterdir())},
     }

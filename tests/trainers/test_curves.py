@@ -26,11 +26,9 @@ ROWS = [
         ("collective_return", [np.nan, 4, 6]),
         ("event_own", [np.nan, 3, 6]),
         ("event_own_agent_1", [np.nan, 2, 3]),
-        ("event_own+event_other", [np.nan, 4, 8]),
-        ("event_own/event_own+event_other", [np.nan, 0.75, 0.75]),
     ],
 )
-def test_a_metric_may_be_a_sum_or_a_share(metric: str, values: list[float]) -> None:
+def test_a_metric_is_a_column_or_the_sum_over_agents(metric: str, values: list[float]) -> None:
     np.testing.assert_array_equal(figures(map(known_row, ROWS), metric), [[10, 20, 30], values])
 
 
@@ -56,9 +54,6 @@ def test_runs_of_several_seeds_are_drawn(tmp_path: Path) -> None:
     [
         ("collective_return", "collective return"),
         ("event_own", "own in an episode"),
-        ("event_own+event_other", "own and other in an episode"),
-        ("event_own_coins/event_own_coins+event_other_coins", "share of own coins in own coins and other coins"),
-        ("event_own/episodes", "ratio of own to episodes"),
         ("mean_apples_left", "mean of apples left over an episode"),
         ("final_owned", "owned at the end of an episode"),
         ("event_own_agent_1", "own of agent 1 in an episode"),

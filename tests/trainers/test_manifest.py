@@ -28,7 +28,7 @@ STRANGE = [None, True, -1, 0.5, 10**400, "x", "\udcff", [], {}, [[]], [5], {"a":
 def whole() -> dict[str, Any]:
     """A manifest with all fields; its game is nowhere, so that no command trains."""
     provenance = {"game": "nowhere", "variant": None, "map": None, "num_agents": None, "params": {"a": 1}}
-    later = {"status": "interrupted", "updates": 3, "diverged": [{"seed": 0, "update": 2}], "resumed": ["2026-01-01"], "together": 1}
+    later = {"status": "interrupted", "updates": 3, "diverged": [{"seed": 0, "update": 2}], "resumed": ["2026-01-01"]}
     asked = {"loggers": [], "asked": {"episodes": 3, "callback": "mine"}, "extended": [{"from": 1, "to": 2, "updates": 1}]}
     return json.loads(json.dumps(describe_run(matching(), make_config(), provenance) | later | asked))
 

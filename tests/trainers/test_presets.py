@@ -15,7 +15,7 @@ from sjdsl.trainers.ppo import check_minibatches
 from tests.games.environments import NINE, environment
 
 PPO = tuple((algorithm, reward) for algorithm in ("ippo", "mappo") for reward in ("individual", "common", "svo", "exchange", "inequity"))
-RUNS = (*PPO, *(("irat", reward) for _, reward in PPO[:5]), ("vdn", "common"))
+RUNS = (*PPO, ("vdn", "common"))
 
 
 def test_a_packaged_preset_and_changes() -> None:

@@ -33,8 +33,8 @@ def test_lists_may_come_as_text_or_as_one_number() -> None:
 
 
 def test_the_algorithm_decides_which_keys_there_are() -> None:
-    kinds = {algorithm: type(make_config(algorithm=algorithm)) for algorithm in ("ippo", "mappo", "irat", "vdn")}
-    assert kinds == {"ippo": PPOConfig, "mappo": PPOConfig, "irat": PPOConfig, "vdn": VDNConfig}
+    kinds = {algorithm: type(make_config(algorithm=algorithm)) for algorithm in ("ippo", "mappo", "vdn")}
+    assert kinds == {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
     assert make_config().algorithm == "ippo"
 
 

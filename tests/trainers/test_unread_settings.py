@@ -32,7 +32,7 @@ def test_what_nothing_reads_is_refused_however_it_is_set() -> None:
         {"reward": "exchange", "exchange_ratio": 0.9},
         {"reward": "svo", "reward_smoothing": 0.5, "match_socialjax": True},
         {"algorithm": "mappo", "joint_optimiser": True, "critic": "state"},
-        {"algorithm": "irat", "critic": "state", "team_reward": "sum", "team_kl": 1, "individual_kl": "0,1", "similarity_clip": "1,0.2"},
+        {"algorithm": "mappo", "critic": "state"},
         {"algorithm": "vdn", "match_socialjax": True, "common_reward": "mean"},
         {"sharing": "by_role", "roles": "0,1"},
         {"evaluate_every": 1, "evaluation_episodes": 2},
@@ -110,10 +110,6 @@ OTHERS: dict[str, Any] = {
     "svo_at_rest": "content",
     "convolution_sides": (3,),
     "critic": "state",
-    "team_reward": "sum",
-    "similarity_clip": (1.0, 0.2),
-    "individual_kl": (0.0, 1.0),
-    "team_kl": (1.0, 0.5),
 }
 
 
@@ -152,7 +148,7 @@ def test_rewards_read_what_they_are_said_to(algorithm: str, reward: str) -> None
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("algorithm", "network"), [("ippo", "cnn"), ("mappo", "mlp"), ("irat", "mlp")])
+@pytest.mark.parametrize(("algorithm", "network"), [("ippo", "cnn"), ("mappo", "mlp")])
 def test_programs_read_what_they_are_said_to(algorithm: str, network: str) -> None:
     def program(config: Config) -> str:
         run = make_train(constant(1.0), config)
