@@ -26,7 +26,6 @@ MODULES = {  # what has names that users import -> what the page is about
     "sjdsl.bench": "Benchmarks",
     "sjdsl.interop.jaxmarl": "JaxMARL",
     "sjdsl.interop.socialjax": "SocialJax",
-    "sjdsl.interop.mava": "Mava",
     "sjdsl.interop.pettingzoo": "PettingZoo",
     "sjdsl.interop.gymnasium": "Gymnasium",
     "sjdsl.interop.stable_baselines3": "Stable-Baselines3",

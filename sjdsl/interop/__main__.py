@@ -1,4 +1,4 @@
-"""`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs an unchanged training script of SocialJax, JaxMARL or Mava with our games."""
+"""`python -m sjdsl.interop SCRIPT [ARGUMENTS]`: runs an unchanged training script of SocialJax or JaxMARL with our games."""
 
 import importlib.util
 import re
@@ -13,10 +13,10 @@ from sjdsl.interop import socialjax_modules
 
 USAGE = """usage: python -m sjdsl.interop SCRIPT [ARGUMENTS]
 
-Runs a training script of SocialJax, JaxMARL or Mava with compiled games: `socialjax.make` makes ours,
-`jaxmarl.make` knows `sjdsl_clean_up` and the others, and Mava's configurations have `env=sjdsl env.game=clean_up`.
+Runs a training script of SocialJax or JaxMARL with compiled games: `socialjax.make` makes ours, and
+`jaxmarl.make` knows `sjdsl_clean_up` and the others.
 The arguments are the script's own."""
-ROOTS = ("algorithms", "baselines", "socialjax", "jaxmarl", "mava")  # folders at the root of a checkout, from which scripts import
+ROOTS = ("algorithms", "baselines", "socialjax", "jaxmarl")  # folders at the root of a checkout, from which scripts import
 
 
 def run_script(script: Path, arguments: Sequence[str]) -> None:
@@ -34,8 +34,6 @@ def run_script(script: Path, arguments: Sequence[str]) -> None:
         print(f"note: the package socialjax can't be imported ({reason}); using our versions of its wrappers", file=sys.stderr)
     if importlib.util.find_spec("jaxmarl") is not None:
         importlib.import_module("sjdsl.interop.jaxmarl")  # registers the games
-    if any((place / "mava/utils/make_env.py").is_file() for place in checkouts[:1]):
-        importlib.import_module("sjdsl.interop.mava").register()
     sys.argv = [str(script), *map(_without_slash, arguments)]
     runpy.run_path(str(script), run_name="__main__")
 
