@@ -30,7 +30,6 @@ MODULES = {  # what has names that users import -> what the page is about
     "sjdsl.interop.gymnasium": "Gymnasium",
     "sjdsl.interop.stable_baselines3": "Stable-Baselines3",
     "sjdsl.interop.dm_env": "dm_env",
-    "sjdsl.interop.minari": "Minari",
 }
 INDEX = """# Reference
 

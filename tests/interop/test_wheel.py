@@ -22,7 +22,6 @@ EXTRAS = {
     "gymnasium": "gymnasium",
     "stable_baselines3": "sb3",
     "dm_env": "dm_env",
-    "minari": "minari",
 }
 
 
