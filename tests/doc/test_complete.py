@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -52,7 +53,7 @@ def test_a_statement_without_english_is_an_error() -> None:
 
 def said(written: Written, game: ir.Game) -> str:
     """Returns the sheet of changed rules, without the sections that say again what the phases say."""
-    changed = Written(game, written.file, written.chosen, written.variants, written.numbers)
+    changed = replace(written, game=game)
     try:
         sections = rule_sheet(changed).split("\n## ")
     except (KeyError, StopIteration, ValueError, AttributeError, IndexError, RuntimeError, AssertionError):
