@@ -5,21 +5,18 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import unified_diff
-from textwrap import dedent
 from typing import Any
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc.entities import starts
 from sjdsl.doc.numbers import limits_of, unit_of
+from sjdsl.doc.quoted import laid_out, written_text
 from sjdsl.doc.wording import number
 from sjdsl.doc.written import Written
-from sjdsl.format import format_source
 
 Marked = tuple[str, str]  # `-`, `+` or a blank, and a line
 Declared = Mapping[str, tuple[ast.Node | None, ...]]
-COMMENT = re.compile(r'("[^"]*")|#.*')
 WORD = re.compile(r'"[^"]*"|\w+|[^\w\s]')
 
 
@@ -148,26 +145,13 @@ def _texts(block: str, old: tuple[Composition, Declared], new: tuple[Composition
     """Returns the declarations whose words differ, with their lines as `sjdsl fmt` lays them out."""
     found = []
     for name in old[1] | new[1]:
-        before, after = (_text(composition, declared.get(name, ())) for composition, declared in (old, new))
+        before, after = (written_text(composition, declared.get(name, ())) for composition, declared in (old, new))
         if WORD.findall(before) != WORD.findall(after):
-            sides = [_laid_out(text, block) for text in (before, after)]
+            sides = [laid_out(text, block) for text in (before, after)]
             _, _, *lines = unified_diff(*sides, n=1, lineterm="")
             marked = [(" ", "…") if line.startswith("@@") else (line[0], line[1:]) for line in lines]
             found.append(Change(name, *sides, lines=tuple(marked[1:])))
     return found
-
-
-def _text(c: Composition, nodes: Iterable[ast.Node | None]) -> str:
-    """Returns declarations as they are written, without comments."""
-    spans = [node.span for node in nodes if node is not None]
-    return "\n".join(COMMENT.sub(lambda found: found[1] or "", c.sources[s.file].text[s.start : s.end]) for s in spans)
-
-
-def _laid_out(text: str, block: str) -> list[str]:
-    """Returns the lines of declarations, formatted in the block of a file that they stand in."""
-    head, foot = (["sj 1", "game g {", f"{block} {{"], ["}", "}"]) if block else (["sj 1", "game g {"], ["}"])
-    lines = format_source(Source("declarations", "\n".join([*head, text, *foot]))).splitlines() if text else []
-    return dedent("\n".join(line for line in lines[len(head) : -len(foot)] if line)).splitlines()
 
 
 def name_of(w: Written) -> str:
