@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from difflib import unified_diff
 from typing import Any
 
-from sjdsl.compiler import ast, ir
+from sjdsl.compiler import ir
+from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.compose import Composition
 from sjdsl.doc.entities import starts
 from sjdsl.doc.numbers import limits_of, unit_of
@@ -16,7 +17,7 @@ from sjdsl.doc.wording import number
 from sjdsl.doc.written import Written
 
 Marked = tuple[str, str]  # `-`, `+` or a blank, and a line
-Declared = Mapping[str, tuple[ast.Node | None, ...]]
+Declared = Mapping[str, tuple[Node | None, ...]]
 WORD = re.compile(r'"[^"]*"|\w+|[^\w\s]')
 
 

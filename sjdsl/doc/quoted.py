@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from textwrap import dedent
 
-from sjdsl.compiler import ast
+from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.format import format_source
@@ -12,7 +12,7 @@ from sjdsl.format import format_source
 COMMENT = re.compile(r'("[^"]*")|#.*')
 
 
-def written_text(c: Composition, nodes: Iterable[ast.Node | None]) -> str:
+def written_text(c: Composition, nodes: Iterable[Node | None]) -> str:
     """Returns declarations as they are written, without comments."""
     spans = [node.span for node in nodes if node is not None]
     return "\n".join(COMMENT.sub(lambda found: found[1] or "", c.sources[s.file].text[s.start : s.end]) for s in spans)
