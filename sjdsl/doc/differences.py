@@ -69,7 +69,7 @@ def _description(old: ir.Game, new: ir.Game) -> list[Change]:
 
 def _numbers(old: Written, new: Written) -> list[Change]:
     """Returns numbers with another default, entry by entry; other units, limits, and whether they are fixed when compiled."""
-    mine, theirs = ({n.name: n for n in (*w.game.sizes, *w.game.params)} for w in (old, new))
+    mine, theirs = (_named(w.game) for w in (old, new))
     found: list[Change] = []
     for name in mine | theirs:
         sides = [(side.get(name), w) for side, w in ((mine, old), (theirs, new))]
@@ -88,6 +88,10 @@ def _numbers(old: Written, new: Written) -> list[Change]:
             compared = [(w.composition, {name: (w.composition.constants.get(name),)}) for w in (old, new)]
             found += _texts("", *compared)
     return found
+
+
+def _named(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
+    return {size.name: size for size in game.sizes} | {param.name: param for param in game.params}
 
 
 def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str, Any]]:
@@ -145,13 +149,13 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
 def _texts(block: str, old: tuple[Composition, Declared], new: tuple[Composition, Declared]) -> list[Change]:
     """Returns the declarations whose words differ, with their lines as `sjdsl fmt` lays them out."""
     found = []
-    for name in old[1] | new[1]:
+    for name in {**old[1], **new[1]}:
         before, after = (written_text(composition, declared.get(name, ())) for composition, declared in (old, new))
         if WORD.findall(before) != WORD.findall(after):
-            sides = [laid_out(text, block) for text in (before, after)]
-            _, _, *lines = unified_diff(*sides, n=1, lineterm="")
+            gone, new_lines = laid_out(before, block), laid_out(after, block)
+            _, _, *lines = unified_diff(gone, new_lines, n=1, lineterm="")
             marked = [(" ", "…") if line.startswith("@@") else (line[0], line[1:]) for line in lines]
-            found.append(Change(name, *sides, lines=tuple(marked[1:])))
+            found.append(Change(name, gone, new_lines, lines=tuple(marked[1:])))
     return found
 
 
