@@ -56,7 +56,7 @@ test-all: .venv/ready
 newcomer: .venv/ready
 	$(BIN)/python -m tests.packaging.newcomer
 
-# The adapters for other libraries, which are installed for it; with SOCIALJAX=CHECKOUT, JAXMARL=… or MAVA=… also their own scripts.
+# The adapters for other libraries, which are installed for it.
 test-interop: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-interop.txt
 	$(PYTEST) -o addopts=-q tests/interop

@@ -20,7 +20,7 @@ TABLES = {
 }
 # An import inside a function is for one thing: that its module loads without these, which take long to load or need not be installed.
 HEAVY = {
-    *("dm_env", "gymnasium", "jaxmarl", "jumanji", "minari", "pettingzoo"),
+    *("dm_env", "gymnasium", "jaxmarl", "pettingzoo"),
     *("flax", "hypothesis", "jax", "jinja2", "lark", "matplotlib", "numpy", "orbax", "PIL", "psutil", "pydantic", "pygls"),
     *("resvg_py", "rich", "textual"),
 }

@@ -26,12 +26,10 @@ MODULES = {  # what has names that users import -> what the page is about
     "sjdsl.bench": "Benchmarks",
     "sjdsl.interop.jaxmarl": "JaxMARL",
     "sjdsl.interop.socialjax": "SocialJax",
-    "sjdsl.interop.mava": "Mava",
     "sjdsl.interop.pettingzoo": "PettingZoo",
     "sjdsl.interop.gymnasium": "Gymnasium",
     "sjdsl.interop.stable_baselines3": "Stable-Baselines3",
     "sjdsl.interop.dm_env": "dm_env",
-    "sjdsl.interop.minari": "Minari",
 }
 INDEX = """# Reference
 

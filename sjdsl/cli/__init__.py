@@ -26,7 +26,7 @@ GROUPS = {
         "dump": "Show a game after one stage of the compiler.",
     },
     "Look at it": {
-        "list": "List games: agents, actions, parameters, variants.",
+        "list": "List games with their agents, maps, actions and variants.",
         "doc": "Print the rules of a game in plain English.",
         "diff": "Print what differs between two variants or games.",
         "play": "Control an agent of a game in the terminal.",

@@ -6,8 +6,8 @@ import click
 
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.doc import Written, differences, read_written
-from sjdsl.doc.report import as_json, report
+from sjdsl.doc import Written, read_written, report
+from sjdsl.doc.differences import as_json
 from sjdsl.library.checked_game import split_variants
 from sjdsl.near_names import nearest
 
@@ -19,17 +19,16 @@ DEFAULT = "default"
 @click.option("--variants", nargs=2, metavar="A B", help="The variants to compare; `default` is the game without one.")
 @click.option("--json", "in_json", is_flag=True, help="Print the differences as JSON.")
 def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: bool) -> int:
-    """Prints in words and numbers what differs between two variants of GAME, or between GAME and OTHER.
+    """Prints the numbers and declarations that differ between two variants of GAME, or between GAME and OTHER.
 
-    A game is a `.sj` file or the name of a bundled or installed one. A rule that is only worded differently, or
-    stands at another place in the file, doesn't count as a difference.
+    A game is a `.sj` file or the name of a bundled or installed one. Layout, comments and the order of declarations
+    don't count as differences.
     """
     if len(games) > 2 or (len(games) == 1 and variants is None):
         raise click.UsageError("name two games, or one game and two variants (--variants A B)")
     sources = [open_game(name) for name in (games[0], games[-1])]
     old, new = (read_variant(source, name) for source, name in zip(sources, variants or (DEFAULT, DEFAULT), strict=True))
-    found = differences(old, new)
-    click.echo(json.dumps(as_json(old, new, found), indent=2, ensure_ascii=False) if in_json else report(old, new, found), nl=in_json)
+    click.echo(json.dumps(as_json(old, new), indent=2, ensure_ascii=False) if in_json else report(old, new), nl=in_json)
     return 0
 
 

@@ -17,7 +17,7 @@ EXAMPLES = {
     ),
     "explain": ("sjdsl explain SJ401", "sjdsl explain SJ101"),
     "fmt": ("sjdsl fmt my_game.sj", "sjdsl fmt --check games"),
-    "list": ("sjdsl list", "sjdsl list clean_up my_game.sj"),
+    "list": ("sjdsl list",),
     "lsp": ("sjdsl lsp", "sjdsl lsp --tcp 2087"),
     "new": ("sjdsl new my_game", "sjdsl new --from clean_up my_clean_up"),
     "play": ("sjdsl play clean_up --agent 2", "sjdsl play my_game.sj --watch --others runs/mine --record first.json"),

@@ -95,7 +95,7 @@ def _new_package(package: str, folder: Path, texts: Mapping[str, str]) -> None:
         (f"  cd {folder}", ""),
         ("  pip install -e '.[test]'", "in the same Python environment as sjdsl; its files stay here, and can be changed"),
         ("  pytest", "its scenes, and the checks of its games"),
-        (f"  sjdsl list {name}", "from now on every command knows the game by its name"),
+        (f"  sjdsl doc {name}", "from now on every command knows the game by its name"),
         (f"  sjdsl studio src/{package}/{name}.sj", "change it"),
     )
 

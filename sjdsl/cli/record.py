@@ -11,7 +11,7 @@ from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_
 from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
-from sjdsl.replay import Dataset, DatasetWriter, Header
+from sjdsl.replay import DatasetWriter, Header
 from sjdsl.trainers.policy_names import UNTRAINED, split_name
 
 if TYPE_CHECKING:
@@ -31,7 +31,6 @@ REPORTED = 100  # episodes between two lines of progress
 @click.option(
     "--observation", type=click.Choice(["tokens", "onehot", "none"]), default="tokens", show_default=True, help="How to store observations."
 )
-@click.option("--minari", "dataset_id", metavar="ID", help="Also make a Minari dataset, such as sjdsl/coins/random-v0.")
 @environment_options
 def command(
     game: str,
@@ -40,7 +39,6 @@ def command(
     episodes: int,
     seed: int,
     observation: str,
-    dataset_id: str | None,
     options: EnvironmentOptions,
 ) -> None:
     """Plays GAME and stores observations, actions and rewards of whole episodes."""
@@ -49,15 +47,6 @@ def command(
         raise click.UsageError(f"`{path}` must end in .npz")
     if seed + episodes > 2**32:
         raise click.UsageError(f"the seeds go up to {seed + episodes - 1}, and the largest seed is {2**32 - 1}")
-    if dataset_id is not None:
-        if observation == "none":
-            raise click.UsageError("a Minari dataset needs observations; --observation none stores none")
-        from sjdsl.interop.minari import check_name
-
-        try:  # before anything is played
-            check_name(dataset_id)
-        except ValueError as error:
-            raise click.ClickException(str(error)) from None
     check_policy(policy, options.check(game))
     require_unused(path, "recorded episodes")
     require_folder_of(path)
@@ -81,11 +70,6 @@ def command(
         )
         summary = write_episodes(env, chosen, header, path, say)
     click.echo(summary)
-    if dataset_id is not None:
-        from sjdsl.interop.minari import save_minari
-
-        made = save_minari(Dataset(path), dataset_id)
-        click.echo(f"{dataset_id}  {made.total_episodes} episodes of one agent each, {made.total_steps} steps")
 
 
 def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path, say: Say) -> str:

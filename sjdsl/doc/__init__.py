@@ -1,7 +1,7 @@
 """Games in plain English: rule sheets made from the rules, and differences between two games."""
 
-from sjdsl.doc.differences import differences
+from sjdsl.doc.differences import differences, report
 from sjdsl.doc.sheet import rule_sheet
 from sjdsl.doc.written import Written, WrittenNumber, read_written
 
-__all__ = ["Written", "WrittenNumber", "differences", "read_written", "rule_sheet"]
+__all__ = ["Written", "WrittenNumber", "differences", "read_written", "report", "rule_sheet"]

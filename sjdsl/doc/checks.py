@@ -1,13 +1,23 @@
-"""The English of episodes, metrics and checks in a rule sheet."""
-
-from typing import assert_never
+"""The sections of a rule sheet on episodes, metrics and checks."""
 
 from sjdsl.compiler import ir
-from sjdsl.doc.actions import chosen_names
-from sjdsl.doc.phrases import condition, members, value
+from sjdsl.doc.phrases import value
+from sjdsl.doc.quoted import laid_out, written_text
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, joined
+from sjdsl.doc.wording import Line, bullets, code, codes, counted, entries_text, fenced
+from sjdsl.doc.written import Written
 
+SORTS = {
+    "require": "holds of the numbers",
+    "always": "holds after every step",
+    "once": "from the first step on after which the first condition holds, the second holds",
+    "conserved": "never changes",
+    "monotone": "where the argument is larger, the value is never larger (`falling`), or never smaller (`rising`)",
+    "symmetric": "numbering the agents, or the movers of that name, in another order changes nothing but their numbers; `mirror`: on the "
+    "mirrored map everything happens mirrored",
+    "expect": "holds at the end of so many episodes in which the agents play these policies, in turn; `random` chooses all actions equally "
+    "likely, `never` all but the ones it names, and `seek` walks to the nearest of what it names",
+}
 PAYOFFS = (
     "R is what each earns if both cooperate, P if both do not; T and S are what one earns who does not cooperate with one who does, "
     "and the other way round."
@@ -45,59 +55,12 @@ def metric_lines(v: Vocabulary) -> list[Line]:
     return found
 
 
-def checks(v: Vocabulary) -> list[str]:
-    """Returns the lines of the checks."""
-    lines = [check_line(check, v) for check in v.game.checks]
-    if not lines:
+def checks(w: Written) -> list[str]:
+    """Returns the checks as they are written, after what each sort of check says."""
+    found = [check for block in w.composition.checks.values() for check in block]
+    if not found:
         return ["None.", ""]
-    return [*bullets(lines), "", *([PAYOFFS, ""] if v.has(ir.MatrixClass) else [])]
-
-
-def check_line(check: ir.Check, v: Vocabulary) -> Line:
-    """Returns one check."""
-    match check.sort:
-        case "require":
-            return Line(f"of the numbers: {condition(check.values[0], v)}")
-        case "always":
-            return Line(f"after every step: {condition(check.values[0], v)}")
-        case "once":
-            first, then = (condition(c, v) for c in check.values)
-            return Line(f"from the first step on after which {first}: {then}")
-        case "conserved":
-            return Line(f"never changes: {value(check.values[0], v)}")
-        case "monotone":
-            direction, name, argument = check.words
-            grows = "never larger" if direction == "falling" else "never smaller"
-            meanings = [(value(e, v), n) for e, n in zip(check.values, (name, argument), strict=True)]  # said where they stand nowhere else
-            of, what = (said if n in v.defined else f"{code(n)} ({said})" for said, n in meanings)
-            return Line(f"where {what} is larger, {of} is {grows}")
-        case "symmetric":
-            (what,) = check.words
-            if what == "mirror":
-                return Line("on the mirrored map everything happens mirrored")
-            whom = "the agents" if what == "agents" else f"the movers {code(what)}"
-            return Line(f"numbering {whom} in another order changes nothing but their numbers")
-        case "expect":
-            who = joined(policy(p, v) for p in check.policies)
-            turn = ", in turn" if len(check.policies) > 1 else ""
-            return Line(
-                f"at the end of {counted(check.episodes, 'episode')} in which the agents {who}{turn}: {condition(check.values[0], v)}"
-            )
-        case _:
-            assert_never(check.sort)
-
-
-def policy(p: ir.Policy, v: Vocabulary) -> str:
-    """Returns how agents of a policy play."""
-    match p.name:
-        case "random":
-            return "choose all actions equally likely"
-        case "never":
-            return f"choose all actions but {joined(chosen_names(p.actions, v))} equally likely"
-        case "seek":
-            assert p.domain is not None
-            return f"walk to the nearest {members(p.domain, v)} (the agent: the one who walks)"
-        case "scripted":
-            return f"follow the policy {code(p.scripted)}"
-        case _:
-            assert_never(p.name)
+    sorts = {check.sort for check in w.game.checks}
+    said = [*bullets(Line(f"{code(sort)}: {meaning}") for sort, meaning in SORTS.items() if sort in sorts), ""]
+    said += [PAYOFFS, ""] if any(isinstance(node, ir.MatrixClass) for node in ir.walk(w.game)) else []
+    return [*said, *fenced(laid_out(written_text(w.composition, found), "checks")), ""]

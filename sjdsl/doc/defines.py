@@ -9,14 +9,14 @@ from sjdsl.doc.wording import Line, code, joined, variable
 PLACEHOLDERS = "xyzuvw"
 
 
-def vocabulary(game: ir.Game, values: bool = True) -> Vocabulary:
+def vocabulary(game: ir.Game) -> Vocabulary:
     """Returns the names of a game; a define counts as explained if all its uses say the same of what they are about."""
     bare = Vocabulary(game)
     forms: dict[str, set[str]] = {}
     for node in ir.walk(game):
         if isinstance(node, ir.Named):
             forms.setdefault(node.name, set()).add(_meaning(node, bare).text)
-    return Vocabulary(game, frozenset(name for name, found in forms.items() if len(found) == 1), values)
+    return Vocabulary(game, frozenset(name for name, found in forms.items() if len(found) == 1))
 
 
 def explained(v: Vocabulary) -> list[Line]:

@@ -1,53 +1,64 @@
-"""Differences between two games or variants: in numbers where there are numbers, otherwise in sentences."""
+"""Differences between two games or variants: numbers as `old -> new`, and the declarations that differ, line by line."""
 
+import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from difflib import unified_diff
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.doc.actions import declared, forbidden
-from sjdsl.doc.changes import Change, Section, by_name, texts, whole_texts
-from sjdsl.doc.checks import check_line, episode, metric_lines
-from sjdsl.doc.defines import explained, vocabulary
-from sjdsl.doc.entities import blocking, field_line, lane_ends, starts
+from sjdsl.compiler.ast.node import Node
+from sjdsl.compiler.compose import Composition
+from sjdsl.doc.entities import starts
 from sjdsl.doc.numbers import limits_of, unit_of
-from sjdsl.doc.observation import seen, unseen_fields, views
-from sjdsl.doc.pictures import picture_lines
-from sjdsl.doc.policies import policy_lines, scenario_line
-from sjdsl.doc.shapes import shape_lines
-from sjdsl.doc.statements import block, turn_lines
-from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import Line, table_value
+from sjdsl.doc.quoted import laid_out, written_text
+from sjdsl.doc.wording import number
 from sjdsl.doc.written import Written
 
-FRAMES = {True: "relative to the heading", False: "by the compass"}
+Marked = tuple[str, str]  # `-`, `+` or a blank, and a line
+Declared = Mapping[str, tuple[Node | None, ...]]
+WORD = re.compile(r'"[^"]*"|\w+|[^\w\s]')
+
+
+@dataclass(frozen=True)
+class Change:
+    """One thing that differs.
+
+    old, new: its values, None where there is none; of a declaration its lines, and `lines` has those that are gone and those that are
+    new, with their neighbours.
+    """
+
+    what: str
+    old: Any = None
+    new: Any = None
+    unit: str = ""
+    lines: tuple[Marked, ...] = ()
+
+
+@dataclass(frozen=True)
+class Section:
+    """The changes in one part of the rules."""
+
+    title: str
+    changes: tuple[Change, ...]
 
 
 def differences(old: Written, new: Written) -> tuple[Section, ...]:
-    """Returns the parts of the rules in which two games differ; nothing if they are the same game in other words or places."""
-    a, b = (vocabulary(w.game, values=False) for w in (old, new))
-    sections = (
-        ("Description", _description(old.game, new.game)),
-        ("Numbers", _numbers(old, new)),
-        ("Map", _map(old.game, new.game)),
-        ("Agents", _agents(a, b)),
-        ("Movers", _movers(a, b)),
-        ("Kinds of cell", _kinds(a, b)),
-        ("Shapes", _shapes(a, b)),
-        ("State of the world", _lines("fields", a.game.fields, b.game.fields)),
-        ("Names", texts("names", explained(a), explained(b))),
-        ("Initialisation", texts("start", block(a.game.start.body, a), block(b.game.start.body, b))),
-        ("Schedule", _schedule(a.game, b.game)),
-        ("Phases", _phases(a, b)),
-        ("Observation", _observation(a, b)),
-        ("Episode", texts("episode", episode(a), episode(b))),
-        ("Metrics", texts("metrics", metric_lines(a), metric_lines(b))),
-        ("Checks", texts("checks", [check_line(c, a) for c in a.game.checks], [check_line(c, b) for c in b.game.checks])),
-        ("Policies", _policies(a, b)),
-        ("Scenarios", texts("scenarios", *(list(map(scenario_line, v.game.scenarios)) for v in (a, b)))),
-        ("Pictures", texts("pictures", picture_lines(a), picture_lines(b))),
-    )
+    """Returns the parts of the rules in which two games differ. Layout, comments and the order of declarations don't count."""
+    sections = [("Description", _description(old.game, new.game)), ("Numbers", _numbers(old, new)), ("Map", _map(old.game, new.game))]
+    theirs = _declarations(new.composition)
+    for title, (block, declared) in _declarations(old.composition).items():
+        counted = by_name({"number of agents": w.game.agents.number} for w in (old, new)) if title == "Agents" else []
+        sections.append((title, counted + _texts(block, (old.composition, declared), (new.composition, theirs[title][1]))))
     return tuple(Section(title, tuple(changes)) for title, changes in sections if changes)
+
+
+def by_name(sides: Iterable[Mapping[str, Any]], unit: str = "") -> list[Change]:
+    """Returns what is added, removed and different of an old and a new mapping, in the order of the old names, then the new ones."""
+    old, new = sides
+    names = dict.fromkeys([*old, *new])
+    return [Change(name, old.get(name), new.get(name), unit) for name in names if old.get(name) != new.get(name)]
 
 
 def _description(old: ir.Game, new: ir.Game) -> list[Change]:
@@ -58,34 +69,29 @@ def _description(old: ir.Game, new: ir.Game) -> list[Change]:
 
 def _numbers(old: Written, new: Written) -> list[Change]:
     """Returns numbers with another default, entry by entry; other units, limits, and whether they are fixed when compiled."""
-    mine, theirs = _declared(old.game), _declared(new.game)
+    mine, theirs = (_named(w.game) for w in (old, new))
     found: list[Change] = []
     for name in mine | theirs:
-        a, b = mine.get(name), theirs.get(name)
-        if a and b:
-            found += by_name([dict(_entries(name, n.value, n.type.by)) for n in (a, b)], unit_of(b))
-            facts = [
+        sides = [(side.get(name), w) for side, w in ((mine, old), (theirs, new))]
+        both = [(declared, w) for declared, w in sides if declared is not None]
+        if len(both) == 2:
+            found += by_name((dict(_entries(name, n.value, n.type.by)) for n, _ in both), unit_of(both[1][0]))
+            found += by_name(
                 {
                     f"{name}, unit": unit_of(n),
                     f"{name}, may be": limits_of(n, w),
                     f"{name}, can be changed": "before compiling" if isinstance(n, ir.Size) else "at any time",
                 }
-                for n, w in ((a, old), (b, new))
-            ]
-            found += by_name(facts)
-        elif a:
-            found.append(Change(name, old=a.value, shown=(_shown(a, old), ""), unit=unit_of(a)))
-        elif b:
-            found.append(Change(name, new=b.value, shown=("", _shown(b, new)), unit=unit_of(b)))
+                for n, w in both
+            )
+        else:
+            compared = [(w.composition, {name: (w.composition.constants.get(name),)}) for w in (old, new)]
+            found += _texts("", *compared)
     return found
 
 
-def _declared(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
-    return {s.name: s for s in game.sizes} | {p.name: p for p in game.params}
-
-
-def _shown(declared: ir.Size | ir.Param, w: Written) -> str:
-    return f"{table_value(declared.value, declared.type.by)} (may be {limits_of(declared, w)})"
+def _named(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
+    return {size.name: size for size in game.sizes} | {param.name: param for param in game.params}
 
 
 def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str, Any]]:
@@ -114,100 +120,85 @@ def _cells(game: ir.Game) -> list[list[str]]:
     return [[meaning[glyph] for glyph in row] for row in game.rows]
 
 
-def _agents(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    old, new = a.game.agents, b.game.agents
-    found = by_name({"number of agents": g.number} for g in (old, new))
-    found += by_name(_action_numbers(g) for g in (old, new))
-    if any(v.has(ir.Move) for v in (a, b)):
-        found += by_name({"moves": FRAMES[g.relative]} for g in (old, new))
-    found += _lines("fields", old.fields, new.fields)
-    found += texts("lanes that end at agents", lane_ends(a), lane_ends(b))
-    return found + texts("forbidden actions", forbidden(a), forbidden(b))
+def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
+    """Returns the parts of the rules: the block of the file that they stand in, "" for none, and its declarations by name."""
+    agents = {"acts": c.acts, "moves": c.moves} | c.agent_fields | c.forbids | c.agent_blocks
+    found: dict[str, tuple[str, Mapping[str, Any]]] = {
+        "Agents": ("agents", agents),
+        "Movers": ("", c.movers),
+        "Kinds of cell": ("", c.kinds | c.groups),
+        "Shapes": ("", c.shapes),
+        "State of the world": ("", c.fields),
+        "Names": ("", c.defines),
+        "Schedule": ("", {"schedule": c.schedule}),
+        "Phases": ("", c.phases),
+        "Observation": ("observe", {"window": c.windows} | c.observables),
+        "Episode": ("", {"episode": c.episode}),
+        "Metrics": ("metrics", c.metrics),
+        "Checks": ("checks", {name or "checks": found for name, found in c.checks.items()}),
+        "Policies": ("", c.policies),
+        "Scenarios": ("", c.scenarios),
+        "Pictures": ("", c.looks),
+    }
+    return {
+        title: (block, {name: of if isinstance(of, tuple) else (of,) for name, of in declared.items()})
+        for title, (block, declared) in found.items()
+    }
 
 
-def _action_numbers(agents: ir.Agents) -> dict[str, int | str]:
-    """Returns the number of each action, the first and the last of one with arguments."""
-    numbers: dict[str, int | str] = {f"action {name}": i for i, name in enumerate(agents.actions)}
-    for action in agents.with_arguments:
-        for i in action.numbers:
-            numbers.pop(f"action {agents.actions[i]}", None)
-        numbers[f"action {declared(action)}"] = f"{action.first} to {action.numbers[-1]}"
-    return numbers
-
-
-def _schedule(old: ir.Game, new: ir.Game) -> list[Change]:
-    """Returns the phases that only one game has, and as few others as have moved."""
-    before, after = ([turn.label if isinstance(turn, ir.Phase) else "tick" for turn in game.schedule] for game in (old, new))
-    found = [Change(f"phase {name}", old=before.index(name) + 1, shown=(_place(before, name), "")) for name in before if name not in after]
-    found += [Change(f"phase {name}", new=after.index(name) + 1, shown=("", _place(after, name))) for name in after if name not in before]
-    common = [name for name in after if name in before]
-    stay = longest_rising([before.index(name) for name in common])
-    for name in common:
-        if before.index(name) not in stay:
-            places = (_place(before, name), _place(after, name))
-            found.append(Change(f"phase {name}", before.index(name) + 1, after.index(name) + 1, shown=places))
+def _texts(block: str, old: tuple[Composition, Declared], new: tuple[Composition, Declared]) -> list[Change]:
+    """Returns the declarations whose words differ, with their lines as `sjdsl fmt` lays them out."""
+    found = []
+    for name in {**old[1], **new[1]}:
+        before, after = (written_text(composition, declared.get(name, ())) for composition, declared in (old, new))
+        if WORD.findall(before) != WORD.findall(after):
+            gone, new_lines = laid_out(before, block), laid_out(after, block)
+            _, _, *lines = unified_diff(gone, new_lines, n=1, lineterm="")
+            marked = [(" ", "…") if line.startswith("@@") else (line[0], line[1:]) for line in lines]
+            found.append(Change(name, gone, new_lines, lines=tuple(marked[1:])))
     return found
 
 
-def longest_rising(numbers: Sequence[int]) -> list[int]:
-    """Returns the longest part of different numbers that rises; of several the one that ends first."""
-    best: list[list[int]] = []  # best[i]: the longest part that ends with numbers[i]
-    for i, last in enumerate(numbers):
-        before = max((part for part, n in zip(best, numbers[:i], strict=True) if n < last), key=len, default=[])
-        best.append([*before, last])
-    return max(best, key=len, default=[])
+def name_of(w: Written) -> str:
+    """Returns `yard`, `yard, variant crowd`."""
+    return w.game.name + (f", variant {'+'.join(w.chosen)}" if w.chosen else "")
 
 
-def _place(order: Sequence[str], name: str) -> str:
-    """Returns `place 3, after walk`."""
-    place = order.index(name)
-    return f"place {place + 1}, " + (f"after {order[place - 1]}" if place else "at the beginning")
+def report(old: Written, new: Written) -> str:
+    """Returns the differences as text."""
+    found = [f"{name_of(old)}  ->  {name_of(new)}"]
+    sections = differences(old, new)
+    for section in sections:
+        found += ["", section.title]
+        for change in section.changes:
+            found.append(f"  {change.what if change.lines else _sentence(change)}")
+            found += [f"    {sign} {line}" for sign, line in change.lines]
+    return "\n".join([*found, *([] if sections else ["nothing differs"]), ""])
 
 
-def _movers(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    facts = [
-        {f"{sort.name}, {fact}": value for sort in v.game.movers for fact, value in (("number", sort.number), ("glyph", sort.glyph))}
-        for v in (a, b)
-    ]
-    fields = [[f"each {sort.name}: {field_line(field)}" for sort in v.game.movers for field in sort.fields] for v in (a, b)]
-    return by_name(facts) + texts("fields of movers", *fields)
+def _sentence(change: Change) -> str:
+    old, new = (number(value) if isinstance(value, int | float) else str(value) for value in (change.old, change.new))
+    unit = f" ({change.unit})" if change.unit else ""
+    if change.old is None:
+        return f"{change.what}: added, {new}{unit}"
+    if change.new is None:
+        return f"{change.what}: removed, was {old}{unit}"
+    return f"{change.what}: {old} -> {new}{unit}"
 
 
-def _lines(what: str, old: tuple[ir.VarField, ...], new: tuple[ir.VarField, ...]) -> list[Change]:
-    return texts(what, list(map(field_line, old)), list(map(field_line, new)))
+def as_json(old: Written, new: Written) -> dict[str, Any]:
+    """Returns the differences as plain values: of declarations the lines that are gone and new, else the old and new value."""
+    games = {
+        side: {"game": w.game.name, "file": w.file, "variants": list(w.chosen), "title": w.game.title}
+        for side, w in (("old", old), ("new", new))
+    }
+    found = [{"section": s.title, "changes": [_change(c) for c in s.changes]} for s in differences(old, new)]
+    return {**games, "differs": bool(found), "sections": found}
 
 
-def _kinds(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    old, new = ({k.name: k for k in v.game.kinds} for v in (a, b))
-    found: list[Change] = by_name({f"kind {name}": f"glyph {k.glyph}" for name, k in kinds.items()} for kinds in (old, new))
-    for name in old | new:
-        lines = [[*blocking(k[name], v), *map(field_line, k[name].fields)] if name in k else [] for k, v in ((old, a), (new, b))]
-        found += texts(name, *lines)
-    glyphs = [{f"glyph {g.glyph}": f"{g.kind} {starts(g, v.game)}".strip() for g in v.game.glyphs} for v in (a, b)]
-    groups = [{f"group {name}": ", ".join(kinds) for name, kinds in v.game.groups} for v in (a, b)]
-    return [*found, *by_name(glyphs), *by_name(groups)]
-
-
-def _shapes(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    old, new = ({s.name: shape_lines(s) for s in v.shapes.values()} for v in (a, b))
-    return [whole_texts(name, old.get(name, []), new.get(name, [])) for name in old | new if old.get(name) != new.get(name)]
-
-
-def _phases(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    """Returns the phases whose sentences differ; one that only one of the games has differs in all of them."""
-    old, new = (dict(turn_lines(v)) for v in (a, b))
-    return [change for name in old | new for change in texts(name, old.get(name, ()), new.get(name, ()))]
-
-
-def _policies(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    """Returns the policies with other titles or rules, in order; one that only one of the games has differs in all of them."""
-    old, new = ({p.name: (p.title, policy_lines(p, v)) for p in v.game.policies} for v in (a, b))
-    found = by_name({f"title of {name}": title for name, (title, _) in sides.items() if title} for sides in (old, new))
-    return found + [change for name in old | new for change in texts(name, old.get(name, ("", []))[1], new.get(name, ("", []))[1])]
-
-
-def _observation(a: Vocabulary, b: Vocabulary) -> list[Change]:
-    sides = [{f"window {side}": getattr(v.game.window, side) for side in ("ahead", "behind", "left", "right")} for v in (a, b)]
-    unseen = [[Line(text) for text in unseen_fields(v.game)] for v in (a, b)]
-    own = [[Line(text) for text in views(v)] for v in (a, b)]
-    return [*by_name(sides, unit="cells"), *texts("own window", *own), *texts("seen", seen(a), seen(b)), *texts("not seen", *unseen)]
+def _change(change: Change) -> dict[str, Any]:
+    if change.lines:
+        marked = {name: [line.strip() for sign, line in change.lines if sign == mark] for name, mark in (("removed", "-"), ("added", "+"))}
+        return {"what": change.what, **marked}
+    unit = {"unit": change.unit} if change.unit else {}
+    return {"what": change.what, "old": change.old, "new": change.new, **unit}

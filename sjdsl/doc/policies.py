@@ -1,19 +1,25 @@
-"""The English of scripted policies, rule by rule, and of scenarios."""
-
-from typing import assert_never
+"""The sections of a rule sheet on scripted policies and scenarios."""
 
 from sjdsl.compiler import ir
-from sjdsl.doc.phrases import arguments, condition, members
-from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import Line, article, bullets, capital, code, counted, joined, plain
+from sjdsl.doc.quoted import laid_out, written_text
+from sjdsl.doc.wording import Line, bullets, code, fenced, joined, plain, table
+from sjdsl.doc.written import Written
 
 READING = (
     "A policy says how an agent may play. It is no rule of the game, and the game is the same without it. Before each step an agent that "
     "follows a policy looks at the true state, also at what it could not observe. It does what the first line says that applies; if none "
-    'applies, it stays. "The agent" is the one that follows the policy. An agent that is away stays.'
+    "applies, it stays. `agent` is the one that follows the policy. An agent that is away stays."
 )
+RULES = {
+    ir.Act: Line("`when C choose ACTION` applies if C holds: the agent chooses the action"),
+    ir.Go: Line("`seek D` walks to the nearest D, and stays there"),
+    ir.Aim: Line(
+        "`aim S at D choose ACTION` walks, and turns if S has a direction, until a D is in the S of the agent; then it chooses the action"
+    ),
+}
+AVOIDING = Line("`avoiding D`: no D is entered, unless it is what is sought")
 WALKING = (
-    Line("a line about walking applies if a path leads to what is sought, or if the agent has arrived"),
+    Line("a line with `seek` or `aim` applies if a path leads to what is sought, or if the agent has arrived"),
     Line(
         "to walk is to take the first move of a path with the fewest moves, turns included; of moves equally good, the first in the table "
         "of actions is taken"
@@ -28,23 +34,22 @@ WALKING = (
 )
 AIMING = Line("what ends a lane of a shape at all times is considered when an agent aims, what ends it only at times is not")
 LINE_UPS = (
-    "A scenario is a line-up of agents. A policy under evaluation plays the focal agents, and the other agents play as the line says. "
-    "Scenarios change nothing in the game."
+    "A scenario is a line-up of agents. A policy under evaluation plays the focal agents, and the other agents follow the policy that "
+    "is named, `random` (all actions equally likely) or `stay`. Scenarios change nothing in the game."
 )
 
 
-def policies(v: Vocabulary) -> list[str]:
-    """Returns the policies of a game, and how they are read."""
-    found = [READING, ""]
-    if v.has(ir.Go, ir.Aim):
-        found += [*bullets([*WALKING, *([AIMING] if v.has(ir.Aim) else [])]), ""]
-    for policy in v.game.policies:
-        found += [
-            f"### {heading(policy.name, policy.title)}",
-            "",
-            *(f"{number}. {capital(line.text)}." for number, line in enumerate(policy_lines(policy, v), 1)),
-            "",
-        ]
+def policies(w: Written) -> list[str]:
+    """Returns the policies of a game as they are written, after how they are read."""
+    rules = [rule for policy in w.game.policies for rule in policy.rules]
+    sorts = {type(rule) for rule in rules}
+    lines = [line for sort, line in RULES.items() if sort in sorts]
+    lines += [AVOIDING] if any(isinstance(rule, ir.Go | ir.Aim) and rule.avoided is not None for rule in rules) else []
+    lines += [*(WALKING if {ir.Go, ir.Aim} & sorts else ()), *([AIMING] if ir.Aim in sorts else [])]
+    found = [READING, "", *bullets(lines), ""]
+    for policy in w.game.policies:
+        text = written_text(w.composition, w.composition.policies[policy.name].rules)
+        found += [f"### {heading(policy.name, policy.title)}", "", *fenced(laid_out(text, "policy p")), ""]
     return found
 
 
@@ -53,50 +58,11 @@ def heading(name: str, title: str) -> str:
     return f"{code(name)}: {plain(title)}" if title else code(name)
 
 
-def policy_lines(policy: ir.ScriptedPolicy, v: Vocabulary) -> list[Line]:
-    """Returns the rules of a policy, in order."""
-    return [Line(_rule(rule, v)) for rule in policy.rules]
-
-
-def _rule(rule: ir.PolicyRule, v: Vocabulary) -> str:
-    match rule:
-        case ir.Act():
-            return f"if {condition(rule.condition, v)}, choose {_taken(rule, v)}"
-        case ir.Go():
-            around = _around(rule.avoided, v, "; what is sought may be entered all the same")
-            return f"walk to the nearest {members(rule.domain, v)}{around}, and stay there"
-        case ir.Aim():
-            directed = v.shapes[rule.shape].directed
-            inside = f"in the {code(rule.shape)} {'of' if directed else 'around'} the agent"
-            how = "walk and turn" if directed else "walk"
-            around = _around(rule.avoided, v)
-            return f"{how} until {article(members(rule.domain, v))} is {inside}{around}; then choose {_taken(rule, v)}"
-        case _:
-            assert_never(rule)
-
-
-def _taken(rule: ir.Act | ir.Aim, v: Vocabulary) -> str:
-    return f"{code(rule.chosen)} with {arguments(rule.given, v)}" if rule.chosen else v.action(rule.action)
-
-
-def _around(avoided: ir.Domain | None, v: Vocabulary, but: str = "") -> str:
-    return "" if avoided is None else f" (without entering {article(members(avoided, v))}{but})"
-
-
-def scenarios(v: Vocabulary) -> list[str]:
+def scenarios(w: Written) -> list[str]:
     """Returns the line-ups of a game."""
-    return [LINE_UPS, "", *bullets(map(scenario_line, v.game.scenarios)), ""]
-
-
-def scenario_line(scenario: ir.Scenario) -> Line:
-    """Returns one scenario."""
-    name = f"{code(scenario.name)} ({plain(scenario.title)})" if scenario.title else code(scenario.name)
-    return Line(f"{name}: {joined(_slots(part) for part in scenario.slots)}")
+    rows = [(code(s.name), plain(s.title), joined(map(_slots, s.slots))) for s in w.game.scenarios]
+    return [LINE_UPS, "", *table(("scenario", "what it is", "who plays"), rows), ""]
 
 
 def _slots(part: ir.Slots) -> str:
-    if not part.policy:
-        return counted(part.number, "focal agent")
-    s = "s" if part.number == 1 else ""
-    what = {"random": f"choose{s} all actions equally likely", "stay": f"always stay{s}"}.get(part.policy, f"follow{s} {code(part.policy)}")
-    return f"{counted(part.number, 'agent')} that {what}"
+    return f"{part.number} {code(part.policy) if part.policy else 'focal'}"

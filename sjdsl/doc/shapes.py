@@ -20,20 +20,11 @@ def shapes(v: Vocabulary) -> list[str]:
 
 
 def _shape(shape: ir.Shape, v: Vocabulary) -> list[str]:
-    size, direction, *rows = shape_lines(shape)
-    drawn = fenced(rows) if _is_drawn(shape) else [f"- {row}" for row in rows]
-    return [f"**{code(shape.name)}**, {size} {direction} {_blocking(shape, v)}".rstrip(), "", *drawn, ""]
-
-
-def shape_lines(shape: ir.Shape) -> list[str]:
-    """Returns the size of a shape, its direction, and the rows of its picture or its lanes."""
     cells = {cell for lane in shape.lanes for cell in lane}
-    return [f"{counted(len(cells), 'cell')}.", _direction(shape), *(picture(shape) if _is_drawn(shape) else lanes(shape))]
-
-
-def _is_drawn(shape: ir.Shape) -> bool:
-    steps = [a for lane in shape.lanes for a, _ in lane]
-    return _columns(shape) and max(steps) - min(steps) < TALLEST
+    steps = [ahead for ahead, _ in cells]
+    is_drawn = _columns(shape) and max(steps) - min(steps) < TALLEST
+    drawn = fenced(picture(shape)) if is_drawn else [f"- {lane}" for lane in lanes(shape)]
+    return [f"**{code(shape.name)}**, {counted(len(cells), 'cell')}. {_direction(shape)} {_blocking(shape, v)}".rstrip(), "", *drawn, ""]
 
 
 def _direction(shape: ir.Shape) -> str:

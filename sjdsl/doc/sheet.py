@@ -5,14 +5,14 @@ from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import entities
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.observation import observation
-from sjdsl.doc.pictures import pictures
 from sjdsl.doc.policies import heading, policies, scenarios
+from sjdsl.doc.quoted import laid_out, written_text
 from sjdsl.doc.randomness import draws
 from sjdsl.doc.reading import how_to_read
 from sjdsl.doc.schedule import overview
 from sjdsl.doc.statements import block, turn_lines
 from sjdsl.doc.vocabulary import Vocabulary
-from sjdsl.doc.wording import bullets, code, plain
+from sjdsl.doc.wording import bullets, code, fenced, plain
 from sjdsl.doc.written import Written
 
 
@@ -25,17 +25,17 @@ def rule_sheet(w: Written) -> str:
         ("Parameters", parameters(w)),
         ("Process overview: one step", overview(v)),
         ("How to read the rules", how_to_read(v)),
-        *([("Names", [*bullets(explained(v)), ""])] if v.defined else []),
+        *([("Names", names(w, v))] if w.composition.defines else []),
         ("Initialisation", initialisation(v)),
         ("Phases", phases(v)),
         ("Random draws", draws(v)),
         ("Observation", observation(v)),
         ("Episode", episode(v)),
         ("Metrics", metrics(v)),
-        ("Checks", checks(v)),
-        *([("Policies", policies(v))] if w.game.policies else []),
-        *([("Scenarios", scenarios(v))] if w.game.scenarios else []),
-        *([("Pictures", pictures(v))] if w.game.looks else []),
+        ("Checks", checks(w)),
+        *([("Policies", policies(w))] if w.game.policies else []),
+        *([("Scenarios", scenarios(w))] if w.game.scenarios else []),
+        *([("Pictures", pictures(w))] if w.game.looks else []),
         ("Variants", variants(w)),
     )
     name = f"{code(w.game.name)}, from {code(w.file)}" + (f", variant {code('+'.join(w.chosen))}" if w.chosen else "")
@@ -55,6 +55,13 @@ def purpose(w: Written) -> list[str]:
     return [*found, ""] if found else ["The file does not say.", ""]
 
 
+def names(w: Written, v: Vocabulary) -> list[str]:
+    """Returns what each define means, or how it is written where that depends on what it is used for."""
+    rest = [define for name, define in w.composition.defines.items() if name not in v.defined]
+    quoted = [*fenced(laid_out(written_text(w.composition, rest))), ""] if rest else []
+    return [*bullets(explained(v)), *([""] if v.defined else []), *quoted]
+
+
 def initialisation(v: Vocabulary) -> list[str]:
     """Returns how an episode begins."""
     first = "Fields have their starting values, cells the state that their glyph on the map stands for; no agent has a place, all look north. Then:"
@@ -67,6 +74,13 @@ def phases(v: Vocabulary) -> list[str]:
     for number, (name, lines) in enumerate(turn_lines(v), 1):
         found += [f"### {number}. {code(name)}", "", *(bullets(lines) if lines else ["Nothing happens."]), ""]
     return found
+
+
+def pictures(w: Written) -> list[str]:
+    """Returns how cells and agents are drawn, as it is written."""
+    intro = "No rule depends on this. What is not said is drawn as the game's rules suggest."
+    looks = [look for found in w.composition.looks.values() for look in found]
+    return [intro, "", *fenced(laid_out(written_text(w.composition, looks))), ""]
 
 
 def variants(w: Written) -> list[str]:

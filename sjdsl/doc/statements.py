@@ -128,8 +128,7 @@ def _add(s: ir.Add, v: Vocabulary) -> str:
     if s.target.type.kind == "agents":
         return f"{value(s.value, v)} joins {target}"
     field = v.field(written_field(s.target))
-    within = f"within {number(field.type.low)} to {number(field.type.high)}" if v.values else "in its range"
-    limits = f" (which stays {within})" if field.capped else ""
+    limits = f" (which stays within {number(field.type.low)} to {number(field.type.high)})" if field.capped else ""
     if s.value.type.by:
         return f"each entry of {operand(s.value, v)} is added to the same entry of {target}{limits}"
     if isinstance(s.value, ir.Number) and s.value.value < 0:

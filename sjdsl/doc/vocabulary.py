@@ -12,13 +12,11 @@ from sjdsl.doc.wording import article, code, joined, variable
 class Vocabulary:
     """A game with its names; `defines.vocabulary` makes it.
 
-    defined: the defines that are explained in one place, so that their name is enough elsewhere; values: whether statements
-    repeat the defaults of parameters and the ranges of fields.
+    defined: the defines that are explained in one place, so that their name is enough elsewhere.
     """
 
     game: ir.Game
     defined: frozenset[str] = field(default=frozenset())
-    values: bool = True
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:
@@ -56,7 +54,7 @@ class Vocabulary:
     @cached_property
     def numbers(self) -> dict[str, ir.Param]:
         """The parameters whose default a statement may show."""
-        return {param.name: param for param in self.game.params} if self.values else {}
+        return {param.name: param for param in self.game.params}
 
     def kinds(self, kinds: tuple[str, ...]) -> str:
         """Returns `soil`; `river` for the kinds of a group; `soil or sand`."""

@@ -32,6 +32,7 @@ class WrittenNumber:
 class Written:
     """The rules of a game in one variant, and what its text says beside them. `chosen`: the variants applied; `variants`: (name, title)."""
 
+    composition: Composition
     game: ir.Game
     file: str
     chosen: tuple[str, ...]
@@ -44,6 +45,7 @@ def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
     composed = compose(source, variants)
     game = build_composition(composed).game
     return Written(
+        composition=composed,
         game=game,
         file=PurePath(source.name).name,
         chosen=tuple(variants),

@@ -1,4 +1,4 @@
-"""The English of one declared thing, as `sjdsl doc` says it: a phase, a policy, a define, a number, a field, an action."""
+"""The English of one declared thing, as `sjdsl doc` says it: a phase, a define, a number, a field, an action."""
 
 from collections.abc import Iterable, Iterator
 
@@ -9,7 +9,6 @@ from sjdsl.doc.checks import metric_lines
 from sjdsl.doc.defines import explained, vocabulary
 from sjdsl.doc.entities import blocking, field_line
 from sjdsl.doc.numbers import unit_of
-from sjdsl.doc.policies import policy_lines
 from sjdsl.doc.statements import block
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, table_value
@@ -21,8 +20,6 @@ def english(symbol: Symbol, game: ir.Game) -> list[str]:
     match symbol.space:
         case "phase":
             return _phase(symbol.name, v)
-        case "policy":
-            return next((_bullets(policy_lines(p, v)) for p in game.policies if p.name == symbol.name), [])
         case "field":
             owners = {"agent": game.agents.fields} | {kind.name: kind.fields for kind in game.kinds}
             owners |= {sort.name: sort.fields for sort in game.movers}

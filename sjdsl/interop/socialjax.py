@@ -11,8 +11,6 @@ from flax import struct
 from jax import Array
 
 from sjdsl.interop.copies import Copied
-from sjdsl.interop.socialjax_log import LogWrapper, SVOLogWrapper
-from sjdsl.interop.socialjax_managers import CTRolloutManager, MAPPOWorldStateWrapper, load_params, save_params
 from sjdsl.interop.socialjax_observation import make_channels
 from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 from sjdsl.interop.socialjax_table import Entry, Figure, entries
@@ -21,19 +19,6 @@ from sjdsl.library.factory import make as make_game
 from sjdsl.render.look import make_look
 from sjdsl.render.moment import take_snapshot
 from sjdsl.runtime.arguments import checked_actions
-
-__all__ = [
-    "CTRolloutManager",
-    "LogWrapper",
-    "MAPPOWorldStateWrapper",
-    "SVOLogWrapper",
-    "SocialJaxGame",
-    "State",
-    "load_params",
-    "make",
-    "registered_envs",
-    "save_params",
-]
 
 # the suite's compass is turned round: `left` increases the column, `up` the row
 ACTIONS = {"turned round": (0, 1, 3, 2, 5, 4), "as ours": (0, 1, 2, 3, 4, 5)}

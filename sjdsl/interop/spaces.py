@@ -1,4 +1,4 @@
-"""Bounds of observations; spaces like those of gymnax, for adapters whose library is not installed with them."""
+"""Bounds of observations; the spaces of the SocialJax adapter, whose library needn't be installed."""
 
 import importlib
 import warnings
@@ -13,8 +13,7 @@ from jax import Array
 
 from sjdsl.runtime.env import Environment
 
-# who else has classes of this manner, the first that can be imported is taken; SocialJax's wrappers accept both
-ELSEWHERE = ("socialjax.environments.spaces", "gymnax.environments.spaces")
+SUITE = "socialjax.environments.spaces"
 
 
 @dataclass(frozen=True)
@@ -52,10 +51,6 @@ class Box:
         return jnp.all((x >= self.low) & (x <= self.high))
 
 
-class MultiDiscrete(Discrete):
-    """No game has one; scripts import the name."""
-
-
 def channel_bounds(env: Environment) -> np.ndarray:
     """Returns the greatest value of each channel of an observation, `[C]` uint8; the least is 0.
 
@@ -74,33 +69,31 @@ def window_high(env: Environment) -> np.ndarray:
 
 
 def make_box(low: float, high: float, shape: tuple[int, ...]) -> Any:
-    """Returns a float32 box of the class that SocialJax's own wrappers test for, or of ours where neither it nor gymnax is installed."""
+    """Returns a float32 box of the class that SocialJax's own wrappers test for, or of ours where it isn't installed."""
     return space_classes()[0](low, high, shape)
 
 
 def make_discrete(n: int) -> Any:
     """Returns the integers 0 .. n - 1, int32, as `make_box` does."""
     made = space_classes()[1](n)
-    if made.dtype != jnp.int32:  # gymnax samples 64 bits, which JAX warns of
+    if made.dtype != jnp.int32:  # the suite's samples 64 bits, which JAX warns of
         made.dtype = jnp.int32
     return made
 
 
 @cache
 def space_classes() -> tuple[type, type]:
-    """Returns the classes of boxes and of discrete spaces: SocialJax's, else gymnax's, else ours.
+    """Returns the classes of boxes and of discrete spaces: SocialJax's, else ours.
 
     A package that is installed and cannot be imported, as an old SocialJax under a new JAX, is warned of and passed over.
     """
-    for name in ELSEWHERE:
-        try:
-            module = importlib.import_module(name)
-        except ModuleNotFoundError:
-            continue
-        except Exception as error:
-            warnings.warn(
-                f"{name} is installed but cannot be imported ({type(error).__name__}: {error}); its spaces are not used", stacklevel=2
-            )
-            continue
+    try:
+        module = importlib.import_module(SUITE)
         return module.Box, module.Discrete
+    except ModuleNotFoundError:
+        pass
+    except Exception as error:
+        warnings.warn(
+            f"{SUITE} is installed but cannot be imported ({type(error).__name__}: {error}); its spaces are not used", stacklevel=2
+        )
     return Box, Discrete

@@ -6,44 +6,16 @@ from typing import Any
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.interop.calls import by_name, checked_seed
-from sjdsl.interop.slots import Slots
-from sjdsl.interop.spaces import window_high
+from sjdsl.interop.calls import checked_seed
 from sjdsl.runtime.env import Encoding
 
 with needs("sb3"):
-    import torch
-    from gymnasium import spaces
-    from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
     from stable_baselines3.common.vec_env import VecEnv
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 
+    from sjdsl.interop.gymnasium import VectorGame
 
 MASKS = "action_masks"
-SIDES, CHANNELS = (5, 3, 3), 32  # of convolutions, as the cnn of `sjdsl.trainers` has them
-
-
-class WindowCNN(BaseFeaturesExtractor):
-    """Convolutions for what an agent sees, `[rows, cols, channels]`, one-hot, also where frames are stacked.
-
-    Pass it to `CnnPolicy` as `policy_kwargs={"features_extractor_class": WindowCNN}`: the policy's own network needs pictures of at least
-    36 pixels a side.
-    """
-
-    def __init__(self, observation_space: spaces.Box, features_dim: int = 64) -> None:
-        """`features_dim`: the size of the output."""
-        super().__init__(observation_space, features_dim)
-        rows, cols, depth = observation_space.shape
-        layers: list[torch.nn.Module] = []
-        for side in SIDES:
-            layers += [torch.nn.Conv2d(depth, CHANNELS, side, padding="same"), torch.nn.ReLU()]
-            depth = CHANNELS
-        self.layers = torch.nn.Sequential(*layers, torch.nn.Flatten(), torch.nn.Linear(rows * cols * depth, features_dim), torch.nn.ReLU())
-
-    def forward(self, observations: torch.Tensor) -> torch.Tensor:
-        """Returns `[B, features_dim]` of observations `[B, rows, cols, channels]`."""
-        result: torch.Tensor = self.layers(observations.movedim(-1, 1))
-        return result
 
 
 class VecGame(VecEnv):
@@ -53,31 +25,27 @@ class VecGame(VecEnv):
     along the channels. (Observations with the bounds 0 and 255 would be treated as pictures, divided by 255 and transposed.) One policy
     plays all slots: parameters are shared. At an episode's end the observation is that of the next episode, and the slot's info has
     `terminal_observation` and `TimeLimit.truncated`, from which Stable-Baselines3 bootstraps. Rewards are raw.
+
+    Attributes:
+      env: the `sjdsl.Environment`.
     """
 
     def __init__(
         self, game: str, num_envs: int = 1, observation: Encoding = "onehot", common_reward: bool = False, **arguments: Any
     ) -> None:
-        """Makes the environments.
-
-        Args:
-          game, observation, arguments: of `sjdsl.make`.
-          num_envs: environments of the game; `num_envs` of the result is this times the number of agents.
-          common_reward: whether every agent gets the sum of its environment's rewards.
-        """
-        self._slots = Slots(game, num_envs, observation, common_reward, **arguments)
-        self.env = self._slots.env
+        """Makes the environments. The arguments are those of `sjdsl.interop.gymnasium.VectorGame`."""
+        self._vector = VectorGame(game, num_envs, observation, common_reward, **arguments)
+        self.env = self._vector.env
         self.render_mode = None
         self._actions: np.ndarray | None = None
         self._seed: int | None = None
-        box = spaces.Box(0, window_high(self.env), dtype=np.uint8)
-        super().__init__(self._slots.num_slots, box, spaces.Discrete(self.env.num_actions))
+        super().__init__(self._vector.num_envs, self._vector.single_observation_space, self._vector.single_action_space)
 
     def reset(self) -> np.ndarray:
         """Starts all episodes; a seed set by `seed` is used once."""
         seed, self._seed = self._seed, None
         self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        return self._slots.reset(seed)
+        return self._vector.reset(seed=seed)[0]
 
     def step_async(self, actions: np.ndarray) -> None:
         """Stores the actions for `step_wait`."""
@@ -88,12 +56,14 @@ class VecGame(VecEnv):
         if self._actions is None:
             raise RuntimeError("call step_async before step_wait")
         actions, self._actions = self._actions, None
-        made = self._slots.step(actions)
-        events = by_name(made.events)
-        infos: list[dict[str, Any]] = [{name: int(count[slot]) for name, count in events.items()} for slot in range(self.num_envs)]
-        for slot, observation in made.final.items():
-            infos[slot] |= {"terminal_observation": observation, "TimeLimit.truncated": bool(made.truncated[slot])}
-        return made.observations, made.rewards, made.terminated | made.truncated, infos
+        observations, rewards, terminated, truncated, found = self._vector.step(actions)
+        last = found.pop("final_obs", np.full(self.num_envs, None))
+        found.pop("final_info", None)
+        counts = {name: values for name, values in found.items() if name[0] != "_"}
+        infos: list[dict[str, Any]] = [{name: int(values[slot]) for name, values in counts.items()} for slot in range(self.num_envs)]
+        for slot in np.nonzero(terminated | truncated)[0]:
+            infos[slot] |= {"terminal_observation": last[slot], "TimeLimit.truncated": bool(truncated[slot])}
+        return observations, rewards.astype(np.float32), terminated | truncated, infos
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Sets the seed of the next reset, one number for all slots. Raises as `sjdsl.interop.calls.checked_seed`."""
@@ -102,7 +72,7 @@ class VecGame(VecEnv):
 
     def action_masks(self) -> np.ndarray:
         """Returns which actions each slot may take next, `[num_envs, num_actions]` bool."""
-        return self._slots.action_masks()
+        return self._vector.action_masks()
 
     def close(self) -> None:
         """Does nothing: there is nothing to release."""

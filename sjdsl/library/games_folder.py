@@ -58,16 +58,6 @@ def release_of(package: str) -> str:
     return f"{OURS} {__version__}" if package == OURS else releases[package]
 
 
-def origin(path: Path) -> str:
-    """Returns the release that the file of a game comes from, such as `river-games 0.1.0`; `""` for a file of nobody's."""
-    path = path.resolve()
-    for files in _homes().values():
-        for package, file in files.items():
-            if file.resolve() == path:
-                return release_of(package)
-    return ""
-
-
 def game_problems() -> list[str]:
     """Returns what is wrong with the games of installed packages, a sentence each: packages that offer none, names that several have."""
     return [*offered().problems, *[_clash(name, files) for name, files in sorted(_homes().items()) if len(files) > 1]]

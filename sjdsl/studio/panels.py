@@ -5,8 +5,7 @@ from typing import Any
 
 from sjdsl.compiler import compile_build
 from sjdsl.compiler.ir.queries import kind_named
-from sjdsl.doc import differences, read_written, rule_sheet
-from sjdsl.doc.report import report
+from sjdsl.doc import read_written, report, rule_sheet
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.bodies import where_is
 from sjdsl.interpreter.observe import observe
@@ -135,7 +134,7 @@ def diff_panel(opened: Opened) -> dict[str, Any]:
     if not opened.composition.chosen:
         return {"text": None}
     plain, chosen = read_written(opened.source), read_written(opened.source, opened.composition.chosen)
-    return {"text": report(plain, chosen, differences(plain, chosen))}
+    return {"text": report(plain, chosen)}
 
 
 def checks_panel(opened: Opened) -> dict[str, Any]:

@@ -47,7 +47,7 @@ def test_no_help_and_nothing_that_only_reads_a_game_waits_for_jax(tmp_path: Path
         "doc coins",
         "diff coins pd_arena",
         "trace coins --steps 2 --param length=9",
-        "list coins",
+        "list",
         "explain SJ101",
     ]
     program = (

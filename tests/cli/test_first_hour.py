@@ -8,7 +8,7 @@ from command_line import Sjdsl
 
 
 def test_sjdsl_alone_is_help(sjdsl: Sjdsl) -> None:
-    sjdsl("list", "orchard.sj")  # a subcommand of the same name as something that help is made with
+    sjdsl("list")  # a subcommand of the same name as something that help is made with
     shown = sjdsl()
     assert (shown.status, shown.err) == (0, "")
     assert shown.out.startswith("Usage: sjdsl [OPTIONS] COMMAND")
@@ -27,8 +27,8 @@ def test_new_says_what_comes_next_and_what_it_needs(sjdsl: Sjdsl) -> None:
         assert line in said
     assert "bundled" not in said
     assert "there is a bundled game clean_up as well" in sjdsl("new", "clean_up").out
-    assert "19 x 28" in sjdsl("list", "clean_up").out, "the name alone is the bundled game's"
-    assert "10 x 15" in sjdsl("list", "clean_up.sj").out
+    assert "19 rows of 28 cells" in sjdsl("doc", "clean_up").out, "the name alone is the bundled game's"
+    assert "10 rows of 15 cells" in sjdsl("doc", "clean_up.sj").out
 
 
 def test_testing_leaves_nothing_behind(folder: Path) -> None:

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -15,6 +16,7 @@ from .corpus import games, manual, small
 
 SECTIONS_THAT_REPEAT = ("Process overview: one step", "Random draws")  # what they say stands in the phases already
 LEFT_OVER = re.compile(r"\bTrue\b|\bFalse\b|\binf\b|\(\)|[a-z]  [a-z]|\w+\(.*?=|object at|\* \*|[.,:;][.,:;]|\b(?:of|the|a) *[.,:)]")
+QUOTED = {"checks": (), "looks": (), "policies": ()}  # the sheet has them as the file does
 NO_GAME = "not even a game"  # said of a game in which something reads a name that nothing has
 ABSTRACT = {ir.Node, ir.Expression, ir.Statement, ir.RestrictionNode, ir.TurnNode, ir.CourseNode, ir.PolicyRuleNode}
 
@@ -52,7 +54,7 @@ def test_a_statement_without_english_is_an_error() -> None:
 
 def said(written: Written, game: ir.Game) -> str:
     """Returns the sheet of changed rules, without the sections that say again what the phases say."""
-    changed = Written(game, written.file, written.chosen, written.variants, written.numbers)
+    changed = replace(written, game=game)
     try:
         sections = rule_sheet(changed).split("\n## ")
     except (KeyError, StopIteration, ValueError, AttributeError, IndexError, RuntimeError, AssertionError):
@@ -63,19 +65,37 @@ def said(written: Written, game: ir.Game) -> str:
 @pytest.mark.thorough
 def test_no_part_of_the_rules_changes_without_the_sheet() -> None:
     tried: Counter[tuple[str, str]] = Counter()
+    met: set[type[ir.Node]] = set()
     unnoticed = []
     for name, written in (small() | manual()).items():
-        game = without_origins(written.game)
+        game = without_origins(written.game.model_copy(update=QUOTED))
         before = said(written, game)
+        met |= {type(node) for node in ir.walk(game)}
         for sort, field, changed in small_changes(game, tried):
             sheets = [before, *(text for text in (said(written, other) for other in changed) if text != NO_GAME)]
             if len(set(sheets)) < len(sheets):
                 unnoticed.append((name, sort, field))
     assert unnoticed == []
-    fields = {(c.__name__, f) for c in set(node_classes()) - ABSTRACT for f, info in c.model_fields.items() if not is_part(info.annotation)}
+    fields = {(c.__name__, f) for c in met for f, info in c.model_fields.items() if not is_part(info.annotation)}
+    fields -= {("Game", name) for name in QUOTED}
     assert fields - set(tried) - {(c, f) for c, f in fields if f in SILENT["*"] | SILENT.get(c, set())} == set()
 
 
 def is_part(annotation: object) -> bool:
     """Returns whether a field always holds one node: that changes where the node itself is changed."""
     return isinstance(annotation, type) and issubclass(annotation, ir.Node)
+
+
+@pytest.mark.thorough
+def test_what_is_quoted_is_every_word_of_the_file() -> None:
+    """Checks, looks and policies, and the defines without a sentence of their own."""
+    for written in (small() | manual()).values():
+        c, sheet = written.composition, rule_sheet(written)
+        words = "".join(sheet.split())
+        groups = [*c.checks.values(), *c.looks.values(), *(policy.rules for policy in c.policies.values())]
+        for node in (node for group in groups for node in group):
+            text = "\n".join(
+                line.partition("#")[0] for line in c.sources[node.span.file].text[node.span.start : node.span.end].splitlines()
+            )
+            assert "".join(text.split()) in words, (written.game.name, text)
+        assert all(f"`{name}" in sheet or f"define {name}" in sheet for name in c.defines)

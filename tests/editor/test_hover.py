@@ -29,7 +29,7 @@ def shown(before: str, text: str = ORCHARD, folder: Path | None = None) -> str:
         ("each pla", ("group plants = tree, bush", "tree or bush cells")),
         ("chose za", ("zap", "phase `fire` says")),
         ("tally hi", ("event hits", "counted for each agent")),
-        ("policy eater_f", ("seek tree where tree.fruit is ripe", "Walk to the nearest tree cell")),
+        ("policy eater_f", ("seek tree where tree.fruit is ripe",)),
         ("    mo", ("**`moves`**", "one cell the way the agent faces", "moves relative")),
         ("phase walk { mo", ("**`move`**", "move each agent")),
     ],

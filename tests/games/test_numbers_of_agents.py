@@ -8,12 +8,11 @@ import jax.numpy as jnp
 import pytest
 
 from sjdsl import make
-from sjdsl.cli.describe import describe
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written
-from sjdsl.library.agent_range import agent_range, number_of_agents
+from sjdsl.library.agent_range import number_of_agents
 from sjdsl.library.games_folder import find_game
 
 from .environments import NINE
@@ -95,13 +94,6 @@ def test_the_printed_range_is_what_is_accepted(form: Form) -> None:
         assert rules_of(form._replace(agents=number)).agents.number == number
     for number in (low - 1, high + 1):
         assert refusal(form._replace(agents=number))
-
-
-@pytest.mark.parametrize("game", ["clean_up", "harvest_closed", "predator_prey"])
-def test_list_prints_the_same_range(game: str) -> None:
-    (players,) = [size for size in describe(game)["sizes"] if size["name"] == "players"]
-    _, low, high = agent_range(compose(read_source(find_game(game))))
-    assert (players["low"], players["high"]) == (low, high)
 
 
 @pytest.mark.thorough

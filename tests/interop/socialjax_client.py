@@ -1,7 +1,6 @@
 """A training script in the released suite's manner: the calls that its families of scripts make, with a small policy of our own.
 
-What each family asks for stands in `socialjax_scripts.toml`. It takes the module `socialjax` and the module of wrappers as
-arguments: ours, the stand-ins for the suite's, or the suite's.
+What each family asks for is in `socialjax_scripts.toml`.
 """
 
 import tomllib
@@ -13,13 +12,15 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
+from sjdsl.interop import socialjax
+
 TABLE = tomllib.loads((Path(__file__).parent / "socialjax_scripts.toml").read_text(encoding="utf-8"))
 FAMILIES: dict[str, dict[str, Any]] = TABLE["families"]
 GAMES: dict[str, dict[str, Any]] = TABLE["games"]
 Metrics = list[dict[str, float]]
 
 
-def train(family: str, suite: Any, wrappers: Any, config: dict[str, Any], sharing: bool = True, shown: bool = True) -> Metrics:
+def train(family: str, config: dict[str, Any], sharing: bool = True, shown: bool = True) -> Metrics:
     """Trains for two updates; returns the means of the infos of each.
 
     Args:
@@ -29,16 +30,10 @@ def train(family: str, suite: Any, wrappers: Any, config: dict[str, Any], sharin
       shown: draws two steps at the end, as the scripts do.
     """
     asked = FAMILIES[family]
-    env = suite.make(config["ENV_NAME"], **config["ENV_KWARGS"])
-    key = jax.random.PRNGKey(config["SEED"])
-    if family == "VDN":
-        return learn_values(env, wrappers, config, key)
-    for name in asked["wrappers"]:
-        wrapped = getattr(wrappers, name)
-        env = wrapped(env) if name == "MAPPOWorldStateWrapper" else wrapped(env, replace_info=False)
-    metrics = learn_policy(env, asked, config, sharing, key)
+    env = socialjax.make(config["ENV_NAME"], **config["ENV_KWARGS"])
+    metrics = learn_policy(env, asked, config, sharing, jax.random.PRNGKey(config["SEED"]))
     if shown:
-        evaluate(suite.make(config["ENV_NAME"], **config["ENV_KWARGS"]), asked)
+        evaluate(env, asked)
     return metrics
 
 
@@ -92,49 +87,6 @@ def learn_policy(env: Any, asked: dict[str, Any], config: dict[str, Any], sharin
     observation, state = jax.vmap(env.reset, in_axes=(0,))(jax.random.split(reset_key, num_envs))
     start = (weights, optimiser.init(weights), state, observation, play_key)
     return unstacked(jax.jit(lambda start: jax.lax.scan(update, start, jnp.arange(2))[1])(start))
-
-
-def learn_values(env: Any, wrappers: Any, config: dict[str, Any], key: jax.Array) -> Metrics:
-    """Two updates of joint action values, for one seed of a batch of seeds, as VDN's scripts have it."""
-    env = wrappers.LogWrapper(env, replace_info=False)
-
-    def run(key: jax.Array) -> Any:
-        wrapped = wrappers.CTRolloutManager(env, batch_size=config["NUM_ENVS"], preprocess_obs=False)
-        tested = wrappers.CTRolloutManager(env, batch_size=config["NUM_ENVS"] + 1, preprocess_obs=False)
-        shape = env.observation_space()[0].shape
-        weights = jnp.zeros((int(np.prod(shape)), wrapped.max_action_space))
-        batched = lambda x: jnp.stack([x[str(agent)] for agent in env.agents])  # noqa: E731
-        values = lambda weights, seen: jnp.einsum("nef,fa->nea", batched(seen).reshape(len(env.agents), -1, len(weights)), weights)  # noqa: E731
-        observation, state = wrapped.batch_reset(key)
-        sampled = {str(agent): wrapped.batch_sample(key, agent) for agent in env.agents}
-        wrapped.batch_step(key, state, sampled)
-
-        def step(carry: Any, key: jax.Array) -> Any:
-            weights, observation, state = carry
-            allowed = wrapped.get_valid_actions(state)
-            best = jnp.argmax(values(weights, observation) - 1e10 * (1 - batched(allowed)), axis=-1)
-            keys = jax.random.split(key, len(env.agents))
-            tried = jnp.stack([wrapped.batch_sample(keys[number], agent) for number, agent in enumerate(env.agents)])
-            best = jnp.where(jax.random.bernoulli(key, 0.7, best.shape), tried, best)
-            wanted = {str(agent): best[number] for number, agent in enumerate(env.agents)}
-            after, state, reward, done, info = wrapped.batch_step(key, state, wanted)
-
-            def loss(weights: jax.Array) -> jax.Array:
-                taken = jnp.take_along_axis(values(weights, observation), best[..., None], axis=-1)[..., 0].sum(axis=0)
-                aim = reward["__all__"] + (1 - done["__all__"]) * values(weights, after).max(axis=-1).sum(axis=0)
-                return jnp.mean((taken - jax.lax.stop_gradient(aim)) ** 2)
-
-            moved = jax.grad(loss)(weights)
-            infos = jax.tree.map(jnp.mean, dict(info))
-            metric = infos | {"reward": reward["__all__"].mean(), "moved": jnp.abs(moved).sum(), "joint": observation["__all__"].mean()}
-            return (weights - 1e-3 * moved, after, state), metric | {"ends": done["__all__"].mean()}
-
-        seen, _ = tested.batch_reset(key)
-        assert seen["0"].shape == (config["NUM_ENVS"] + 1, *shape)
-        _, metrics = jax.lax.scan(step, (weights, observation, state), jax.random.split(key, 2 * config["NUM_STEPS"]))
-        return jax.tree.map(lambda x: x.reshape(2, -1).mean(axis=1), metrics)
-
-    return unstacked(jax.tree.map(lambda x: x[0], jax.jit(jax.vmap(run))(jax.random.split(key, 1))))
 
 
 def evaluate(env: Any, asked: dict[str, Any]) -> None:

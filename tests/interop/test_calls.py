@@ -16,7 +16,6 @@ from sjdsl.interop.calls import TAKEN, seeded_key
 from sjdsl.interop.dm_env import Substrate
 from sjdsl.interop.gymnasium import AgentGame, VectorGame
 from sjdsl.interop.jaxmarl import JaxMARLGame
-from sjdsl.interop.mava import MavaGame
 from sjdsl.interop.pettingzoo import parallel_env
 from sjdsl.interop.stable_baselines3 import VecGame
 
@@ -68,9 +67,9 @@ def test_actions_are_whole_numbers() -> None:
     """Neither a fraction nor a whole number that is stored as one, nor a truth value, in any adapter."""
     agents, vector, slots = AgentGame("coins", **SHORT), VectorGame("coins", 1, **SHORT), VecGame("coins", 1, **SHORT)
     pairs, players = parallel_env("coins", **SHORT), Substrate("coins", **SHORT)
-    theirs, mava, suite = JaxMARLGame("coins", **SHORT), MavaGame("coins", **SHORT), socialjax.make("coin_game")
+    theirs, suite = JaxMARLGame("coins", **SHORT), socialjax.make("coin_game")
     key = jax.random.key(0)
-    states = [env.reset(key) for env in (theirs, mava, suite)]
+    states = [env.reset(key) for env in (theirs, suite)]
     for env in (agents, vector, pairs):
         env.reset(seed=0)
     slots.reset(), players.reset()
@@ -83,8 +82,7 @@ def test_actions_are_whole_numbers() -> None:
             lambda wrong=wrong: pairs.step({"agent_0": 1, "agent_1": wrong}),
             lambda wrong=wrong: players.step([1, wrong]),
             lambda two=two: theirs.step(key, states[0][1], {"agent_0": two[0], "agent_1": two[1]}),
-            lambda two=two: mava.step(states[1][0], two),
-            lambda two=two: suite.step(key, states[2][1], list(two)),
+            lambda two=two: suite.step(key, states[1][1], list(two)),
         ]
         for call in calls:
             with pytest.raises(TypeError, match="whole number"):

@@ -14,7 +14,6 @@ from sjdsl.interop import socialjax
 from sjdsl.interop.dm_env import Substrate
 from sjdsl.interop.gymnasium import AgentGame, VectorGame
 from sjdsl.interop.jaxmarl import JaxMARLGame
-from sjdsl.interop.mava import MavaGame
 from sjdsl.interop.pettingzoo import parallel_env
 from sjdsl.interop.stable_baselines3 import VecGame
 
@@ -88,10 +87,6 @@ def test_copies_without_a_place(way: str) -> None:
     _, state = theirs.reset(key)
     copied, there = COPIES[way]((theirs, state))
     assert alike(copied.step(key, there, actions), theirs.step(key, state, actions))
-    mava = MavaGame("coins", **SHORT)
-    state, _ = mava.reset(jax.random.PRNGKey(4))
-    copied, there = COPIES[way]((mava, state))
-    assert alike(copied.step(there, jnp.array([0, 4])), mava.step(state, jnp.array([0, 4])))
     suite = socialjax.make("coin_game", shared_rewards=False)
     _, state = suite.reset(key)
     copied, there = COPIES[way]((suite, state))

@@ -17,7 +17,7 @@ def test_it_runs(path: Path) -> None:
 
 
 def test_every_adapter_has_one() -> None:
-    adapters = {"jaxmarl", "socialjax", "mava", "pettingzoo", "gymnasium", "stable_baselines3", "dm_env"}
+    adapters = {"jaxmarl", "socialjax", "pettingzoo", "gymnasium", "stable_baselines3", "dm_env"}
     assert {adapter for adapter in adapters for path in EXAMPLES if path.stem.startswith(adapter)} == adapters
     docs = Path(__file__).parents[2] / "docs/interop"
     assert {path.stem for path in docs.glob("*.md")} >= adapters

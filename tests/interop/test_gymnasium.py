@@ -47,15 +47,15 @@ def test_last_observations_of_episodes() -> None:
     env = VectorGame("coins", 2, **SHORT)
     env.reset(seed=1)
     for step in range(2 * LENGTH):
-        state, key = env._slots._state, env._slots._key
+        state, key = env._state, env._key
         observation, _, terminated, truncated, info = env.step(actions_of(env, step))
         ended = step % LENGTH == LENGTH - 1
         assert truncated.tolist() == [ended] * 4 and not terminated.any()
         assert ("final_obs" in info) == ended
         if ended:
             assert info["_final_obs"].all() and not info["_own_coins"].any()
-            again = env._slots._advance(key, state, actions_of(env, step).reshape(2, 2).astype(np.int32))
-            last = np.moveaxis(np.asarray(env._slots._look(again[4]["terminal_state"])), 2, -1).reshape(observation.shape)
+            again = env._advance(key, state, actions_of(env, step).reshape(2, 2).astype(np.int32))
+            last = np.moveaxis(np.asarray(env._look(again[4]["terminal_state"])), 2, -1).reshape(observation.shape)
             np.testing.assert_array_equal(np.stack(list(info["final_obs"])), last)
             assert not np.array_equal(last, observation)
             np.testing.assert_array_equal(info["final_info"]["own_coins"], np.asarray(again[4]["events"]["own_coins"]).reshape(-1))
@@ -108,12 +108,6 @@ def certain(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(path)
 
 
-def both(game: str, mode: AutoresetMode) -> tuple[VectorGame, SyncVectorEnv]:
-    """Returns a game of one agent in our vector environment and in Gymnasium's own."""
-    alone = [lambda: AgentGame(game, others="stay")] * 3
-    return VectorGame(game, 3, autoreset_mode=mode), SyncVectorEnv(alone, autoreset_mode=mode)
-
-
 def assert_alike(ours: Any, theirs: Any) -> None:
     for mine, own in zip(ours[:4], theirs[:4], strict=True):
         np.testing.assert_array_equal(mine, own)
@@ -127,11 +121,11 @@ def assert_alike(ours: Any, theirs: Any) -> None:
         assert (mine is None) == (own is None) and (mine is None or np.array_equal(mine, own))
 
 
-@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
-def test_autoreset_is_gymnasiums(certain: str, mode: AutoresetMode) -> None:
+def test_autoreset_is_gymnasiums(certain: str) -> None:
     """Step by step what Gymnasium's own vector environment gives, through episodes that end at different times."""
-    ours, theirs = both(certain, mode)
-    assert ours.metadata["autoreset_mode"] == theirs.metadata["autoreset_mode"] == mode
+    alone = [lambda: AgentGame(certain, others="stay")] * 3
+    ours, theirs = VectorGame(certain, 3), SyncVectorEnv(alone, autoreset_mode=AutoresetMode.SAME_STEP)
+    assert ours.metadata["autoreset_mode"] == theirs.metadata["autoreset_mode"]
     np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
     ends = np.zeros(3, int)
     ways = np.random.default_rng(0).integers(0, ours.single_action_space.n, (80, 3))
@@ -142,40 +136,8 @@ def test_autoreset_is_gymnasiums(certain: str, mode: AutoresetMode) -> None:
     assert len(set(ends.tolist())) > 1 and ends.min() > 1
 
 
-def test_without_autoreset_episodes_wait(certain: str) -> None:
-    """Those that are reset begin anew, the others go on, as in Gymnasium's own vector environment."""
-    ours, theirs = both(certain, AutoresetMode.DISABLED)
-    np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
-    resets = 0
-    for actions in np.random.default_rng(1).integers(0, ours.single_action_space.n, (40, 3)):
-        made = ours.step(actions)
-        assert_alike(made, theirs.step(actions))
-        over = made[2] | made[3]
-        if over.any():
-            with pytest.raises(RuntimeError, match=f"environment {over.argmax()} has ended; reset it"):
-                ours.step(actions)
-            np.testing.assert_array_equal(ours.reset(options={"reset_mask": over})[0], theirs.reset(options={"reset_mask": over.copy()})[0])
-            resets += 0 < over.sum() < 3
-    assert resets > 0
-
-
-def test_the_next_step_begins_an_episode() -> None:
-    """With several agents and chance: nothing is paid or counted, no action matters, all agents begin together."""
-    env = VectorGame("coins", 2, autoreset_mode="NEXT_STEP", **SHORT)
-    env.reset(seed=3)
-    for step in range(2 * (LENGTH + 1)):
-        _, reward, terminated, truncated, info = env.step(actions_of(env, step))
-        began = step % (LENGTH + 1) == LENGTH
-        assert truncated.tolist() == [step % (LENGTH + 1) == LENGTH - 1] * 4 and not terminated.any()
-        assert info["_own_coins"].tolist() == [not began] * 4
-        assert not (began and (reward.any() or info["own_coins"].any()))
-        assert np.asarray(env._slots._state.step).tolist() == [0 if began else step % (LENGTH + 1) + 1] * 2
-
-
 def test_wrong_calls_are_refused() -> None:
     env = VectorGame("coins", 2, **SHORT)
-    with pytest.raises(ValueError, match="there is no autoreset mode 'SOMETIMES'; they are NEXT_STEP, SAME_STEP, DISABLED"):
-        VectorGame("coins", 2, autoreset_mode="SOMETIMES")
     with pytest.raises(RuntimeError, match="call reset before step"):
         env.step(actions_of(env, 0))
     env.reset(seed=0)
@@ -185,12 +147,8 @@ def test_wrong_calls_are_refused() -> None:
         env.step(np.zeros(2, int))
     with pytest.raises(TypeError, match="the seed must be a whole number of 0 or more"):
         env.reset(seed=[1, 2, 3, 4])
-    with pytest.raises(ValueError, match="only some agents of environment 1; reset all or none"):
-        env.reset(options={"reset_mask": np.array([True, True, False, True])})
-    with pytest.raises(ValueError, match=r"expected a mask of shape \(4,\), got \(2,\)"):
-        env.reset(options={"reset_mask": np.array([True, True])})
-    with pytest.raises(TypeError, match="there is no option `mask`; the only option is `reset_mask`"):
-        env.reset(options={"mask": np.ones(4, bool)})
+    with pytest.raises(TypeError, match="there is no option `reset_mask`"):
+        env.reset(options={"reset_mask": np.ones(4, bool)})
     with pytest.raises(ValueError, match="num_envs must be at least 1"):
         VectorGame("coins", 0)
     env.close()

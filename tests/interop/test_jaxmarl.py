@@ -1,10 +1,6 @@
 """The JaxMARL adapter: what JaxMARL's API tests ask for, its own wrappers, and the game's own step as the oracle."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -16,7 +12,6 @@ from jaxmarl.environments.spaces import Space
 from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
 
 import sjdsl
-from sjdsl.interop.__main__ import main
 from sjdsl.interop.jaxmarl import JaxMARLGame, register
 from tests.packaging.installed import GAME
 
@@ -192,45 +187,3 @@ def test_its_registry_makes_our_games(tmp_path: Path) -> None:
     register()
     assert (jaxmarl.make, list(jaxmarl.registered_envs)) == before
     assert jaxmarl.make is jaxmarl.registration.make
-
-
-@pytest.mark.parametrize("name", ["sjdsl/coins", "sjdsl_coins"])
-def test_its_scripts_run_by_a_line_of_their_configuration(tmp_path: Path, name: str) -> None:
-    """A script laid out like its baselines, which knows nothing of us: `ENV_NAME` says which game, and stands in a file's name."""
-    script = Path(__file__).parent / "stand_ins/baselines/ippo_ff.py"
-    call = [sys.executable, "-m", "sjdsl.interop", str(script), f"ENV_NAME={name}", "+ENV_KWARGS.params.length=5"]
-    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-1] == "coins: 4 episodes of 5 steps"
-    assert (tmp_path / "ippo_ff_sjdsl_coins.txt").read_text() == "coins: 4 episodes of 5 steps"
-
-
-CHECKOUT = os.environ.get("JAXMARL")
-TINY = {"+ENV_KWARGS.params.length": 8, "NUM_ENVS": 2, "NUM_STEPS": 8, "TOTAL_TIMESTEPS": 32, "NUM_MINIBATCHES": 2, "UPDATE_EPOCHS": 1}
-
-
-@pytest.mark.skipif(CHECKOUT is None, reason="JAXMARL names no checkout of JaxMARL")
-@pytest.mark.parametrize(
-    ("script", "more", "files"),
-    [
-        ("IPPO/ippo_ff_mpe.py", {"NUM_SEEDS": 2}, ["ippo_ff_sjdsl_coins.png"]),
-        ("IPPO/ippo_rnn_mpe.py", {"NUM_SEEDS": 1, "NUM_ENVS": 4}, []),
-        ("MAPPO/mappo_rnn_mpe.py", {"NUM_SEEDS": 1, "NUM_ENVS": 4, "+ENV_KWARGS.world_state": "observations"}, []),
-    ],
-)
-def test_jaxmarls_own_scripts(tmp_path: Path, script: str, more: dict[str, Any], files: list[str]) -> None:
-    """They train, end with 0 and leave their files; `wandb` is that in `stand_ins/`, which keeps nothing in the mode of these scripts."""
-    here = Path(__file__)
-    call = [sys.executable, "-m", "sjdsl.interop", str(Path(str(CHECKOUT)) / "baselines" / script), "ENV_NAME=sjdsl_coins"]
-    call += [f"{name}={value}" for name, value in {**TINY, **more}.items()]
-    path = os.pathsep.join([str(here.parent / "stand_ins"), str(here.parents[2]), os.environ.get("PYTHONPATH", "")])
-    settings = os.environ | {"PYTHONPATH": path, "MPLBACKEND": "agg", "JAX_CPU_ENABLE_ASYNC_DISPATCH": "0"}
-    done = subprocess.run(call, cwd=tmp_path, env=settings, capture_output=True, text=True, check=False, timeout=900)
-    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-6000:]
-    assert all((tmp_path / name).stat().st_size > 0 for name in files)
-
-
-def test_a_script_that_is_not_there(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(sys, "argv", ["sjdsl.interop", "no.py"])
-    assert main() == 2
-    assert "there is no script no.py" in capsys.readouterr().err

@@ -1,7 +1,11 @@
 """The SocialJax adapter: a client that makes the suite's calls, its compass, its channels cell by cell, its scales."""
 
+import importlib
 import math
 import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -9,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.interop import socialjax
+from sjdsl.interop import socialjax, spaces
 
 DEPTHS = {
     "coin_game": 14,
@@ -210,28 +214,6 @@ def test_step_env_and_chosen_states() -> None:
     assert done["0"] and int(last.game.step) == 2
 
 
-@pytest.mark.parametrize("wrapper", [socialjax.LogWrapper, socialjax.SVOLogWrapper])
-def test_log_wrappers_add_up_returns(wrapper: Any) -> None:
-    env = wrapper(socialjax.make("coin_game", num_inner_steps=30, shared_rewards=False, regrow_rate=0.5))
-    _, state = env.reset(jax.random.key(22))
-    total, seen = np.zeros(2), []
-    for number, key in enumerate(jax.random.split(jax.random.key(23), 61)):
-        _, state, reward, done, info = env.step(key, state, [2 + number % 4, 3 - number % 2], number)
-        total += np.asarray(reward)
-        assert info["returned_episode"].tolist() == [bool(done["__all__"])] * 2 == [number % 30 == 29] * 2
-        if done["__all__"]:
-            seen.append(total.tolist())
-            total[:] = 0
-            assert info["returned_episode_returns"].tolist() == seen[-1]
-            assert info["returned_episode_lengths"].tolist() == [30, 30]
-            if wrapper is socialjax.SVOLogWrapper:
-                assert info["returned_episode_original_returns"].tolist() == seen[-1]  # at the same scale, not shaped
-    assert info["returned_episode_returns"].tolist() == seen[1] != [0, 0]
-    assert env.num_agents == 2
-    assert "eat_own_coins" in info
-    assert set(wrapper(env._env, replace_info=True).step(key, state, [6, 6])[4]) <= set(info) - {"eat_own_coins"}
-
-
 def test_figures_that_scripts_log() -> None:
     """Apples on the map, clean actions and coins, at the suite's scales."""
     harvest = socialjax.make("harvest_common_open")
@@ -403,3 +385,53 @@ def test_territory_pays_and_shows_what_it_does_in_the_released_code() -> None:
         assert seen[9 - (2 - row), 5, 6] == 0, "owned"
         free = held.replace(game=held.game.replace(brick_owner=jnp.full_like(owner, -1)))
         assert env.get_obs(free)[0, 9 - (2 - row), 5, 6] == 1
+
+
+# Spaces
+
+SPACES = """
+class Box:
+    def __init__(self, low, high, shape, dtype=None):
+        self.low, self.high, self.shape, self.dtype = low, high, shape, dtype
+
+class Discrete:
+    def __init__(self, num_categories, dtype="int64"):
+        self.n, self.shape, self.dtype = num_categories, (), dtype
+"""
+
+
+@pytest.fixture
+def suite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Returns the folder of a package laid out like the suite's, which is forgotten afterwards."""
+    folder = tmp_path / "socialjax/environments"
+    folder.mkdir(parents=True)
+    (tmp_path / "socialjax/__init__.py").touch()
+    (folder / "__init__.py").touch()
+    (folder / "spaces.py").write_text(SPACES)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    spaces.space_classes.cache_clear()
+    yield folder
+    spaces.space_classes.cache_clear()
+    for name in [name for name in sys.modules if name.split(".")[0] == "socialjax"]:
+        del sys.modules[name]
+    importlib.invalidate_caches()
+
+
+def test_spaces_are_those_that_the_suites_wrappers_test_for(suite: Path) -> None:
+    del suite
+    theirs = importlib.import_module("socialjax.environments.spaces")
+    env = socialjax.make("coin_game")
+    assert isinstance(env.observation_space()[0], theirs.Box) and isinstance(env.action_space(), theirs.Discrete)
+    assert (env.observation_space()[0].shape, env.action_space().n, env.action_space().dtype) == ((11, 11, 14), 7, jnp.int32)
+    assert env.observation_spaces == env.action_spaces == {}  # its manager fills them itself where they are empty
+
+
+def test_without_the_suite_spaces_are_ours() -> None:
+    env = socialjax.make("coin_game")
+    assert isinstance(env.observation_space()[0], spaces.Box) and isinstance(env.action_space(), spaces.Discrete)
+
+
+def test_a_suite_that_cannot_be_imported_is_passed_over(suite: Path) -> None:
+    (suite / "__init__.py").write_text("import jax\n\njax.tree_map_of_long_ago\n")
+    with pytest.warns(UserWarning, match="installed but cannot be imported .*tree_map_of_long_ago"):
+        assert isinstance(socialjax.make("coin_game").action_space(), spaces.Discrete)

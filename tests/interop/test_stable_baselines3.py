@@ -11,8 +11,9 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.preprocessing import is_image_space, preprocess_obs
 from stable_baselines3.common.vec_env import VecFrameStack, VecMonitor
 
+from examples.stable_baselines3_ppo import WindowCNN
 from sjdsl.interop.gymnasium import AgentGame
-from sjdsl.interop.stable_baselines3 import VecGame, WindowCNN
+from sjdsl.interop.stable_baselines3 import VecGame
 
 LENGTH = 10
 SHORT = {"params": {"length": LENGTH}}
@@ -109,7 +110,7 @@ def test_frames_are_stacked_along_channels() -> None:
 
 
 def test_convolutions_train_on_stacked_frames(tmp_path: Path) -> None:
-    """Its `CnnPolicy` with our features; saved and loaded, the policy is the same. The features depend on where a thing is."""
+    """Its `CnnPolicy` with the features of the example; saved and loaded, the policy is the same. The features depend on where a thing is."""
     env = VecFrameStack(VecGame("coins", 2, **SHORT), 2)
     model = PPO("CnnPolicy", env, policy_kwargs={"features_extractor_class": WindowCNN}, n_steps=8, batch_size=16, n_epochs=1, seed=0)
     model.learn(64)

@@ -11,7 +11,6 @@ __all__ = ["installed", "source", "wheel"]  # fixtures
 MADE = {
     "jaxmarl": "JaxMARLGame('{}')",
     "socialjax": "make('coin_game')",
-    "mava": "MavaGame('{}')",
     "pettingzoo": "parallel_env('{}')",
     "gymnasium": "VectorGame('{}', 2)",
     "stable_baselines3": "VecGame('{}', 2)",
@@ -19,14 +18,11 @@ MADE = {
 }
 EXTRAS = {
     "jaxmarl": "jaxmarl",
-    "mava": "mava",
     "pettingzoo": "pettingzoo",
     "gymnasium": "gymnasium",
     "stable_baselines3": "sb3",
     "dm_env": "dm_env",
-    "minari": "minari",
 }
-LIBRARY = {"mava": "jumanji"}  # where the adapter stands on another package than its name says
 
 
 def test_adapters_work_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
@@ -39,8 +35,7 @@ def test_adapters_work_in_an_empty_folder(installed: Path, tmp_path: Path) -> No
 
 @pytest.mark.parametrize(("adapter", "extra"), EXTRAS.items())
 def test_what_is_missing_is_said_in_one_line(installed: Path, tmp_path: Path, adapter: str, extra: str) -> None:
-    library = LIBRARY.get(adapter, adapter)
-    use = f"import sys\nsys.modules['{library}'] = None\ntry:\n    import sjdsl.interop.{adapter}\nexcept ModuleNotFoundError as error:\n    print(error)"
+    use = f"import sys\nsys.modules['{adapter}'] = None\ntry:\n    import sjdsl.interop.{adapter}\nexcept ModuleNotFoundError as error:\n    print(error)"
     said = run_in(installed / "empty/bin/python", "-c", use, cwd=tmp_path).strip()
     assert said.endswith(f"is needed: pip install 'sjdsl[{extra}]'"), said
     assert "\n" not in said

@@ -45,7 +45,7 @@ observation, state = env.reset(jax.random.key(0))
 env.step(jax.random.key(1), state, jax.numpy.zeros(env.num_agents, int))
 small = [part for text in ("total_timesteps=64", "num_envs=4", "num_steps=8", "num_minibatches=1", "network=mlp", "network_width=4") for part in ("--set", text)]
 for call in (
-    ["new", "pond"], ["check", "pond.sj"], ["fmt", "pond.sj"], ["compile", "pond.sj"], ["test", "pond.sj", "--examples", "5"], ["list", "pond.sj"],
+    ["new", "pond"], ["check", "pond.sj"], ["fmt", "pond.sj"], ["compile", "pond.sj"], ["test", "pond.sj", "--examples", "5"], ["list"],
     ["doc", "pond.sj"], ["trace", "pond.sj", "--steps", "2"], ["render", "pond.sj", "-o", "pond.html", "--steps", "2"],
     ["train", "pond.sj", *small, "--run", "run", "--episodes", "2", "--param", "length=8"],
 ):

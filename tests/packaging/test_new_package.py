@@ -20,8 +20,8 @@ def test_the_package_is_built_installed_and_tested(installed: Path, tmp_path: Pa
     assert {"river_games/river.sj", "river_games/river.txt"} <= names
     run_in(python, "-m", "pip", "install", "-q", "--no-deps", "--target", site, built, cwd=tmp_path)
     there = ("env", f"PYTHONPATH={site}")
-    listed = run_in(*there, sjdsl, "list", "river", cwd=tmp_path)
-    assert "from     river-games 0.1.0" in listed
+    listed = run_in(*there, sjdsl, "list", cwd=tmp_path)
+    assert "\nof river-games 0.1.0\nriver " in listed
     use = "import sys, sjdsl; assert sjdsl.make('river').num_agents == 3; assert 'river_games' not in sys.modules"
     run_in(*there, python, "-c", use, cwd=tmp_path)
     assert "6 passed" in run_in(*there, python, "-m", "pytest", "-p", "no:cacheprovider", cwd=home)
