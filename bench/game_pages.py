@@ -25,9 +25,9 @@ from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.compiler.lower import token_planes
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import Written, read_written
-from sjdsl.doc.actions import action_names
+from sjdsl.doc.actions import action_rows
 from sjdsl.doc.numbers import parameters
-from sjdsl.doc.wording import code, codes, number, plain, table
+from sjdsl.doc.wording import code, joined, number, plain, table
 from sjdsl.files import write_whole
 from sjdsl.interop.socialjax_table import NOT_HERE, Entry, channels_of, differences, entries
 from sjdsl.library.factory import make
@@ -226,7 +226,7 @@ def _facts(name: str, written: Written) -> list[str]:
     rows = [
         ("agents", str(game.agents.number)),
         ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells" + (", edges joined" if game.wraps else "")),
-        ("actions", codes(action_names(game.agents))),
+        ("actions", joined(name for _, name, _ in action_rows(game))),
         ("window", _window(game.window)),
         *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),
         ("sources", "; ".join(map(plain, game.cites))),

@@ -20,7 +20,7 @@ INDEX = f"{FOLDER}/index.md"
 HEAD = """# Gallery
 
 Every bundled game, played by the policies of its own file: cooperators beside defectors, where it has them, else random agents. Choose a
-game to step through the episode on a live board, to read its text and all its rules in English."""
+game to step through the episode on a live board, to read its text and all its rules."""
 POT = """## Melting Pot
 
 Each substrate of Melting Pot 2 is a game in one of its variants; [what differs]({meltingpot}) is a page of its own."""
@@ -129,7 +129,7 @@ def game_page(shown: Shown, root: Path) -> str:
             "",
         ]
     sheet = rule_sheet(shown.written).split("\n", 1)[1]
-    return "\n".join([*lines, "## The rules in English", "", raised(sheet, -1)])
+    return "\n".join([*lines, "## The rules", "", raised(sheet, -1)])
 
 
 def _below(board: Board) -> str:

@@ -22,7 +22,7 @@ MODULES = {  # what has names that users import -> what the page is about
     "sjdsl.testing": "Scenes",
     "sjdsl.trace": "Traces",
     "sjdsl.properties": "Checks",
-    "sjdsl.doc": "Rules in English",
+    "sjdsl.doc": "Rules on a page",
     "sjdsl.bench": "Benchmarks",
     "sjdsl.interop.jaxmarl": "JaxMARL",
     "sjdsl.interop.socialjax": "SocialJax",

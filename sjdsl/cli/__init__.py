@@ -27,7 +27,7 @@ GROUPS = {
     },
     "Look at it": {
         "list": "List games with their agents, maps, actions and variants.",
-        "doc": "Print the rules of a game in plain English.",
+        "doc": "Print all the rules of a game on a page.",
         "diff": "Print what differs between two variants or games.",
         "play": "Control an agent of a game in the terminal.",
         "render": "Draw a game as a GIF, MP4, PNG or HTML page.",

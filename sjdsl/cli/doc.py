@@ -1,4 +1,4 @@
-"""`sjdsl doc`: prints the rules of a game in plain English."""
+"""`sjdsl doc`: prints all the rules of a game on a page."""
 
 from pathlib import Path
 
@@ -16,7 +16,8 @@ from sjdsl.library.checked_game import split_variants
 @variant_option
 @click.option("-o", "output", metavar="FILE", help="Write to this file instead of printing.")
 def command(game: str, variant: str | None, output: str | None) -> None:
-    """Prints the rules of GAME in plain English, in the order of ODD, a standard for describing agent-based models.
+    """Prints all the rules of GAME on a page, in the order of ODD, a standard for describing agent-based models:
+    tables of actions, numbers, sources and what agents see, and each rule as written, with its comments.
 
     GAME is a `.sj` file or a bundled or installed game.
     """

@@ -1,4 +1,4 @@
-"""Games in plain English: rule sheets made from the rules, and differences between two games."""
+"""All the rules of a game on a page, and the differences between two games."""
 
 from sjdsl.doc.differences import differences, report
 from sjdsl.doc.sheet import rule_sheet

@@ -10,9 +10,9 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.compose import Composition
-from sjdsl.doc.entities import starts
 from sjdsl.doc.numbers import limits_of, unit_of
 from sjdsl.doc.quoted import laid_out, written_text
+from sjdsl.doc.sheet import starts
 from sjdsl.doc.wording import number
 from sjdsl.doc.written import Written
 

@@ -1,25 +1,16 @@
-"""Small pieces of Markdown prose: names, lists, numbers, nested lines."""
+"""Small pieces of Markdown: names, lists, numbers, tables."""
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from decimal import Decimal
+from itertools import compress
 from typing import Any
 
 from sjdsl.compiler.ir.printer import number_text
 from sjdsl.compiler.ir.sorts import Level
 
 SMALLEST = 1e-9  # what is smaller is written with an exponent
-WIDEST = 220  # characters of a sentence that still takes the sentence inside it onto its own line
-
-
-@dataclass(frozen=True)
-class Line:
-    """A sentence, and the sentences it holds for. It begins with a small letter where it is written after a colon."""
-
-    text: str
-    inside: tuple["Line", ...] = ()
 
 
 def code(text: str) -> str:
@@ -27,11 +18,6 @@ def code(text: str) -> str:
     fence = "``" if "`" in text else "`"
     inside = f" {text} " if "`" in text else text
     return f"{fence}{inside}{fence}"
-
-
-def variable(name: str) -> str:
-    """Returns a name that a sentence has given to an agent, a cell or a value."""
-    return f"*{name}*"
 
 
 def plain(text: str) -> str:
@@ -45,10 +31,6 @@ def joined(items: Iterable[str], word: str = "and") -> str:
     return f"{', '.join(first)} {word} {last}" if first else last
 
 
-def codes(names: Iterable[str], word: str = "and") -> str:
-    return joined(map(code, names), word)
-
-
 def number(value: float) -> str:
     """Returns a number as short as it can be read back; endless ones in words."""
     if math.isinf(value):
@@ -59,15 +41,6 @@ def number(value: float) -> str:
 def counted(value: float, noun: str) -> str:
     """Returns `1 step`, `3 steps`."""
     return f"{number(value)} {noun}{'' if value == 1 else 's'}"
-
-
-def article(noun: str) -> str:
-    """Returns `a wall cell`, `an ore cell`."""
-    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
-
-
-def capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def table_value(value: Any, by: Sequence[Level]) -> str:
@@ -83,43 +56,17 @@ def table_value(value: Any, by: Sequence[Level]) -> str:
     return ", ".join(f"{name}: {v}" for name, v in zip(names, shown, strict=True))
 
 
-def entries_text(level: Level) -> str:
-    """Returns what a row has an entry for: `for each of `raw` and `cut``, `for each agent`, `for each of 0 to 4`."""
-    match level.sort:
-        case "agent":
-            return "for each agent"
-        case "number":
-            return f"for each of {level.names[0]} to {level.names[-1]}"
-        case _:
-            return f"for each of {codes(level.names)}"
-
-
-def bullets(lines: Iterable[Line], depth: int = 0) -> Iterator[str]:
-    """Yields sentences as a nested list; a short sentence that is alone inside another stands behind it on its line."""
-    for line in lines:
-        line = _shortened(line)
-        yield f"{'  ' * depth}- {capital(line.text)}{':' if line.inside else '.'}"
-        yield from bullets(line.inside, depth + 1)
-
-
-def _shortened(line: Line) -> Line:
-    if len(line.inside) == 1:
-        inner = _shortened(line.inside[0])
-        if not inner.inside and len(line.text) + len(inner.text) < WIDEST:
-            return Line(f"{line.text}: {inner.text}")
-    return line
-
-
-def fenced(lines: Sequence[str]) -> list[str]:
+def fenced(lines: Sequence[str], language: str = "text") -> list[str]:
     """Returns lines as they are, between fences that none of them can close."""
     longest = max((len(run) for line in lines for run in re.findall(r"`+", line)), default=0)
     fence = "`" * max(3, longest + 1)
-    return [f"{fence}text", *lines, fence]
+    return [f"{fence}{language}", *lines, fence]
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """Returns a Markdown table; nothing without rows."""
+    """Returns a Markdown table, without the columns that say nothing of any row; nothing without rows."""
     cells = [[cell.replace("|", "\\|") if "\\|" not in cell else cell for cell in row] for row in rows]
     if not cells:
         return []
-    return ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *cells)]
+    said = [any(column) for column in zip(*cells, strict=True)]
+    return ["| " + " | ".join(compress(row, said)) + " |" for row in (head, ["---"] * len(head), *cells)]

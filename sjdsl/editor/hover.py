@@ -1,4 +1,4 @@
-"""Hover: a name's declaration and its English, what a word of the language means, and the explanation of a message."""
+"""Hover: a name's declaration, what a word of the language means, and the explanation of a message."""
 
 import re
 import tomllib
@@ -16,7 +16,6 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton, parser
 from sjdsl.editor.analysis import Analyses, Analysis
-from sjdsl.editor.english import english
 from sjdsl.editor.family import declarations
 from sjdsl.editor.navigation import symbol_at
 
@@ -58,10 +57,8 @@ def _declared(analysis: Analysis, occurrence: Occurrence, analyses: Analyses) ->
     places = declarations(occurrence.symbols, analysis, analyses)[:MOST_DECLARATIONS]
     shown = "\n".join(declaration_text(made, o) for made, o in places)
     told = [f"```sj\n{shown}\n```"] if shown else []
-    game = analysis.build.game if analysis.build is not None else None
-    lines = [] if game is None else english(occurrence.symbols[0], game)
     elsewhere = [made.document.name.rpartition("/")[2] for made, _ in places if made is not analysis]
-    told += ["\n".join(lines)] * bool(lines) + [f"in {', '.join(dict.fromkeys(elsewhere))}"] * bool(elsewhere)
+    told += [f"in {', '.join(dict.fromkeys(elsewhere))}"] * bool(elsewhere)
     return ["\n\n".join(told)] if told else []
 
 

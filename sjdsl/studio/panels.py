@@ -1,4 +1,4 @@
-"""What stands beside the board: the rules in English, the generated program, the state, what an agent sees, why something happened."""
+"""What stands beside the board: the rules, the generated program, the state, what an agent sees, why something happened."""
 
 import re
 from typing import Any

@@ -33,9 +33,6 @@ from sjdsl.compiler.ir.operations import (
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.ranges import range_of
 from sjdsl.compiler.ir.verify import verify
-from sjdsl.doc.defines import vocabulary
-from sjdsl.doc.phrases import value as english
-from sjdsl.doc.wording import variable
 from sjdsl.editor.highlighting import patterns
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.evaluate import is_of_class
@@ -208,16 +205,6 @@ def test_each_row_is_read_printed_compiled_and_interpreted_alike() -> None:
     assert report.differences == []
 
 
-def test_no_two_rows_read_the_same() -> None:
-    game = build(every_row()).game
-    said = [
-        english(node(row, [local(name, (1, 2), True) for name in "abc"[: row.most]], True), vocabulary(game))
-        for row in CALCULATIONS.values()
-    ]
-    assert len(set(said)) == len(said)
-    assert all(variable(name) in phrase for phrase, row in zip(said, CALCULATIONS.values(), strict=True) for name in "abc"[: row.most])
-
-
 def test_comparisons_are_the_interpreters_and_fit_together() -> None:
     for (sign, row), a, b in product(COMPARISONS.items(), WHOLE, (*WHOLE, *REAL)):
         assert row.holds(a, b) == numbers.compare(sign, a, b) == COMPARISONS[row.mirror].holds(b, a)
@@ -236,7 +223,6 @@ def test_a_define_of_a_games_own_keeps_its_meaning(row: Function) -> None:
     text = GAME.format(fields="", rules=f"give pay * {row.name}(agent.held) to agent")
     game = build(Source("table.sj", text.replace("  phase start", f"  define {row.name}(number) = number + 100\n  phase start"))).game
     (given,) = [n for n in ir.walk(game) if isinstance(n, ir.Give)]
-    assert english(given.value, vocabulary(game)).startswith(f"`pay` × `{row.name}`")
     assert any(isinstance(n, ir.Named) and n.name == row.name for n in ir.walk(given))
 
 
@@ -259,7 +245,6 @@ def test_without_its_row_nothing_can_be_done_with_a_calculation(row: Calculation
     numbers = [ir.Number(type=ir.Type(kind="int", low=n, high=n), value=n) for n in (5, 2, 3)][: row.most]
     made: ir.Expr = node(row, list(numbers), True).model_copy(update={"type": ir.Type(kind="int", low=-9, high=9)})
     test = ir.Compare(fn=">", left=made, right=numbers[0])
-    words = vocabulary(built.game)
     consumers: dict[str, Callable[[], object]] = {
         "elaboration": lambda: build(source),
         "checks of the IR": lambda: verify(built.game),
@@ -270,7 +255,6 @@ def test_without_its_row_nothing_can_be_done_with_a_calculation(row: Calculation
         "ranges of play": lambda: interval_of(made, Here(Played(built.game, {}))),
         "starts": lambda: holds_at_start(test, {}, built.game),
         "lowering": lambda: compile_build(built, source),
-        "English": lambda: english(made, words),
         "slopes": lambda: decide_monotone(
             ir.Check(sort="monotone", words=("rising",), values=(made, local("a", (1, 2), True))), built.game
         ),

@@ -1,81 +1,10 @@
-"""Expressions that differ in meaning differ in words; names, brackets and comments are as they should be."""
+"""Tables and comments are as they should be."""
 
-from itertools import product
-
-import pytest
-
-from sjdsl.compiler import build, ir
+from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir.operations import CALCULATIONS
-from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import read_written, rule_sheet
-from sjdsl.doc.defines import vocabulary
-from sjdsl.doc.phrases import condition, value
-from sjdsl.doc.wording import Line, bullets, number, table, table_value
+from sjdsl.doc.wording import number, table, table_value
 from sjdsl.doc.written import comments
-from tests.doc.corpus import SMALL
-
-NUMBER = ir.Type(kind="int")
-ONE, A = ir.Number(type=NUMBER, value=1), ir.Local(type=NUMBER, name="a")
-SIMPLE = vocabulary(build(read_source(next(path for path in SMALL if path.stem == "walking"))).game)
-
-
-def arithmetic(fn: str, *args: ir.Expr) -> ir.Expr:
-    return ir.Arithmetic(type=NUMBER, fn=fn, args=args)
-
-
-def calculations(of: list[ir.Expr]) -> list[ir.Expr]:
-    rows = [(row, many) for row in CALCULATIONS.values() for many in (1, 2) if row.least <= many <= row.most]
-    return [arithmetic(row.name, *args) for row, many in rows for args in product(of, repeat=many)]
-
-
-def test_no_two_calculations_read_the_same() -> None:
-    found = calculations([ONE, A, *calculations([ONE, A])])
-    assert len({value(e, SIMPLE) for e in found}) == len(found)
-
-
-def conditions(of: list[ir.Expr]) -> list[ir.Expr]:
-    pairs = [ir.Logic(fn=fn, args=(x, y)) for fn in ("and", "or") for x, y in product(of, of)]  # type: ignore[arg-type]
-    return [*pairs, *(ir.Not(value=x) for x in of)]
-
-
-def truth(e: ir.Expr, given: dict[str, bool]) -> bool:
-    match e:
-        case ir.Local():
-            return given[e.name]
-        case ir.Not():
-            return not truth(e.value, given)
-        case ir.Logic():
-            return (all if e.fn == "and" else any)(truth(a, given) for a in e.args)
-    raise AssertionError(e)
-
-
-def test_conditions_that_read_the_same_mean_the_same() -> None:
-    names = [ir.Local(type=ir.CONDITION, name=name) for name in "pqr"]
-    simple = conditions(names)
-    found: dict[str, tuple[bool, ...]] = {}
-    cases = [dict(zip("pqr", case, strict=True)) for case in product((False, True), repeat=3)]
-    for e in [*names, *simple, *conditions([names[0], *simple])]:
-        text = condition(e, SIMPLE)
-        meaning = tuple(truth(e, case) for case in cases)
-        assert found.setdefault(text, meaning) == meaning, text
-
-
-@pytest.mark.parametrize("fn", ["<", "<=", ">", ">=", "==", "!="])
-def test_the_opposite_of_a_comparison(fn: str) -> None:
-    opposite = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}[fn]
-    one, other = (ir.Compare(fn=f, left=A, right=ONE) for f in (fn, opposite))  # type: ignore[arg-type]
-    assert condition(ir.Not(value=one), SIMPLE) == condition(other, SIMPLE)
-    assert condition(one, SIMPLE) == condition(other, SIMPLE, holds=False) != condition(other, SIMPLE)
-
-
-def test_lines_inside_lines() -> None:
-    leaf = Line("it rains")
-    assert list(bullets([Line("each day", (leaf,))])) == ["- Each day: it rains."]
-    assert list(bullets([Line("each day", (leaf, leaf))])) == ["- Each day:", "  - It rains.", "  - It rains."]
-    assert list(bullets([Line("each day", (Line("if so", (leaf,)),)), leaf])) == ["- Each day: if so: it rains.", "- It rains."]
-    long = Line("x" * 230)
-    assert list(bullets([Line("each day", (long,))])) == ["- Each day:", f"  - X{'x' * 229}."]
 
 
 def test_numbers_and_tables() -> None:
@@ -84,7 +13,7 @@ def test_numbers_and_tables() -> None:
         table_value(((1, 0), (2, 3.5)), (ir.Level("word", ("raw", "cut")),) * 2)
         == "`raw`: (`raw`: 1, `cut`: 0), `cut`: (`raw`: 2, `cut`: 3.5)"
     )
-    assert table(("a", "b"), [("|", "c")]) == ["| a | b |", "| --- | --- |", "| \\| | c |"]
+    assert table(("a", "b", "c"), [("|", "", "c"), ("", "", "")]) == ["| a | c |", "| --- | --- |", "| \\| | c |", "|  |  |"]
 
 
 BEFORE = 'sj 1\ngame pit "A pit" {\n'
@@ -137,7 +66,7 @@ def test_a_glyph_that_means_something_to_markdown() -> None:
     text = BEFORE + NUMBERS + AFTER.replace('kind grass "#"', 'kind grass "|"').replace('"##"', '"||"').replace("A pit", "A pit")
     rows = rule_sheet(read_written(Source("pit.sj", text.replace('"A pit"', '"A *pit*"')))).splitlines()
     assert rows[0] == "# A \\*pit\\*"
-    assert "| `\\|` | grass | 2 |  |" in rows
+    assert "| `\\|` | grass | 2 |" in rows
 
 
 def test_a_map_of_backticks_stays_in_its_fence() -> None:
@@ -145,3 +74,52 @@ def test_a_map_of_backticks_stays_in_its_fence() -> None:
     rows = rule_sheet(read_written(Source("pit.sj", text))).splitlines()
     place = rows.index("````")
     assert rows[place - 1 : place + 2] == ["`````text", "````", "`````"]
+
+
+PIT = BEFORE + NUMBERS + AFTER
+
+
+def lines_of(title: str, text: str) -> list[str]:
+    """Returns the lines of one section of a sheet."""
+    return rule_sheet(read_written(Source("pit.sj", text))).partition(f"## {title}\n\n")[2].partition("\n\n#")[0].splitlines()
+
+
+def test_rules_are_quoted_with_their_comments() -> None:
+    rest = """
+  # paper: the agents
+  # do nothing but earn
+  phase rest { each agent { give pay[red] + pay[blue]*rate to agent } }  # ours: at once
+
+  # of what follows
+  checks { always step >= 0  require rate > 0 }  # both
+"""
+    text = PIT.replace("  phase rest { each agent { give pay[red] + pay[blue] * rate to agent } }", rest)
+    assert lines_of("Phases", text) == [
+        "```sj",
+        "# paper: the agents",
+        "# do nothing but earn",
+        "phase rest { each agent { give pay[red] + pay[blue] * rate to agent } }  # ours: at once",
+        "```",
+    ]
+    assert lines_of("Checks", text) == ["```sj", "always step >= 0", "require rate > 0  # both", "```"]
+    assert lines_of("Process overview: one step", text)[1:3] == ["schedule rest", "episode 5"]
+
+
+def test_a_section_without_content_is_left_out() -> None:
+    assert not {"## Checks", "## Policies", "## Scenarios", "## Metrics", "### Movers"} & set(sheet_lines())
+
+
+def test_the_states_of_a_kind_are_said_once() -> None:
+    kind = 'kind grass "#" { field owner : { none, me } = none  field wet : { no, yes } = no }'
+    lines = lines_of("Observation", PIT.replace('kind grass "#"', kind))
+    assert "| 0 | `content` | 0 outside, 1 to 4 grass: owner none/me × wet no/yes (the last fastest) |" in lines
+
+
+def test_an_observation_that_cannot_be_compiled_is_said() -> None:
+    text = PIT.replace("acts stay", "acts stay  field held : 0 .. 999 = 0").replace(
+        "  schedule", "  observe { show agent.held }\n  schedule"
+    )
+    assert (
+        lines_of("Observation", text)[-1]
+        == "The compiler cannot make observations: showing `agent.held`, which can reach 999 (at most 255)."
+    )

@@ -48,8 +48,6 @@ class Reduction(Record):
     array: Literal["sum", "min", "max"]  # the function of NumPy and JAX
     nothing: float  # the number that changes no result
     kept: str  # the name of the result in generated code
-    english: str  # of the entries of a row
-    over: str  # of a number over a domain: `the smallest of … over all trees`
 
 
 class Function(Record):
@@ -105,9 +103,8 @@ class Calculation(Function):
     rounding: Callable[[Range, Range], Rounding] | None = None  # of two reals in float32; None: the result is exact
     range: Callable[[Sequence[Range]], Range] | None = None  # all that it can be in float32; None: as `interval` and `rounding` say
 
-    # its texts
+    # its code
     array: str  # an operator of Python, or a function of arrays; one of two arrays is applied to one argument after another
-    english: Callable[..., str]  # from the English of its arguments
 
 
 class PayoffClass(Function):
@@ -120,7 +117,6 @@ class PayoffClass(Function):
 
     _: KW_ONLY
     holds: Callable[[float, float, float, float], bool]  # for the payoffs R, S, T and P of the row player
-    english: str  # behind `the table is`
 
 
 class Comparison(Record):
@@ -129,7 +125,6 @@ class Comparison(Record):
     holds: Callable[[Any, Any], Any]  # for two numbers, or two arrays of them
     mirror: ir.Comparison  # the sign that says the same of the two exchanged
     opposite: ir.Comparison  # the sign that holds where this one does not
-    english: str  # between the two numbers
     named: str  # between their names, in generated code
 
 
@@ -215,15 +210,9 @@ def _ramp_range(parts: Sequence[Range]) -> Range:
     return Range(0.0, 1.0, terms=1.0, given=False, sound=sound)
 
 
-def _one_of(two: str, more: str) -> Callable[..., str]:
-    """Returns the English of one of several numbers: how it is called among two, and among more."""
-    return lambda *of: f"the {two} of {' and '.join(of)}" if len(of) == 2 else f"the {more} of {'; '.join(of)}"
-
-
 def _operator(sign: str, gives: str, **columns: Any) -> Calculation:
     """Returns the row of an operator between two numbers that is the same in arrays."""
-    english = {"english": lambda a, b: f"{a} {sign} {b}", **columns}
-    return Calculation(name=sign, uses=((f"a {sign} b", gives),), least=2, most=2, sign=sign, array=sign, **english)
+    return Calculation(name=sign, uses=((f"a {sign} b", gives),), least=2, most=2, sign=sign, array=sign, **columns)
 
 
 # ---- the table
@@ -235,7 +224,7 @@ OPERATIONS: tuple[Function, ...] = (
         (("sum(e over D)", "the sum of e over a domain"), ("sum(row)", "the sum of the entries")),
         ir.Sum,
         word=True,
-        reduces=Reduction(sum, True, "sum", 0, "total", "the sum of all entries", "sum"),
+        reduces=Reduction(sum, True, "sum", 0, "total"),
     ),
     Calculation(
         name="min",
@@ -246,13 +235,12 @@ OPERATIONS: tuple[Function, ...] = (
         ),
         least=2,
         most=8,
-        reduces=Reduction(min, False, "min", inf, "least", "the smallest entry", "smallest"),
+        reduces=Reduction(min, False, "min", inf, "least"),
         keeps_unit=True,
         fold=min,
         interval=lambda *of: (min(low for low, _ in of), min(high for _, high in of)),
         slope=lambda parts, _: _together([p.slope for p in parts]),
         array="jnp.minimum",
-        english=_one_of("smaller", "smallest"),
     ),
     Calculation(
         name="max",
@@ -263,13 +251,12 @@ OPERATIONS: tuple[Function, ...] = (
         ),
         least=2,
         most=8,
-        reduces=Reduction(max, False, "max", -inf, "greatest", "the largest entry", "largest"),
+        reduces=Reduction(max, False, "max", -inf, "greatest"),
         keeps_unit=True,
         fold=max,
         interval=lambda *of: (max(low for low, _ in of), max(high for _, high in of)),
         slope=lambda parts, _: _together([p.slope for p in parts]),
         array="jnp.maximum",
-        english=_one_of("larger", "largest"),
     ),
     Calculation(
         name="ramp",
@@ -284,7 +271,6 @@ OPERATIONS: tuple[Function, ...] = (
         slope=_ramp_slope,
         range=_ramp_range,
         array="ramp",
-        english=lambda x, zero, one: f"({x} - {zero}) ÷ ({one} - {zero}), taken as 0 below 0 and as 1 above 1",
     ),
     Function(
         "distance",
@@ -316,7 +302,6 @@ OPERATIONS: tuple[Function, ...] = (
         interval=_whole_quotient,
         slope=lambda *_: None,
         array="//",
-        english=lambda a, b: f"{a} divided by {b}, rounded down",
     ),
     Calculation(
         name="round",
@@ -330,7 +315,6 @@ OPERATIONS: tuple[Function, ...] = (
         interval=_nearest_whole,
         slope=lambda parts, _: parts[0].slope,
         array="jnp.rint",
-        english=lambda a: f"{a} rounded to the nearest whole number",
     ),
     Calculation(
         name="abs",
@@ -341,7 +325,6 @@ OPERATIONS: tuple[Function, ...] = (
         interval=lambda a: (max(a[0], -a[1], 0), max(-a[0], a[1])),
         slope=lambda parts, _: _scaled(*parts[0]),
         array="jnp.abs",
-        english=lambda a: f"the absolute value of {a}",
     ),
     Function("lowest", (("lowest(row)", "the first word with something in it"),), ir.Lowest),
     Function("highest", (("highest(row)", "the last word with something in it"),), ir.Lowest, last=True),
@@ -352,7 +335,6 @@ OPERATIONS: tuple[Function, ...] = (
         builds=ir.MatrixClass,
         checks=("require",),
         holds=lambda r, s, t, p: t > r > p > s and 2 * r > t + s,
-        english="a prisoner's dilemma (T > R > P > S and 2R > T + S)",
     ),
     PayoffClass(
         name="stag_hunt",
@@ -360,7 +342,6 @@ OPERATIONS: tuple[Function, ...] = (
         builds=ir.MatrixClass,
         checks=("require",),
         holds=lambda r, s, t, p: r > t >= p > s,
-        english="a stag hunt (R > T ≥ P > S)",
     ),
     PayoffClass(
         name="chicken",
@@ -368,7 +349,6 @@ OPERATIONS: tuple[Function, ...] = (
         builds=ir.MatrixClass,
         checks=("require",),
         holds=lambda r, s, t, p: t > r > s > p,
-        english="a game of chicken (T > R > S > P)",
     ),
     Function(
         "before",
@@ -388,7 +368,6 @@ OPERATIONS: tuple[Function, ...] = (
         factors=(-1,),
         slope=lambda parts, _: OPPOSITE[parts[0].slope],
         array="-",
-        english=lambda a: f"-{a}",
     ),
     _operator(
         "+",
@@ -421,7 +400,6 @@ OPERATIONS: tuple[Function, ...] = (
         interval=_product,
         slope=lambda parts, _: _together([_scaled(parts[0].slope, parts[1].range), _scaled(parts[1].slope, parts[0].range)]),
         rounding=lambda a, b: Rounding(a.terms * b.terms, True),
-        english=lambda a, b: f"{a} × {b}",
     ),
     _operator(
         "/",
@@ -435,7 +413,6 @@ OPERATIONS: tuple[Function, ...] = (
         interval=_quotient,
         slope=lambda parts, _: _quotient_slope(*parts),
         rounding=_quotient_rounding,
-        english=lambda a, b: f"{a} ÷ {b}",
     ),
     _operator(
         "%",
@@ -446,16 +423,15 @@ OPERATIONS: tuple[Function, ...] = (
         fold=operator.mod,
         interval=lambda _, b: (0, b[1] - 1) if b[0] > 0 else (min(b[0] + 1, 0), max(b[1] - 1, 0)),
         slope=lambda *_: None,
-        english=lambda a, b: f"the remainder of {a} divided by {b}",
     ),
 )
 COMPARISONS: dict[str, Comparison] = {
-    "<": Comparison(operator.lt, ">", ">=", "is less than", "below"),
-    "<=": Comparison(operator.le, ">=", ">", "is at most", "at_most"),
-    ">": Comparison(operator.gt, "<", "<=", "is more than", "above"),
-    ">=": Comparison(operator.ge, "<=", "<", "is at least", "at_least"),
-    "==": Comparison(operator.eq, "==", "!=", "equals", "is"),
-    "!=": Comparison(operator.ne, "!=", "==", "does not equal", "is_not"),
+    "<": Comparison(operator.lt, ">", ">=", "below"),
+    "<=": Comparison(operator.le, ">=", ">", "at_most"),
+    ">": Comparison(operator.gt, "<", "<=", "above"),
+    ">=": Comparison(operator.ge, "<=", "<", "at_least"),
+    "==": Comparison(operator.eq, "==", "!=", "is"),
+    "!=": Comparison(operator.ne, "!=", "==", "is_not"),
 }
 FUNCTIONS = {row.name: row for row in OPERATIONS if not (isinstance(row, Calculation) and row.sign)}
 CALCULATIONS = {row.name: row for row in OPERATIONS if isinstance(row, Calculation)}
