@@ -5,6 +5,7 @@ import pytest
 from sjdsl import compiler
 from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.slips import SLIPS
 from sjdsl.compiler.diagnostics.source import Source
 from tests.suggestions.frame import Case, cases
 
@@ -17,6 +18,10 @@ def errors_of(text: str) -> list[Diagnostic]:
 
 def test_the_names_of_the_cases_differ() -> None:
     assert len({case.name for case in CASES}) == len(CASES)
+
+
+def test_every_slip_has_a_case() -> None:
+    assert set(SLIPS.values()) - {d.hint for case in CASES for d in errors_of(case.mistaken)} == set()
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)

@@ -16,7 +16,6 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.recovery.automaton import END, Stack
-from sjdsl.compiler.syntax.recovery.idioms import FARTHEST
 from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, Part, unquote
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
 from sjdsl.compiler.syntax.tokens import BRACKETS, PREFIX, is_too_large
@@ -168,7 +167,7 @@ class Reader:
                     heights.append(0)
                     break
                 if to is None:
-                    at, before, words = kept if kept[0] <= max(0, number - FARTHEST) else earlier
+                    at, before, words = kept if kept[0] <= max(0, number - 1) else earlier
                     so_far = Stack(before[0], None)
                     for state, word in zip(before[1:], words, strict=True):  # the word with which each level begins
                         so_far = Stack(state, so_far, word)

@@ -12,7 +12,7 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from lark import Lark, Token, Tree, UnexpectedCharacters
+from lark import Lark, Token, Tree
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
@@ -22,7 +22,6 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import CONTROL
 from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton, open_marks, read
-from sjdsl.compiler.syntax.recovery.idioms import Idiom, find_idiom, idiom_error
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
 from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names, can_come
@@ -147,7 +146,6 @@ def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
     closing = closing_braces(kinds)
     before: Stack | None = None
     search, repairs = Search(), 0
-    trail: dict[int, Stack] = {}
     while repairs < MAX_PROBLEMS:
         if kinds[at] in SOFT:
             found.tokens[at] = as_name(table, stack, found.tokens[at])
@@ -156,29 +154,18 @@ def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
         if after is not None and kinds[at] == END:
             break
         if after is not None:
-            trail[at] = stack
             before, stack, at = stack, after, at + 1
             continue
         trouble = Trouble(table, kinds, texts, closing, stack, before, at)
-        idiom = find_idiom(trouble, trail, found.tokens, found.source, _lex) if at >= search.quiet else None
-        repair = find_repair(trouble) if idiom is None else Repair("idiom", at, idiom.stack, idiom.end)
-        _report(search, trouble, repair, idiom, found)
+        repair = find_repair(trouble)
+        _report(search, trouble, repair, found)
         if repair is None:
             break
         before, stack, at, repairs = None, repair.stack, repair.resume, repairs + 1
-        trail.clear()
     return list(search.problems.values())
 
 
-def _lex(text: str) -> list[Token]:
-    """Returns the tokens of a text; none if it cannot be read."""
-    try:
-        return list(parser().parse_interactive(text).lexer_thread.lex(None))  # Lark.lex makes a lexer each time
-    except UnexpectedCharacters:
-        return []
-
-
-def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idiom | None, found: Scan) -> None:
+def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan) -> None:
     """Adds an error, unless it follows from one before."""
     change, forgiven = 0, False
     if repair is not None:
@@ -191,7 +178,6 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idio
     search.owed += change if worse or forgiven else 0
     if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
         problem = word_error(trouble, repair, found.tokens, found.source)
-        problem = problem if idiom is None else idiom_error(idiom, problem, found.tokens, found.source)
         # a reserved word used as a name is one mistake, however often the name is used
         identity = (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
         known = search.problems.setdefault(identity, problem)
