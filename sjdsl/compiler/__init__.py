@@ -46,7 +46,7 @@ def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
     """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
-    problems, overrides = Problems(list(composition.warnings)), overrides or Overrides()
+    problems, overrides = Problems(), overrides or Overrides()
     game, declarations = elaborate(composition, overrides, problems)
     if game is not None:
         check_state_names(game, problems)
