@@ -362,7 +362,7 @@ def test_help(statements: str, help_: str) -> None:
 
 
 def test_fixes_repair() -> None:
-    for wrong in ("give (1 + 2 to a", "eech a { }", "when a = b { }", "set a = b;"):
+    for wrong in ("give (1 + 2 to a", "eech a { }", "when a = b { }", "set A = b"):
         text = in_phase(wrong)
         while found := problems(text):
             assert found[0].fix is not None, (wrong, found)

@@ -66,8 +66,9 @@ def mistakes(source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None)
         for kind in ("SJ", "INT") if wrong else ():  # a version line that is not there
             stack = read(automaton(), stack, kind) or stack
         so_far = ReadSoFar(0, stack)
-    problems = ([wrong] if wrong else []) + found.problems
-    problems += _find_errors(found, so_far.at, so_far.stack) if found.complete else []
+    if found.problems:
+        return ([wrong] if wrong else []) + found.problems
+    problems = ([wrong] if wrong else []) + _find_errors(found, so_far.at, so_far.stack)
     return problems or check_tree(tree_of(found.tokens)[1], source)
 
 
@@ -124,7 +125,6 @@ def _skip_to_game(found: Scan) -> bool:
     dropped = kinds.index("GAME")
     begin = found.tokens[dropped].start_pos or 0
     found.problems = [problem for problem in found.problems if problem.span.start >= begin]
-    found.mended = {number - dropped for number in found.mended}
     del found.tokens[:dropped]
     return True
 
@@ -176,7 +176,7 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan
     worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
     forgiven = forgiven or (not worse and change * search.owed < 0)
     search.owed += change if worse or forgiven else 0
-    if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
+    if trouble.at >= search.quiet and not forgiven:
         problem = word_error(trouble, repair, found.tokens, found.source)
         # a reserved word used as a name is one mistake, however often the name is used
         identity = (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
