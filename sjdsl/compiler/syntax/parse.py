@@ -17,7 +17,7 @@ from lark import Lark, Token, Tree
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix
-from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text, check_tree
+from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import CONTROL
 from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
@@ -50,7 +50,7 @@ def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
         found = None if wrong or CONTROL.search(source.text) else read_directly(source, parser())
         if isinstance(found, ast.File):
             return found
-        problems = mistakes(source, wrong, found)
+        problems = [found] if isinstance(found, Diagnostic) else mistakes(source, wrong, found)
     return CompileError(problems).diagnostics
 
 
@@ -68,8 +68,7 @@ def mistakes(source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None)
         so_far = ReadSoFar(0, stack)
     if found.problems:
         return ([wrong] if wrong else []) + found.problems
-    problems = ([wrong] if wrong else []) + _find_errors(found, so_far.at, so_far.stack)
-    return problems or check_tree(tree_of(found.tokens)[1], source)
+    return ([wrong] if wrong else []) + _find_errors(found, so_far.at, so_far.stack)
 
 
 def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
