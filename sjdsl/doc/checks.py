@@ -73,8 +73,6 @@ def check_line(check: ir.Check, v: Vocabulary) -> Line:
             return Line(f"where {what} is larger, {of} is {grows}")
         case "symmetric":
             (what,) = check.words
-            if what == "mirror":
-                return Line("on the mirrored map everything happens mirrored")
             whom = "the agents" if what == "agents" else f"the movers {code(what)}"
             return Line(f"numbering {whom} in another order changes nothing but their numbers")
         case "expect":
