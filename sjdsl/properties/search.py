@@ -1,6 +1,6 @@
 """Searches for counterexamples by random play on the game's own map: some on the interpreter, then thousands of compiled worlds."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from random import Random
@@ -52,32 +52,39 @@ class Search:
 
     def run(self) -> None:
         """Plays everything. What has been found is there, too, if this is interrupted."""
-        most = self.effort.examples * (BEFORE if self._is_compiled else ALONE)
-        while self.steps < most and (self.left or self.missing()):
-            self._progress(f"{self.steps} steps")
-            scenario = random_scenario(self.family.own, min(most - self.steps, self._random.choice(LENGTHS)), self._random)
+        budget = self.effort.examples * (BEFORE if self._is_compiled else ALONE)
+        while budget > 0 and (self.left or self.missing()):
+            self._progress(f"{self.steps} steps of random play")
+            scenario = random_scenario(self.family.own, min(budget, self._random.choice(LENGTHS)), self._random)
             self._look_at(scenario, len(scenario.actions), self.left)
+            budget -= len(scenario.actions)
         if self._is_compiled and (self.left or self.missing()):
             from sjdsl.properties.worlds import WorldSearch
 
             worlds = WorldSearch(self.family, self.left, self.effort, self._progress)
-            for number, scenario in worlds.run(lambda ran: self.missing() <= ran):
+            for number, scenario in worlds.run(self._has_all):
                 self._look_at(scenario, len(scenario.actions), [number])
             self.steps, self.ran, self.triggered = self.steps + worlds.steps, self.ran | worlds.ran, self.triggered | worlds.triggered
         names = [policy.name for policy in self.family.own.policies]
         for followed in [*([name] for name in names), *((names, names[::-1]) if len(names) > 1 else ())]:  # the agents in turn
             if self.missing():
                 policies = (ir.Policy(name="scripted", scripted=followed[i % len(followed)]) for i in range(self.family.own.agents.number))
-                self._look_at(Scenario(self._random.randrange(2**16), policies=tuple(policies)), SCRIPTED, self.left)
+                self._look_at(Scenario(self._random.randrange(2**16), policies=tuple(policies)), SCRIPTED, self.left, self._has_all)
 
     def missing(self) -> set[StatementId]:
         """Returns the statements that checks without a counterexample depend on and that never ran."""
         return set[StatementId]().union(*(needed for i, needed in self._needed.items() if i not in self.found)) - self.ran
 
-    def _look_at(self, scenario: Scenario, steps: int, numbers: Sequence[int]) -> None:
+    def _has_all(self, ran: set[StatementId]) -> bool:
+        """Returns whether nothing is missing once these statements have run, too."""
+        return self.missing() <= ran
+
+    def _look_at(
+        self, scenario: Scenario, steps: int, numbers: Sequence[int], is_enough: Callable[[set[StatementId]], bool] = lambda _: False
+    ) -> None:
         """Plays a scenario on the interpreter, and notes the statements that ran and what violates checks."""
         checks = self.family.own.checks
-        trajectory = play(self.family.own, scenario, steps, [checks[i] for i in numbers if i != FLOATS])
+        trajectory = play(self.family.own, scenario, steps, [checks[i] for i in numbers if i != FLOATS], is_enough)
         self.steps += len(trajectory.outcomes)
         self.ran |= trajectory.ran
         self.triggered |= {

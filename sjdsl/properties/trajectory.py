@@ -1,6 +1,6 @@
 """Trajectories on the interpreter: a scenario (parameters, seed, actions) and every state and outcome it leads to."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -99,19 +99,26 @@ def up_to(scenario: Scenario, steps: int) -> Scenario:
     return replace(scenario, actions=scenario.actions[:steps], bias=scenario.bias[:steps])
 
 
-def play(game: ir.Game, scenario: Scenario, steps: int | None = None, checks: Sequence[ir.Check] = ()) -> Trajectory:
+def play(
+    game: ir.Game,
+    scenario: Scenario,
+    steps: int | None = None,
+    checks: Sequence[ir.Check] = (),
+    is_enough: Callable[[set[StatementId]], bool] = lambda _: False,
+) -> Trajectory:
     """Plays a scenario to its end, to that of the episode, or until a real leaves float32.
 
     Args:
       steps: at most so many; None: as many as the scenario has actions.
       checks: those whose values are read in every state.
+      is_enough: whether to stop before the next step, as these statements have run.
     """
     trajectory, accounts = Trajectory(game, params_of(game, scenario.params)), list[Account]()
     try:
         zeros = add_totals({}, _nothing(game), game)
         trajectory.add(reset(game, trajectory.params, draws_of(scenario, -1), accounts.append), zeros, checks)
         for number in range(len(scenario.actions) if steps is None else steps):
-            if trajectory.is_over:
+            if trajectory.is_over or is_enough(trajectory.ran):
                 break
             world = trajectory.worlds[-1]
             trajectory.actions.append(_actions(game, scenario, world, number))

@@ -104,7 +104,7 @@ class WorldSearch:
         rng, whole = self._rng, self.worlds // WHOLE
         worlds, spare, archive = self._begin(), np.arange(0), Archive(KEPT * self.worlds)
         for number in range(self._segments):
-            self.progress(f"{self.steps} steps on the game's own map")
+            self.progress(f"{self.steps} steps of random play")
             bias = self._bias(worlds.episode, whole)
             actions = self._actions((rng.random(self.worlds) < QUIET) | (np.arange(self.worlds) < whole) & (worlds.episode // 8 % 2 == 1))
             played = self._program.play(worlds, bias, self.effort.seed, actions)
