@@ -139,9 +139,11 @@ class Verification:
             return make_verdict(family, check, None, "not decided", f"the compiled game cannot play this yet: {error}")
         if (gone := next((e for e in episodes if e.left is not None), None)) is not None:
             trajectory = runner.overflow(gone)
-            trace = (episode_opening(family, gone, check.policies), *describe_overflow(family, trajectory))
-            scenario = runner.written_out(gone, len(gone.actions))
-            self._faults.append(replace(self._overflow(trajectory, "episodes"), trace=trace, scenario=scenario))
+            told, scenario = (
+                [episode_opening(family, gone, check.policies), *describe_overflow(family, trajectory)],
+                runner.written_out(gone, len(gone.actions)),
+            )
+            self._faults.append(replace(self._overflow(trajectory, "episodes"), trace=tuple(told), scenario=scenario))
             return make_verdict(family, check, None, "not decided", "its episodes cannot be judged: a real leaves float32")
         missed, many = [e for e in episodes if not e.values[number][-1][0]], len(episodes)
         share = "" if missed else f" (at least {100 * least_share(many):.1f}% of all, with {CONFIDENCE:.0%} confidence)"

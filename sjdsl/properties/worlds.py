@@ -110,7 +110,7 @@ class WorldSearch:
             played = self._program.play(worlds, bias, self.effort.seed, actions)
             self._past.append(Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16)))
             self.steps += self.worlds * STEPS
-            self.ran |= {statement for statement, ran in zip(self._program.statements, played.ran.any(0), strict=True) if ran}
+            self.ran |= {self._program.statements[i] for i in np.flatnonzero(played.ran.any(0))}
             wrong, triggered = self._wrong(worlds, played)
             for check, bad in wrong:
                 if check in self._left and bad.any():
@@ -278,7 +278,7 @@ class Program:
         played = self._segment(worlds.state, worlds.totals, worlds.params, episode_keys(seed, worlds.episode), bias, actions)
         return Played(*jax.tree.map(np.array, played))
 
-    def _played(self, state: Any, totals: dict[str, Array], params: Any, key: Array, bias: Array, actions: Array) -> Played:
+    def _played(self, state: Any, totals: dict[str, Array], params: Any, key: Array, bias: Array, actions: Array) -> tuple[Any, ...]:
         def advance(carry: Any, chosen: Array) -> Any:
             before, earlier, over = carry
             after = self._play.step(before, earlier, params, key, bias, chosen)
@@ -287,7 +287,7 @@ class Program:
             return (state, totals, over | after.over), (after.values, over, after.finite, ran)
 
         (state, totals, over), (values, was_over, finite, ran) = jax.lax.scan(advance, (state, totals, jnp.bool_(False)), actions)
-        return Played(state, totals, over, values, was_over, finite, ran.any(0), self._summary(state, values[-1], ran.any(0), params))
+        return state, totals, over, values, was_over, finite, ran.any(0), self._summary(state, values[-1], ran.any(0), params)
 
     def _summary(self, state: Any, values: Array, ran: Array, params: Any) -> Array:
         """Returns a hash of a state: its fields, the kinds on which agents and movers are, what checks read, the part of the episode; and of what ran."""
