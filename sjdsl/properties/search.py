@@ -15,7 +15,7 @@ from sjdsl.properties.verdict import Effort, Progress
 
 ALONE, BEFORE = 10, 2  # steps on the interpreter for each example: where nothing is compiled, and before the compiled game is played
 LENGTHS = (5, 10, 20, 50, 100)  # steps of its trajectories
-SCRIPTED = 400  # steps of a trajectory by policies of the file, while statements are still uncovered
+SCRIPTED, LEAST = 2, 50  # steps by policies of the file for each example, and at least, while statements have not run
 AGAIN = 2000  # steps that are played again at most to find agents that can stay where they are
 
 
@@ -65,11 +65,11 @@ class Search:
             for number, scenario in worlds.run(self._has_all):
                 self._look_at(scenario, len(scenario.actions), [number])
             self.steps, self.ran, self.triggered = self.steps + worlds.steps, self.ran | worlds.ran, self.triggered | worlds.triggered
-        names = [policy.name for policy in self.family.own.policies]
+        names, steps = [policy.name for policy in self.family.own.policies], max(LEAST, self.effort.examples * SCRIPTED)
         for followed in [*([name] for name in names), *((names, names[::-1]) if len(names) > 1 else ())]:  # the agents in turn
             if self.missing():
                 policies = (ir.Policy(name="scripted", scripted=followed[i % len(followed)]) for i in range(self.family.own.agents.number))
-                self._look_at(Scenario(self._random.randrange(2**16), policies=tuple(policies)), SCRIPTED, self.left, self._has_all)
+                self._look_at(Scenario(self._random.randrange(2**16), policies=tuple(policies)), steps, self.left, self._has_all)
 
     def missing(self) -> set[StatementId]:
         """Returns the statements that checks without a counterexample depend on and that never ran."""
@@ -92,8 +92,8 @@ class Search:
         }
         written = replace(scenario, actions=tuple(trajectory.actions), policies=())
         for number in {*numbers, FLOATS} - self.found.keys():
-            if (where := _violation(trajectory, number)) is not None:
-                self.found[number] = with_fewer_acting(Counterexample(number, up_to(written, where.at), trajectory, where))
+            if (found := _counterexample(number, written, trajectory)) is not None:
+                self.found[number] = with_fewer_acting(found)
         self.left = [number for number in self.left if number not in self.found]
 
 
@@ -108,15 +108,15 @@ def with_fewer_acting(found: Counterexample) -> Counterexample:
         actions = tuple(tuple(stay if agent == out else a for agent, a in enumerate(step)) for step in found.scenario.actions)
         scenario = replace(found.scenario, params=()) if out is None else replace(found.scenario, actions=actions)
         if scenario != found.scenario:
-            trajectory = play(game, scenario, checks=checks)
-            if (where := _violation(trajectory, found.number)) is not None:
-                found = Counterexample(found.number, up_to(scenario, where.at), trajectory, where)
+            found = _counterexample(found.number, scenario, play(game, scenario, checks=checks)) or found
     return found
 
 
-def _violation(trajectory: Trajectory, number: int) -> Violation | None:
-    """Returns where a trajectory first violates a check."""
+def _counterexample(number: int, scenario: Scenario, trajectory: Trajectory) -> Counterexample | None:
+    """Returns the counterexample that a trajectory gives to a check, cut off at the violation."""
     if number == FLOATS:
-        return None if trajectory.left is None else Violation(len(trajectory.worlds))
-    check = trajectory.game.checks[number]
-    return find_violation(check, trajectory.values(check)) if trajectory.worlds else None
+        where = None if trajectory.left is None else Violation(len(trajectory.worlds))
+    else:
+        check = trajectory.game.checks[number]
+        where = find_violation(check, trajectory.values(check)) if trajectory.worlds else None
+    return None if where is None else Counterexample(number, up_to(scenario, where.at), trajectory, where)
