@@ -15,7 +15,7 @@ from sjdsl.properties.verdict import Effort, Progress
 
 ALONE, BEFORE = 10, 2  # steps on the interpreter for each example: where nothing is compiled, and before the compiled game is played
 LENGTHS = (5, 10, 20, 50, 100)  # steps of its trajectories
-SCRIPTED, LEAST = 2, 50  # steps by policies of the file for each example, and at least, while statements have not run
+SCRIPTED, FEW = 400, 20  # steps by policies of the file while statements have not run; where nothing is compiled (finding paths is slow)
 AGAIN = 2000  # steps that are played again at most to find agents that can stay where they are
 
 
@@ -65,7 +65,7 @@ class Search:
             for number, scenario in worlds.run(self._has_all):
                 self._look_at(scenario, len(scenario.actions), [number])
             self.steps, self.ran, self.triggered = self.steps + worlds.steps, self.ran | worlds.ran, self.triggered | worlds.triggered
-        names, steps = [policy.name for policy in self.family.own.policies], max(LEAST, self.effort.examples * SCRIPTED)
+        names, steps = [policy.name for policy in self.family.own.policies], SCRIPTED if self._is_compiled else FEW
         for followed in [*([name] for name in names), *((names, names[::-1]) if len(names) > 1 else ())]:  # the agents in turn
             if self.missing():
                 policies = (ir.Policy(name="scripted", scripted=followed[i % len(followed)]) for i in range(self.family.own.agents.number))
