@@ -25,8 +25,7 @@ from sjdsl.trace.rules import Rules
 STEPS = 60  # of random play in which a phase is looked for
 SCENES = 3  # shown
 SECONDS = 10.0  # at most, for the episodes of one check
-QUICK = Effort(examples=60, episodes=0)  # no whole episodes: the interpreter plays these in seconds
-CHUNK = 25  # steps between looks at the clock
+QUICK = Effort(examples=60, compiled=False)  # no whole episodes: the interpreter plays these in seconds
 
 
 @dataclass(frozen=True)
@@ -164,14 +163,10 @@ def _expected(family: GameFamily, number: int) -> Iterator[Verdict | None]:
         return
     whole = 0
     while whole < check.episodes:
-        trajectory, scenario = None, runner.scenario(check.policies, whole)
-        for steps in range(CHUNK, runner.length + CHUNK, CHUNK):
-            trajectory = play_scenario(family.own, scenario, min(steps, runner.length), [check], trajectory)
-            yield None
-            if trajectory.is_over or monotonic() > end:
-                break
-        if trajectory is None or not trajectory.is_over:
+        if monotonic() > end:
             break
+        trajectory = play_scenario(family.own, runner.scenario(check.policies, whole), runner.length, [check])
+        yield None
         if not trajectory.values(check)[-1][0]:
             yield _verdict(family, number, False, f"fails at the end of episode {whole}")
             return
