@@ -1,4 +1,4 @@
-"""The outline of a text: its symbols as a tree, the symbols of a whole folder, what can be folded, and what can be run."""
+"""The outline of a text: its symbols as a tree, the symbols of a whole folder, and what can be folded."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -21,9 +21,6 @@ SORTS: dict[type[object], tuple[types.SymbolKind, str]] = {
     ast.Scenario: (Kind.Object, "scenario"), ast.Variant: (Kind.Namespace, "variant"), ast.About: (Kind.String, "about"),
 }  # fmt: skip
 Names = list[types.DocumentSymbol]
-RUN_PHASE = "sjdsl.runPhase"
-RUN_CHECK = "sjdsl.runCheck"
-RUN_CHECKS = "sjdsl.runChecks"  # commands of the code lenses
 
 
 def document_symbols(analysis: Analysis | None, lines: Lines) -> Names:
@@ -120,27 +117,3 @@ def _comments(document: Document) -> list[types.FoldingRange]:
     comments = [document.text[start:end].lstrip().startswith("#") for start, end in pairwise(starts)]
     runs = [list(run) for is_comment, run in groupby(range(len(comments)), comments.__getitem__) if is_comment]
     return [types.FoldingRange(run[0], run[-1], kind=types.FoldingRangeKind.Comment) for run in runs if len(run) > 1]
-
-
-def code_lenses(analysis: Analysis) -> list[types.CodeLens]:
-    """Returns what can be run, also of variants; nothing for a text with syntax errors."""
-    return [] if analysis.file is None else _lenses(analysis.file.game.sections, analysis)
-
-
-def _lenses(sections: tuple[ast.Section | ast.Override | ast.Drop, ...], analysis: Analysis) -> list[types.CodeLens]:
-    uri, found = analysis.document.uri, []
-    for section in sections:
-        match section:
-            case ast.Phase():
-                found.append(_lens(section.span, "run this phase's scenes", RUN_PHASE, [uri, section.name.text], analysis))
-            case ast.Checks():
-                found.append(_lens(section.span, "run all checks", RUN_CHECKS, [uri], analysis))
-                found += [_lens(check.span, "run", RUN_CHECK, [uri, check.span.start], analysis) for check in section.checks]
-            case ast.Variant():
-                found += _lenses(section.changes, analysis)
-    return found
-
-
-def _lens(span: Span, title: str, command: str, arguments: list[object], analysis: Analysis) -> types.CodeLens:
-    start = analysis.document.lines.position(span.start)
-    return types.CodeLens(types.Range(start, start), types.Command(title, command, arguments=arguments))

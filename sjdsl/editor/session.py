@@ -15,7 +15,7 @@ from sjdsl.editor.edits import formatting, quick_fixes
 from sjdsl.editor.family import all_texts
 from sjdsl.editor.hover import hover
 from sjdsl.editor.navigation import can_be_renamed, definition, highlights, references, rename
-from sjdsl.editor.outline import code_lenses, document_symbols, folding, workspace_symbols
+from sjdsl.editor.outline import document_symbols, folding, workspace_symbols
 from sjdsl.editor.positions import UTF16
 
 GAME = ".sj"
@@ -33,7 +33,6 @@ class Session:
         self.documents = Documents(encoding)
         self.analyses = Analyses(self.documents)
         self.folders, self.snippets, self.link = list(folders), snippets, link
-        self._marks: dict[str, tuple[str, list[types.Diagnostic]]] = {}  # what runs found: of the text as it was then
 
     # ---- texts
 
@@ -46,7 +45,6 @@ class Session:
     def close(self, uri: str) -> None:
         self.documents.close(uri)
         self.analyses.forget(uri)
-        self._marks.pop(uri, None)
 
     def affected_by(self, uri: str) -> list[str]:
         """Returns the open games whose messages may differ when a text has changed: it itself, and those that stand on it."""
@@ -65,21 +63,11 @@ class Session:
         found: list[tuple[tuple[str, ...], tuple[Diagnostic, ...]]] = []
         for variants, problems in analysis.all_problems():
             found.append((variants, problems))
-            yield diagnostics(analysis, self.documents, found, self.link) + self._marked(analysis)
+            yield diagnostics(analysis, self.documents, found, self.link)
 
     def diagnostics(self, uri: str) -> list[types.Diagnostic]:
         """Returns all messages about a text, in all its variants."""
         return next(iter([*self.diagnosed(uri)][-1:]), [])
-
-    def mark(self, analysis: Analysis, marks: Iterable[types.Diagnostic]) -> None:
-        """Keeps messages of a run beside those of the compiler, as long as the text stays as it is."""
-        uri, text = analysis.document.uri, analysis.document.text
-        before = [m for m in self._marked(analysis) if all(m.range != new.range for new in marks)]
-        self._marks[uri] = (text, [*before, *marks])
-
-    def _marked(self, analysis: Analysis) -> list[types.Diagnostic]:
-        text, marks = self._marks.get(analysis.document.uri, ("", []))
-        return list(marks) if text == analysis.document.text else []
 
     # ---- questions
 
@@ -132,9 +120,6 @@ class Session:
     def semantic_tokens(self, uri: str) -> types.SemanticTokens:
         analysis = self.analyses.of(uri)
         return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis)
-
-    def code_lenses(self, uri: str) -> list[types.CodeLens]:
-        return [lens for analysis in self._known(uri) for lens in code_lenses(analysis)]
 
 
 def is_game(document: Document) -> bool:

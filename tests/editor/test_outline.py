@@ -1,4 +1,4 @@
-"""Symbols, folding, layout, colours and code lenses of a text."""
+"""Symbols, folding, layout, and colours of a text."""
 
 from pathlib import Path
 
@@ -84,10 +84,3 @@ def test_colours_are_counted_from_one_word_to_the_next() -> None:
     data = list(session.semantic_tokens(uri).data)
     steps = [tuple(data[i : i + 3]) for i in range(0, len(data), 5)]
     assert steps == [(0, 0, 2), (0, 3, 1), (1, 0, 4), (0, 5, 1), (0, 2, 4), (0, 8, 7), (0, 8, 1)]
-
-
-def test_phases_and_checks_can_be_run_from_the_text() -> None:
-    session, uri = opened()
-    found = [(lens.range.start.line, lens.command.title, lens.command.arguments) for lens in session.code_lenses(uri) if lens.command]
-    assert (24, "run this phase's scenes", [uri, "eat"]) in found
-    assert [title for line, title, _ in found if line == 37] == ["run all checks", "run", "run"]

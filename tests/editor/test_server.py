@@ -136,20 +136,6 @@ async def test_a_new_name_that_is_taken_is_refused_with_a_message(client: Langua
 
 
 @asked
-async def test_a_check_is_run_from_the_text(client: LanguageClient) -> None:
-    change(client, whole(ORCHARD))
-    lenses = await client.text_document_code_lens_async(types.CodeLensParams(named(client)))
-    (first, *_) = [lens.command for lens in lenses or () if lens.command and lens.command.title == "run"]
-    result = await client.workspace_execute_command_async(types.ExecuteCommandParams(first.command, first.arguments))
-    assert "`always count(agent) == players`: " in json.dumps(str(result))
-    (mark,) = await messages(client, [None])
-    assert mark.source == "sjdsl run"
-    assert any("always count(agent)" in message.message for message in client.messages)
-    change(client, whole(ORCHARD + "\n"))
-    await messages(client, [])
-
-
-@asked
 async def test_the_messages_about_a_closed_text_are_taken_back(client: LanguageClient) -> None:
     change(client, whole("sj 1"))
     await messages(client, ["SJ002"])
