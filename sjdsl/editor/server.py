@@ -146,8 +146,6 @@ def make_server() -> Server:
         types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(*at(params), params.context.include_declaration),
         types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT: lambda ls, params: ls.session.highlights(*at(params)),
         types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(params.text_document.uri),
-        types.WORKSPACE_SYMBOL: lambda ls, params: ls.session.workspace_symbols(params.query),
-        types.TEXT_DOCUMENT_FOLDING_RANGE: lambda ls, params: ls.session.folding(params.text_document.uri),
         types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: lambda ls, params: ls.session.semantic_tokens(params.text_document.uri),
         types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(params.text_document.uri, params.range),
         types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(params.text_document.uri),

@@ -12,10 +12,9 @@ from sjdsl.editor.completion import completion
 from sjdsl.editor.diagnostics import diagnostics, explanation_file
 from sjdsl.editor.documents import Document, Documents, path_of
 from sjdsl.editor.edits import formatting, quick_fixes
-from sjdsl.editor.family import all_texts
 from sjdsl.editor.hover import hover
 from sjdsl.editor.navigation import can_be_renamed, definition, highlights, references, rename
-from sjdsl.editor.outline import document_symbols, folding, workspace_symbols
+from sjdsl.editor.outline import document_symbols
 from sjdsl.editor.positions import UTF16
 
 GAME = ".sj"
@@ -109,13 +108,6 @@ class Session:
         document = self.documents.get(uri)
         readable = self.analyses.readable(uri)
         return [] if document is None else document_symbols(readable, document.lines)
-
-    def workspace_symbols(self, query: str) -> list[types.WorkspaceSymbol]:
-        texts = all_texts(self.analyses, self.folders).values()
-        return workspace_symbols(query, [(a.document, a.file) for a in texts if a.file is not None])
-
-    def folding(self, uri: str) -> list[types.FoldingRange]:
-        return [fold for analysis in self._known(uri) for fold in folding(analysis)]
 
     def semantic_tokens(self, uri: str) -> types.SemanticTokens:
         analysis = self.analyses.of(uri)

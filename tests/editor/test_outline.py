@@ -1,8 +1,4 @@
-"""Symbols, folding, layout, and colours of a text."""
-
-from pathlib import Path
-
-from lsprotocol import types
+"""Symbols, layout and colours of a text."""
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.editor.colours import coloured
@@ -23,25 +19,6 @@ def test_the_outline_has_what_is_declared_inside_what_declares_it() -> None:
         inner, outer = symbol.selection_range, symbol.range
         assert (outer.start.line, outer.start.character) <= (inner.start.line, inner.start.character)
         assert (inner.end.line, inner.end.character) <= (outer.end.line, outer.end.character)
-
-
-def test_symbols_of_a_folder_are_found_by_some_of_their_letters(tmp_path: Path) -> None:
-    (tmp_path / "orchard.sj").write_text(ORCHARD)
-    (tmp_path / "wrong.sj").write_text("game")
-    session, uri = opened(ORCHARD.replace("orchard", "second").replace("ripe_trees", "ripe_things"), tmp_path, "second.sj")
-    found = [(s.name, s.container_name, s.location.uri) for s in session.workspace_symbols("rtr")]
-    assert found == [("ripe_trees", "metrics", (tmp_path / "orchard.sj").as_uri())]
-    assert {s.location.uri for s in session.workspace_symbols("eaten")} == {uri, (tmp_path / "orchard.sj").as_uri()}
-
-
-def test_blocks_and_comments_fold_also_in_a_broken_text() -> None:
-    session, uri = opened("# one\n# two\n# three\n" + ORCHARD.replace("move each agent", "move each"))
-    found = {(f.start_line, f.end_line, f.kind) for f in session.folding(uri)}
-    lines = ORCHARD.splitlines()
-    eat = lines.index("  phase eat {") + 3
-    assert (0, 2, types.FoldingRangeKind.Comment) in found
-    assert (eat, eat + 3, None) in found
-    assert (4, len(lines) + 1, None) in found
 
 
 def test_layout_changes_only_lines_that_differ() -> None:
