@@ -34,10 +34,8 @@ class Server(LanguageServer):
     def begin(self, params: types.InitializeParams) -> None:
         """Takes over what the client says of itself."""
         uris = [folder.uri for folder in params.workspace_folders or []] or [uri for uri in [params.root_uri] if uri]
-        document = params.capabilities.text_document
-        item = document.completion.completion_item if document and document.completion else None
         encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
-        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None], bool(item and item.snippet_support))
+        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None])
 
     def watch_files(self) -> None:
         """Has the client tell of changes of games and maps on the disk, if it can."""

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from lsprotocol import types
 
+from sjdsl.compiler.ast.names import Names
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.colours import semantic_tokens
@@ -21,17 +22,12 @@ GAME = ".sj"
 
 
 class Session:
-    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open; `snippets`: whether it knows them.
+    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open; `link`: the address of a code's explanation."""
 
-    link: the address of the explanation of a code.
-    """
-
-    def __init__(
-        self, encoding: str = UTF16, folders: Iterable[Path] = (), snippets: bool = False, link: Callable[[str], str] = explanation_file
-    ):
+    def __init__(self, encoding: str = UTF16, folders: Iterable[Path] = (), link: Callable[[str], str] = explanation_file):
         self.documents = Documents(encoding)
         self.analyses = Analyses(self.documents)
-        self.folders, self.snippets, self.link = list(folders), snippets, link
+        self.folders, self.link = list(folders), link
 
     # ---- texts
 
@@ -71,7 +67,7 @@ class Session:
     # ---- questions
 
     def completion(self, uri: str, position: types.Position) -> list[types.CompletionItem]:
-        return completion(uri, position, self.analyses, self.snippets)
+        return completion(uri, position, self.analyses)
 
     def hover(self, uri: str, position: types.Position) -> types.Hover | None:
         return hover(uri, position, self.analyses)
@@ -110,8 +106,9 @@ class Session:
         return [] if document is None else document_symbols(readable, document.lines)
 
     def semantic_tokens(self, uri: str) -> types.SemanticTokens:
-        analysis = self.analyses.of(uri)
-        return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis)
+        analysis, readable = self.analyses.of(uri), self.analyses.readable(uri)
+        names = Names() if readable is None else readable.names
+        return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis, names)
 
 
 def is_game(document: Document) -> bool:

@@ -155,8 +155,8 @@ def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: 
                 purpose, stream = "which heading", statement.heading_stream
             case "place", ir.Send():
                 purpose, stream = "which cell", statement.order_stream
-            case "place", ir.Move(course=ir.Wander()):
-                purpose, stream = "which way", statement.course.stream
+            case "place", ir.Move(course=ir.Wander(stream=stream)):
+                purpose = "which way"
             case _:
                 continue
         if where_is(body, account.after) is None or stream is None:

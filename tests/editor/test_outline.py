@@ -43,7 +43,7 @@ def test_words_are_coloured_by_what_they_mean() -> None:
     analysis = session.analyses.of(uri)
     assert analysis is not None
     found = {}
-    for start, end, sort, modifiers in coloured(analysis):
+    for start, end, sort, modifiers in coloured(analysis, analysis.names):
         found.setdefault(ORCHARD[start:end], []).append((sort, modifiers))
     assert found["apple"][0] == ("parameter", ("declaration", "readonly"))
     assert found["apple"][1] == ("parameter", ("readonly",))

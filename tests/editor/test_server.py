@@ -129,7 +129,7 @@ async def test_questions_are_answered(client: LanguageClient) -> None:
 @asked
 async def test_a_new_name_that_is_taken_is_refused_with_a_message(client: LanguageClient) -> None:
     change(client, whole(ORCHARD))
-    with pytest.raises(JsonRpcException, match="already the name of"):
+    with pytest.raises(JsonRpcException, match="already stands in"):
         await client.text_document_rename_async(types.RenameParams(named(client), types.Position(3, 9), "regrow"))
 
 

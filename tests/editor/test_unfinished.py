@@ -42,7 +42,7 @@ def ask_everything(session: Session, position: types.Position) -> None:
 
 
 def test_every_question_about_an_unfinished_text_is_answered() -> None:
-    session, chance = Session(snippets=True), random.Random(8)
+    session, chance = Session(), random.Random(8)
     for version, text in enumerate(damaged(12)):
         session.open(URI, text, version)
         document = session.documents.get(URI)
