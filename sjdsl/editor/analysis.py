@@ -90,11 +90,6 @@ class Analysis:
             return build(self.source)
         return None
 
-    @property
-    def choices(self) -> tuple[tuple[str, ...], ...]:
-        """The variants in which the game is looked at: none, then each alone."""
-        return ((), *((name,) for name in (() if self.composition is None else self.composition.variants)))
-
     def problems(self, variants: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
         """Returns every error and warning of the game in a variant."""
         if variants not in self._variants:
@@ -105,8 +100,8 @@ class Analysis:
         return self._variants[variants]
 
     def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
-        """Yields the problems of the game as it is, then of each variant."""
-        for variants in self.choices:
+        """Yields the problems of the game as it is, then of each variant alone."""
+        for variants in ((), *((name,) for name in (() if self.composition is None else self.composition.variants))):
             yield variants, self.problems(variants)
 
     @cached_property

@@ -1,6 +1,6 @@
 """One editor's session: its open texts and folders, and an answer for each thing it asks. Nothing here knows how messages travel."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from lsprotocol import types
@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.colours import semantic_tokens
 from sjdsl.editor.completion import completion
-from sjdsl.editor.diagnostics import diagnostics, explanation_file
+from sjdsl.editor.diagnostics import diagnostics
 from sjdsl.editor.documents import Document, Documents, path_of
 from sjdsl.editor.edits import formatting, quick_fixes
 from sjdsl.editor.hover import hover
@@ -22,12 +22,12 @@ GAME = ".sj"
 
 
 class Session:
-    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open; `link`: the address of a code's explanation."""
+    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open."""
 
-    def __init__(self, encoding: str = UTF16, folders: Iterable[Path] = (), link: Callable[[str], str] = explanation_file):
+    def __init__(self, encoding: str = UTF16, folders: Iterable[Path] = ()):
         self.documents = Documents(encoding)
         self.analyses = Analyses(self.documents)
-        self.folders, self.link = list(folders), link
+        self.folders = list(folders)
 
     # ---- texts
 
@@ -58,7 +58,7 @@ class Session:
         found: list[tuple[tuple[str, ...], tuple[Diagnostic, ...]]] = []
         for variants, problems in analysis.all_problems():
             found.append((variants, problems))
-            yield diagnostics(analysis, self.documents, found, self.link)
+            yield diagnostics(analysis, self.documents, found)
 
     def diagnostics(self, uri: str) -> list[types.Diagnostic]:
         """Returns all messages about a text, in all its variants."""
