@@ -36,7 +36,7 @@ KINDS = {
 TRIGGERS = (".", "[", '"')
 LONGEST = 80  # characters of a declaration shown beside a name
 BEGINNING = (SECTIONS | ENTRIES | STATEMENTS) - {"WHERE"}  # kinds of tokens that end what is unfinished before them
-ABOUT_AGENTS = ("FORBID", "BLOCKS", "WINDOW", "SHOW", "HIDE")  # declarations in which `agent` has a name
+ABOUT_AGENTS = ("FORBID", "BLOCKS", "WINDOW", "SHOW", "HIDE", "POLICY")  # declarations in which `agent` has a name
 QUOTED = re.compile(r'"(?:\\.|[^"\\\n])*"')
 WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*$")
 SHARED = ("kind", "group", "sort of movers", "parameter", "size", "define", "field of the world")  # the sorts of the shared name space
@@ -274,10 +274,11 @@ def local_names(tokens: Sequence[Token], names: Names) -> dict[str, Owners]:
     """Returns the local names behind the tokens, each with what it can be: bound by `as`, `let`, `draw`, a domain or in a declaration's `()`."""
     blocks: list[dict[str, Owners]] = [{}]
     pending: dict[str, Owners] = {}  # of the statement that is being read: they hold in its block
+    begun = ""
     for at, token in enumerate(tokens):
         before = tokens[at - 1].type if at else ""
-        if token.type in BEGINNING and before != "WITH":
-            pending = {"agent": AGENT} if token.type in ABOUT_AGENTS else {}
+        if token.type in BEGINNING and before != "WITH" and not (token.type == "WHEN" and begun in ABOUT_AGENTS):
+            begun, pending = token.type, {"agent": AGENT} if token.type in ABOUT_AGENTS else {}
         if token.type in ("LBRACE", "LPAR"):
             blocks.append({**blocks[-1], **pending})
             pending = {} if token.type == "LBRACE" else pending

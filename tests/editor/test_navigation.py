@@ -147,6 +147,14 @@ def test_a_new_name_that_cannot_be_is_refused(before: str, new: str, reason: str
     assert reason in str(refused.value)
 
 
+def test_a_new_name_that_another_game_on_the_file_has_is_refused(tmp_path: Path) -> None:
+    """Otherwise its number would replace the one of its base without a word."""
+    (tmp_path / "small.sj").write_text('sj 1\ngame small "S" extends "orchard.sj" { param pear : reward = 2 }\n')
+    session, uri = opened(ORCHARD, tmp_path)
+    with pytest.raises(Refused, match=r"`pear` already stands in small\.sj"):
+        session.rename(uri, place(session, uri, "give app"), "pear")
+
+
 def test_a_broken_text_gets_no_new_names() -> None:
     session, uri = opened()
     session.symbols(uri)
