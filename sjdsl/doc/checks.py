@@ -13,8 +13,7 @@ SORTS = {
     "once": "from the first step on after which the first condition holds, the second holds",
     "conserved": "never changes",
     "monotone": "where the argument is larger, the value is never larger (`falling`), or never smaller (`rising`)",
-    "symmetric": "numbering the agents, or the movers of that name, in another order changes nothing but their numbers; `mirror`: on the "
-    "mirrored map everything happens mirrored",
+    "symmetric": "numbering the agents, or the movers of that name, in another order changes nothing but their numbers",
     "expect": "holds at the end of so many episodes in which the agents play these policies, in turn; `random` chooses all actions equally "
     "likely, `never` all but the ones it names, and `seek` walks to the nearest of what it names",
 }
