@@ -1,4 +1,4 @@
-"""Writes what is taken from the language itself: TextMate grammar and snippets of the VS Code extension, functions on the cheat sheet.
+"""Writes what is taken from the language itself: the TextMate grammar of the VS Code extension, and functions on the cheat sheet.
 
 python editors/generate.py
 """
@@ -10,9 +10,8 @@ from typing import Any
 
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.editor.highlighting import patterns
-from sjdsl.editor.snippets import SNIPPETS
 
-FOLDER = Path(__file__).parent / "vscode"
+GRAMMAR = Path(__file__).parent / "vscode" / "syntaxes" / "sj.tmLanguage.json"
 SHEET = Path(__file__).parents[1] / "docs" / "cheatsheet.md"
 
 
@@ -27,11 +26,6 @@ def grammar() -> dict[str, Any]:
     }
 
 
-def snippets() -> dict[str, Any]:
-    """Returns the texts with gaps, as VS Code has them."""
-    return {word: {"prefix": word, "body": text.split("\n"), "description": text.split("\n")[0]} for word, text in SNIPPETS.items()}
-
-
 def cheat_sheet() -> str:
     """Returns the cheat sheet as it stands, with all functions of the language."""
     before, _, after = re.split(r"(?<=## Functions\n\n```text\n)(.*?)(?=```)", SHEET.read_text("utf-8"), maxsplit=1, flags=re.DOTALL)
@@ -41,8 +35,7 @@ def cheat_sheet() -> str:
 
 def files() -> dict[Path, str]:
     """Returns what is written where."""
-    made = {FOLDER / "syntaxes" / "sj.tmLanguage.json": grammar(), FOLDER / "snippets" / "sj.json": snippets()}
-    return {SHEET: cheat_sheet()} | {path: json.dumps(content, indent=2, ensure_ascii=False) + "\n" for path, content in made.items()}
+    return {SHEET: cheat_sheet(), GRAMMAR: json.dumps(grammar(), indent=2, ensure_ascii=False) + "\n"}
 
 
 if __name__ == "__main__":

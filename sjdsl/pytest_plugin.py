@@ -15,9 +15,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Adds `--sj` and what goes with it."""
     group = parser.getgroup("sjdsl", "checks of .sj games")
     group.addoption("--sj", action="store_true", help="collect .sj files: each check of a game is a test")
-    group.addoption("--sj-examples", type=int, default=200, metavar="N", help="random trajectories for each game (200)")
+    group.addoption("--sj-examples", type=int, default=200, metavar="N", help="how much random play of each game (200)")
     group.addoption("--sj-seed", type=int, default=0, metavar="S", help="the same seed plays the same (0)")
-    group.addoption("--sj-any-map", action="store_true", help="a check must hold on every map, not only on the game's own")
     group.addoption("--sj-strict", action="store_true", help="an untested check fails; otherwise it is skipped")
     group.addoption("--sj-variant", default=None, metavar="V", help="a variant of the games; several as a+b")
 
@@ -39,8 +38,7 @@ class GameFile(pytest.File):
 
         option = self.config.getoption
         variants = tuple(option("sj_variant").split("+")) if option("sj_variant") else ()
-        effort = Effort(option("sj_examples"), seed=option("sj_seed"), any_map=option("sj_any_map"))
-        return Verification(GameFamily(read_source(self.path), variants), effort)
+        return Verification(GameFamily(read_source(self.path), variants), Effort(option("sj_examples"), option("sj_seed")))
 
     def collect(self) -> Iterable["CheckItem"]:
         from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -78,10 +76,7 @@ class CheckItem(pytest.Item):
             raise CheckFailed(self.parent.verification.faults[0])
         if verdict.untested:
             pytest.skip("untested: these lines never ran: " + "; ".join(verdict.untested))
-        lines = [f"{verdict.how}: {verdict.reason}"]
-        if verdict.note is not None:
-            lines += [f"note: on other maps it would fail: it {verdict.note.reason}", *verdict.note.trace]
-        self.add_report_section("call", "check", "\n".join(lines))  # `pytest -rP` shows it
+        self.add_report_section("call", "check", f"{verdict.how}: {verdict.reason}")  # `pytest -rP` shows it
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *rest: Any) -> Any:
         """Returns the counterexample to a failed check, or what is wrong with the file; a Python traceback only for faults of our own."""

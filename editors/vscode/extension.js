@@ -1,30 +1,18 @@
-// A thin client: starts `sjdsl lsp` for games, runs the commands of `sjdsl` in a terminal, and shows what runs from the text have found.
+// A thin client: starts `sjdsl lsp` for games, and runs the commands of `sjdsl` in a terminal.
 
 const vscode = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
 
 const COMMANDS = ["compile", "test", "render", "studio"];
 let client;
-let results;
 
 function command() {
   return vscode.workspace.getConfiguration("sjdsl").get("path") || "sjdsl";
 }
 
-// Shows the text of a run (scenes of a phase, verdicts on checks) beside the one-line message of the server.
-async function executeCommand(name, args, next) {
-  const result = await next(name, args);
-  if (result && result.text) {
-    results.clear();
-    results.appendLine(result.text);
-    results.show(true);
-  }
-  return result;
-}
-
 async function start() {
   const server = { command: command(), args: ["lsp"] };
-  const options = { documentSelector: [{ language: "sj" }], middleware: { executeCommand } };
+  const options = { documentSelector: [{ language: "sj" }] };
   client = new LanguageClient("sjdsl", "sjdsl", server, options);
   try {
     await client.start();
@@ -51,8 +39,6 @@ async function run(name) {
 }
 
 async function activate(context) {
-  results = vscode.window.createOutputChannel("sjdsl runs");
-  context.subscriptions.push(results);
   for (const name of COMMANDS) {
     context.subscriptions.push(vscode.commands.registerCommand(`sjdsl.${name}`, () => run(name)));
   }

@@ -26,24 +26,22 @@ INDENT = " " * 14
     default=200,
     show_default=True,
     metavar="N",
-    help="Random trajectories; the worlds take steps in proportion.",
+    help="How much random play; its steps are in proportion.",
 )
 @click.option(
-    "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the trajectories."
+    "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the random play."
 )
 @variant_option
-@click.option("--any-map", is_flag=True, help="A check must hold on every map, as in a library of rules, not only on the game's own.")
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
-def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, any_map: bool, strict: bool, as_json: bool) -> int:
+def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, as_json: bool) -> int:
     """Tests the checks of games: FILE is a `.sj` file or the name of a bundled or installed game.
 
-    A check is proved if possible. Otherwise the game is played: in random trajectories on small maps, and compiled, in thousands of worlds
-    on its own map. A check that fails on a small map has failed only if it also fails on the game's own map, else a note says so. A check that fails
-    is shown with the shortest counterexample found. A check that depends on a line that never ran is untested, and the line is named. The
+    A check is proved if possible. Otherwise the game is played with random actions and parameters on its own map, in thousands of worlds at
+    once. A check that fails is shown with a counterexample. A check that depends on a line that never ran is untested, and the line is named. The
     exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
     """
-    effort, documents, failed = Effort(examples, seed=seed, any_map=any_map), list[dict[str, Any]](), False
+    effort, documents, failed = Effort(examples, seed), list[dict[str, Any]](), False
     for file in files:
         tested = FileTest(file, variant, effort, (lambda _: None) if as_json else click.echo)
         try:
@@ -70,7 +68,7 @@ class FileTest:
 
     def __init__(self, file: str, variant: str | None, effort: Effort, say: Callable[[str], None]):
         self.file, self.variant, self.effort, self.say = file, variant, effort, say
-        self.report = Report((), 0)
+        self.report = Report(())
         self.verification: Verification | None = None
         self.decided: Mapping[int, Verdict] = {}
 
@@ -106,8 +104,7 @@ class FileTest:
                 yield from verdict_lines(verdict)
         undecided = self._undecided()
         for check in undecided:
-            elsewhere = "  [fails on another map; the game's own was not searched to the end]" if check["fails_elsewhere"] else ""
-            yield f"  not yet   {PurePath(check['file']).name}:{check['line']}  {check['check']}{elsewhere}"
+            yield f"  not yet   {PurePath(check['file']).name}:{check['line']}  {check['check']}"
         missed = sum(not verdict.passed for verdict in self.decided.values())
         parts = [f"{len(self.decided)} of {len(self.decided) + len(undecided)} checks decided"] + [f"{missed} not passed"] * bool(missed)
         yield f"{name}: interrupted: {', '.join(parts)}"
@@ -117,12 +114,10 @@ class FileTest:
         if self.verification is None:
             return []
         family, found = self.verification.family, []
-        elsewhere = self.verification.fail_elsewhere()
         for number in self.verification.numbers:
             check = family.own.checks[number]
             if number not in self.decided and check.origin is not None:
-                place = {"file": check.origin.file, "line": check.origin.line}
-                found.append({"check": family.text_of(check), **place, "fails_elsewhere": number in elsewhere})
+                found.append({"check": family.text_of(check), "file": check.origin.file, "line": check.origin.line})
         return found
 
     def document(self) -> dict[str, Any]:
@@ -133,43 +128,27 @@ class FileTest:
             "checks": [as_document(verdict) for verdict in self.decided.values()],
             "undecided": self._undecided(),
             "faults": [as_document(verdict) for verdict in self.report.faults],
-            "notes": [as_document(verdict) | {"verdict": "note"} for verdict in self.report.notes],
-            "trajectories": self.report.trajectories,
+            "steps": self.report.steps,
             "idle_lines": list(self.report.idle),
         }
 
 
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
-    """Yields a line for a check; if it failed its counterexample, else the lines that never ran, and on which other map it would fail."""
+    """Yields a line for a check, and its counterexample if it failed, else the lines that never ran."""
     yield f"  {STATUS[verdict.status]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
     yield from (INDENT + line for line in verdict.trace)
     if verdict.untested:
         yield f"{INDENT}depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran:"
         yield from (f"{INDENT}  {line}" for line in verdict.untested)
-    if verdict.unreached:
-        lines = list(dict.fromkeys(line.partition("  ")[0] for line in verdict.unreached))
-        yield f"{INDENT}its own episodes never reached {', '.join(lines)}"
-    if verdict.note is not None:
-        yield f"{INDENT}note: on other maps it would fail: {where_else(verdict.note)} (--any-map shows how)"
-
-
-def where_else(note: Verdict) -> str:
-    """Returns on which made map a check fails, and when."""
-    scenario = note.scenario
-    assert scenario is not None
-    agents = f"{scenario.agents} agent{'s' * (scenario.agents != 1)}"
-    return f"with {agents} on {' '.join(json.dumps(row, ensure_ascii=False) for row in scenario.rows)} it {note.reason}"
 
 
 def ending_lines(report: Report) -> Iterator[str]:
     """Yields what is wrong whatever the checks say, and which lines no check was tested on."""
     for verdict in report.faults:
         yield from verdict_lines(verdict)
-    for note in report.notes:
-        yield f"  note      {PurePath(note.file).name}:{note.line}  {note.text}  on other maps: {where_else(note)} (--any-map shows how)"
     if report.idle:
         lines = f"line{'s' * (len(report.idle) > 1)} {', '.join(map(str, report.idle))}"
-        yield f"  nothing that {lines} would change ever happened in a trajectory: no check was tested on it"
+        yield f"  nothing that {lines} would change ever happened in random play: no check was tested on it"
 
 
 def summary(report: Report) -> str:
@@ -190,8 +169,8 @@ def how(verdict: Verdict) -> str:
 
 
 def as_document(verdict: Verdict) -> dict[str, Any]:
-    """Returns a verdict as values that JSON can hold; its note is one that says so."""
-    document = {
+    """Returns a verdict as values that JSON can hold."""
+    return {
         "check": verdict.text,
         "file": verdict.file,
         "line": verdict.line,
@@ -200,6 +179,4 @@ def as_document(verdict: Verdict) -> dict[str, Any]:
         "reason": verdict.reason,
         "trace": list(verdict.trace),
         "untested": list(verdict.untested),
-        "unreached": list(verdict.unreached),
     }
-    return document | {"note": None if verdict.note is None else as_document(verdict.note) | {"verdict": "note"}}

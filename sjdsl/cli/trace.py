@@ -27,10 +27,8 @@ STEPS = 10
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; by default {STEPS}, or as many as --actions has.")
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode, as in `sjdsl render`.")
 @click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`.")
-@click.option("--actions", metavar="A", help="What agents do: random (the default), a file, or 'forward, stay; zap, stay'.")
+@click.option("--actions", metavar="A", help="What agents do: random (the default), or 'forward, stay; zap, stay'.")
 @click.option("--policy", metavar="P", help="All agents follow this policy of the game's file.")
-@click.option("--all", "everything", is_flag=True, help="Also print failed draws and rules that did not happen.")
-@click.option("--verbose", is_flag=True, help="Also print the random bits of every draw.")
 @click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")
 @environment_options
 def command(
@@ -40,16 +38,13 @@ def command(
     phases: tuple[str, ...],
     actions: str | None,
     policy: str | None,
-    everything: bool,
-    verbose: bool,
     as_json: bool,
     options: EnvironmentOptions,
 ) -> None:
     """Plays GAME on the reference interpreter and prints what each rule did, in the order of the schedule.
 
     Below each rule (file and line) are the cells and agents it changed, rewards and events, and why: the conditions and draws behind a
-    change, and the values that they read. In --actions, a line of a file (or a part up to `;`) is a step, with an action for each agent
-    or one for all.
+    change, and the values that they read. In --actions, each part up to `;` is a step, with an action for each agent or one for all.
     """
     if actions is not None and policy is not None:
         raise click.UsageError("--actions and --policy both choose what the agents do: give only one of them")
@@ -58,7 +53,7 @@ def command(
         moments = played(made.game, values, seed, steps, actions or RANDOM, policy)
     except ValueError as error:
         raise click.ClickException(str(error)) from None
-    teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game), everything, verbose)
+    teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game))
     try:
         if as_json:
             click.echo(json.dumps({"game": made.game.name, "seed": seed, "steps": [moment_report(m, teller) for m in moments]}, indent=2))

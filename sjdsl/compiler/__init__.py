@@ -10,7 +10,6 @@ from pathlib import Path
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.declarations import check_state_names, check_timers, check_unused
-from sjdsl.compiler.checks.fixes import with_fixes
 from sjdsl.compiler.checks.placement import check_placement
 from sjdsl.compiler.checks.whole_numbers import check_whole_numbers
 from sjdsl.compiler.checks.write_conflicts import check_conflicts
@@ -47,7 +46,7 @@ def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
     """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
-    problems, overrides = Problems(list(composition.warnings)), overrides or Overrides()
+    problems, overrides = Problems(), overrides or Overrides()
     game, declarations = elaborate(composition, overrides, problems)
     if game is not None:
         check_state_names(game, problems)
@@ -59,8 +58,7 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
         check_whole_numbers(game, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)
-    labelled = with_declaration_labels(problems.found, composition)
-    found = with_fixes(labelled, composition, lambda source: check(source, composition.chosen, overrides))
+    found = with_declaration_labels(problems.found, composition)
     if game is None or problems.failed:
         raise CompileError(found)
     return Build(game, tuple(found), composition.sources)

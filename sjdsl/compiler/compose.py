@@ -6,7 +6,7 @@ A repeated name replaces, inside `agents` and `observe` entry by entry; a new na
 table entry; `drop` removes.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import ClassVar
@@ -15,8 +15,7 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.ast.names import Space, Symbol
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Label, near
-from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, near
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.parse import parse
@@ -34,14 +33,6 @@ TABLE_OF: dict[type[Node], tuple[str, str]] = {
 TABLE_OF_AGENTS: dict[type[Node], str] = {
     ast.Field: "agent_fields", ast.Timer: "agent_fields", ast.Forbid: "forbids", ast.Blocks: "agent_blocks",
 }  # fmt: skip
-
-
-class Change(Record):
-    """What a file says of one name, outside of variants: its text without layout. is_drop: it takes the name away, whatever it is of."""
-
-    span: Span
-    text: str
-    is_drop: bool
 
 
 @dataclass
@@ -87,8 +78,6 @@ class Composition:
     file: str = ""
     chosen: tuple[str, ...] = ()
     problems: list[Diagnostic] = field(default_factory=list)
-    last_changes: dict[str, Change] = field(default_factory=dict)  # by the files of the game, outside of variants
-    warnings: list[Diagnostic] = field(default_factory=list)
 
     TABLES: ClassVar[dict[str, Space]] = {
         "constants": "name", "kinds": "name", "groups": "name", "fields": "name", "movers": "name", "shapes": "shape", "defines": "name",
@@ -119,7 +108,6 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
             raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
-        game.warnings += _undone(game, name, _changes(game, variant.changes))
         _apply(game, variant.changes)
     if game.problems:
         raise CompileError(game.problems)
@@ -144,7 +132,6 @@ def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition
         game.title = title or game.title
     game.sources[source.name] = source
     _check_duplicates(game, file.game.sections)
-    game.last_changes |= _changes(game, file.game.sections)
     _apply(game, file.game.sections)
     return game
 
@@ -219,26 +206,6 @@ def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: 
                     game.problems.append(errors.ChangeClash(span, first=first, second=name, name=key))
                     break
             touched.setdefault(key, (name, text))
-
-
-def _changes(game: Composition, sections: Sections) -> dict[str, Change]:
-    """Returns what sections say of rules, by key. Numbers and maps are left out: a variant is chosen for those it brings."""
-    values = ast.Override | ast.Constant | ast.Map | ast.Episode | ast.About
-    named = (entry for section in sections if not isinstance(section, values) for entry in named_entries(section))
-    return {key: Change(span, _content(game, node), isinstance(node, ast.Drop)) for key, span, node in named}
-
-
-def _undone(game: Composition, variant: str, changes: Mapping[str, Change]) -> Iterator[Diagnostic]:
-    """Yields a warning for each change of an extending game that a change of a variant of its base replaces."""
-    order = {file: place for place, file in enumerate(game.sources)}  # the outermost base first
-    for key, change in changes.items():
-        for other, before in game.last_changes.items():
-            pair = (key, other)
-            if change.is_drop or before.is_drop:  # what is dropped is named without its name space
-                pair = (key.rpartition(" ")[2], other.rpartition(" ")[2])
-            if order[before.span.file] > order[change.span.file] and before.text != change.text and _touches(*pair):
-                label = Label(change.span, f"`{variant}` changes it here")
-                yield errors.UndoneByVariant(before.span, labels=(label,), name=other, variant=variant)
 
 
 def _touches(a: str, b: str) -> bool:

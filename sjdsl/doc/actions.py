@@ -54,9 +54,8 @@ def _meaning(name: str, action: int | str, game: ir.Game) -> str:
     said = []
     if name in RELATIVE and any(isinstance(node, ir.Move) and node.course is None for node in ir.walk(game)):
         said.append((RELATIVE if game.agents.relative else COMPASS)[name])
-    asking = [
-        code(turn.label)
-        for turn in game.schedule
-        if any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in ir.walk(turn))
-    ]
-    return "; ".join([*said, *([f"what phase {joined(asking)} says"] if asking else [])]) or "nothing"
+    asks = (t for t in game.schedule if any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in ir.walk(t)))
+    asking = dict.fromkeys(code(turn.label.partition("(")[0]) for turn in asks)
+    if asking:
+        said.append(f"what {joined(asking)} {'says' if len(asking) == 1 else 'say'}")
+    return "; ".join(said) or "nothing"

@@ -26,7 +26,7 @@ def rule_sheet(w: Written) -> str:
         ("Process overview: one step", overview(w)),
         ("Observation", observation(w)),
         ("Initialisation", initialisation(w)),
-        ("Names", quoted(c, c.defines.values())),
+        ("Names", quoted(c, names(w))),
         ("Phases", quoted(c, phases(c).values())),
         ("Metrics", metrics(w)),
         ("Checks", quoted(c, (check for block in c.checks.values() for check in block), "checks")),
@@ -103,6 +103,13 @@ def is_random(node: ir.Node) -> bool:
     )
 
 
+def names(w: Written) -> list[ast.Define]:
+    """Returns the defines of the game's own file, and those of its bases that are read."""
+    read = {node.name for node in ir.walk(w.game) if isinstance(node, ir.Named)}
+    c = w.composition
+    return [define for name, define in c.defines.items() if name in read or define.span.file == c.file]
+
+
 def phases(c: Composition) -> dict[str, ast.Phase]:
     """Returns the phases of the schedule, each once, in the order of their first turns."""
     turns = () if c.schedule is None else c.schedule.turns
@@ -116,7 +123,7 @@ def observation(w: Written) -> list[str]:
     try:
         rows = [(str(i), code(plane.name), _values(plane)) for i, plane in enumerate(token_planes(w.game))]
     except NotSupported as refused:
-        return [*found, f"The compiler cannot make observations: {plain(refused.what)}.", ""]
+        return [*found, f"The compiler cannot make observations: {refused.what}.", ""]
     return [*found, *table(("plane", "name", "values"), rows), ""]
 
 

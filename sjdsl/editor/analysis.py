@@ -1,6 +1,7 @@
 """What is known of one text: its words, its tree, the games it stands on, its mistakes. Kept until a text or a file changes."""
 
-from collections.abc import Iterable, Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
@@ -8,14 +9,13 @@ from pathlib import Path
 from lark import Token
 
 from sjdsl.compiler import Build, ast, build, check_composition
-from sjdsl.compiler.ast.names import Names, Occurrence, Symbol, names_of
+from sjdsl.compiler.ast.names import Names, Occurrence, Symbol, names_of, occurrences
 from sjdsl.compiler.compose import Composition, base_of, compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.limits import check_text
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import Overrides, elaborate
-from sjdsl.compiler.elaborate.occurrences import occurrences
 from sjdsl.compiler.syntax.parse import as_read, parse, parser
 from sjdsl.compiler.syntax.tokens import scan
 from sjdsl.editor.documents import Document, Documents
@@ -31,7 +31,6 @@ class Analysis:
         self._documents = documents
         self._seen: dict[Path, Stamp] = {}
         self._variants: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
-        self._resolved: list[tuple[Span, Symbol]] = []
         folder = None if document.path is None else document.path.parent
         self.source = Source(document.name, document.text, folder, self._over)
 
@@ -91,25 +90,18 @@ class Analysis:
             return build(self.source)
         return None
 
-    @property
-    def choices(self) -> tuple[tuple[str, ...], ...]:
-        """The variants in which the game is looked at: none, then each alone."""
-        return ((), *((name,) for name in (() if self.composition is None else self.composition.variants)))
-
     def problems(self, variants: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
         """Returns every error and warning of the game in a variant."""
         if variants not in self._variants:
             try:
-                composition = compose(self.source, variants)
-                self._variants[variants] = check_composition(composition)
-                self._resolved += composition.references
+                self._variants[variants] = check_composition(compose(self.source, variants))
             except CompileError as error:
                 self._variants[variants] = error.diagnostics
         return self._variants[variants]
 
     def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
-        """Yields the problems of the game as it is, then of each variant."""
-        for variants in self.choices:
+        """Yields the problems of the game as it is, then of each variant alone."""
+        for variants in ((), *((name,) for name in (() if self.composition is None else self.composition.variants))):
             yield variants, self.problems(variants)
 
     @cached_property
@@ -118,25 +110,22 @@ class Analysis:
         return names_of(file for _, file in self.chain)
 
     @cached_property
-    def resolved(self) -> tuple[tuple[Span, Symbol], ...]:
+    def resolved(self) -> Mapping[Span, set[Symbol]]:
         """What elaboration found names to stand for, of the text and of its bases, in the game as it is and in the variants of the text."""
-        own = [] if self.file is None else [s.name.text for s in self.file.game.sections if isinstance(s, ast.Variant)]
-        found = list(self._resolved)
-        for variants in {(), *((name,) for name in own)} - self._variants.keys():  # not checked yet, which takes several times as long
+        own = () if self.file is None else tuple(s.name.text for s in self.file.game.sections if isinstance(s, ast.Variant))
+        found = defaultdict[Span, set[Symbol]](set)
+        for variants in ((), *((name,) for name in own)):
             with suppress(CompileError):
                 composition = compose(self.source, variants)
                 elaborate(composition, Overrides(), Problems())
-                found += composition.references
-        return tuple(found)
+                for span, symbol in composition.references:
+                    found[span].add(symbol)
+        return found
 
     @cached_property
     def occurrences(self) -> list[Occurrence]:
         """The names of the text, each with what it stands for."""
-        return self.occurrences_with(self.resolved)
-
-    def occurrences_with(self, resolved: Iterable[tuple[Span, Symbol]]) -> list[Occurrence]:
-        """Returns the names of the text, each with what elaboration found it to stand for, perhaps in games that stand on this one."""
-        return [] if self.file is None else occurrences(self.file, self.names, resolved)
+        return [] if self.file is None else occurrences(self.file, self.names, self.resolved)
 
 
 class Analyses:

@@ -1,6 +1,6 @@
 """Mistakes and warnings of a game and of all its variants, as an editor shows them."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from lsprotocol import types
@@ -17,12 +17,6 @@ SEVERITIES = {"error": types.DiagnosticSeverity.Error, "warning": types.Diagnost
 WITHOUT_EFFECT = (errors.Unused, errors.KindAbsent, errors.IdleAction, errors.NeverCounted)
 
 Found = Iterable[tuple[tuple[str, ...], Sequence[Diagnostic]]]
-Link = Callable[[str], str]  # code -> where it is explained
-
-
-def explanation_file(code: str) -> str:
-    """Returns the URI of the page about a code, which is installed with the compiler."""
-    return (FOLDER / f"{code}.md").resolve().as_uri()
 
 
 def by_variant(found: Found) -> list[tuple[Diagnostic, tuple[str, ...]]]:
@@ -39,18 +33,16 @@ def by_variant(found: Found) -> list[tuple[Diagnostic, tuple[str, ...]]]:
     return [(d, tuple(names)) for d, names in said.values()]
 
 
-def diagnostics(
-    analysis: Analysis, documents: Documents, found: Found | None = None, link: Link = explanation_file
-) -> list[types.Diagnostic]:
-    """Returns what is wrong with a text, in its order. `found`: as far as it has been looked for, by default in all variants."""
-    told = by_variant(analysis.all_problems() if found is None else found)
+def diagnostics(analysis: Analysis, documents: Documents, found: Found) -> list[types.Diagnostic]:
+    """Returns what is wrong with a text, in its order. `found`: as far as it has been looked for."""
+    told = by_variant(found)
     own = analysis.document.name
-    shown = [_diagnostic(d, variants, analysis, documents, link) for d, variants in told if d.span.file == own]
-    shown += [_elsewhere(d, variants, analysis, documents, link) for d, variants in told if d.span.file != own]
+    shown = [_diagnostic(d, variants, analysis, documents) for d, variants in told if d.span.file == own]
+    shown += [_elsewhere(d, variants, analysis, documents) for d, variants in told if d.span.file != own]
     return sorted(shown, key=lambda d: (d.range.start.line, d.range.start.character, str(d.code)))
 
 
-def _diagnostic(d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents, link: Link) -> types.Diagnostic:
+def _diagnostic(d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents) -> types.Diagnostic:
     many = "s" if len(variants) > 1 else ""
     among = f"in variant{many} {', '.join(f'`{name}`' for name in variants)}: " if variants else ""
     return types.Diagnostic(
@@ -58,16 +50,16 @@ def _diagnostic(d: Diagnostic, variants: Sequence[str], analysis: Analysis, docu
         message=f"{among}{d.message}" + (f"\nhelp: {d.hint}" if d.hint else ""),
         severity=SEVERITIES[d.severity],
         code=d.code,
-        code_description=types.CodeDescription(href=link(d.code)),
+        code_description=types.CodeDescription(href=(FOLDER / f"{d.code}.md").resolve().as_uri()),
         source=SOURCE,
         tags=[types.DiagnosticTag.Unnecessary] if isinstance(d, WITHOUT_EFFECT) else None,
         related_information=_related([(label.span, label.text) for label in d.labels], analysis, documents) or None,
     )
 
 
-def _elsewhere(d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents, link: Link) -> types.Diagnostic:
+def _elsewhere(d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents) -> types.Diagnostic:
     """A mistake in a base or a map stands where this text names the file, and points there."""
-    shown = _diagnostic(d, variants, analysis, documents, link)
+    shown = _diagnostic(d, variants, analysis, documents)
     shown.range = analysis.document.lines.range(*naming(d.span.file, analysis))
     shown.message = f"{Path(d.span.file).name}:{d.span.line}: {shown.message}"
     here = _related([(d.span, d.message)], analysis, documents)

@@ -13,7 +13,7 @@ from sjdsl.format import format_source
 
 
 def quick_fixes(analysis: Analysis, range_: types.Range, documents: Documents) -> list[types.CodeAction]:
-    """Returns what the messages about a range suggest, in all variants. Some suggestions are compiled first: it is asked for seldom."""
+    """Returns what the messages about a range suggest, in all variants."""
     lines, own = analysis.document.lines, analysis.document.name
     start, end = lines.offset(range_.start), lines.offset(range_.end)
     told = [(d, v) for d, v in by_variant(analysis.all_problems()) if d.span.file == own and d.span.start <= end and start <= d.span.end]

@@ -3,9 +3,10 @@
 import os
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from itertools import islice
 from pathlib import Path
 
-from sjdsl.compiler.ast.names import Occurrence, Symbol
+from sjdsl.compiler.ast.names import Occurrence, Symbol, occurrences
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.editor.analysis import Analyses, Analysis
 
@@ -14,62 +15,51 @@ PASSED = ("node_modules", "__pycache__")
 
 
 def games_in(folders: Iterable[Path]) -> Iterator[Path]:
-    """Yields the `.sj` files of folders and below, hidden folders left out, at most `MOST_FILES`."""
-    number = 0
+    """Yields the `.sj` files of folders and below, hidden folders left out."""
     for folder in folders:
         for at, inside, names in os.walk(folder):
             inside[:] = sorted(name for name in inside if not name.startswith(".") and name not in PASSED)
-            for name in sorted(name for name in names if name.endswith(".sj")):
-                number += 1
-                if number > MOST_FILES:
-                    return
-                yield Path(at) / name
+            yield from (Path(at) / name for name in sorted(names) if name.endswith(".sj"))
 
 
-def all_texts(analyses: Analyses, folders: Iterable[Path]) -> dict[str, Analysis]:
-    """Returns what is known of every open text and every game in folders, by URI: when it had no syntax errors last."""
-    documents = analyses.documents
-    uris = dict.fromkeys([*(d.uri for d in documents), *(documents.uri(path.resolve()) for path in games_in(folders))])
-    found = {uri: analyses.readable(uri) for uri in uris}
-    return {uri: analysis for uri, analysis in found.items() if analysis is not None}
+def readable(uris: Iterable[str], analyses: Analyses) -> list[Analysis]:
+    """Returns what is known of texts when they had no syntax errors last, each once."""
+    return [made for made in map(analyses.readable, dict.fromkeys(uris)) if made is not None]
 
 
-def bases(analysis: Analysis, analyses: Analyses) -> dict[str, Analysis]:
-    """Returns what is known of the games that a text extends, the nearest first, by URI."""
-    uris = [analyses.documents.uri(Path(source.name)) for source, _ in analysis.chain[1:] if Path(source.name).is_absolute()]
-    found = {uri: analyses.readable(uri) for uri in uris}
-    return {uri: made for uri, made in found.items() if made is not None}
+def bases(analysis: Analysis, analyses: Analyses) -> list[Analysis]:
+    """Returns what is known of the games that a text extends, the nearest first."""
+    return readable((analyses.documents.uri(Path(s.name)) for s, _ in analysis.chain[1:] if Path(s.name).is_absolute()), analyses)
 
 
 def declarations(symbols: Iterable[Symbol], analysis: Analysis, analyses: Analyses) -> list[tuple[Analysis, Occurrence]]:
     """Returns where something is declared: in the text itself, then in its bases."""
     wanted = set(symbols)
-    made = [analysis] if any(s.space == "local" for s in wanted) else [analysis, *bases(analysis, analyses).values()]
+    made = [analysis] if any(s.space == "local" for s in wanted) else [analysis, *bases(analysis, analyses)]
     return [(one, o) for one in made for o in one.occurrences if o.declares and wanted & set(o.symbols)]
 
 
 def everywhere(
     symbols: Iterable[Symbol], analysis: Analysis, analyses: Analyses, folders: Iterable[Path]
 ) -> list[tuple[Analysis, list[Occurrence]]]:
-    """Returns where something is named: in the text, in its bases, and in all texts that stand on a file of these that declares it.
+    """Returns where something is named: in the text, in its bases, and in all texts that stand on a file of these that declares it, perhaps nowhere.
 
     A field of several kinds that a group puts together is one thing: a name for one of them is a name for all.
     """
-    own, wanted = {source.name for source, _ in analysis.chain} | {analysis.document.name}, set(symbols)
+    wanted = set(symbols)
     if any(s.space == "local" for s in wanted):
         return [(analysis, [o for o in analysis.occurrences if wanted & set(o.symbols)])]
-    texts = {analysis.document.uri: analysis} | bases(analysis, analyses)
-    texts = all_texts(analyses, folders) | texts
-    family = [made for made in texts.values() if own & {source.name for source, _ in made.chain}]
-    resolved = defaultdict[str, list[tuple[Span, Symbol]]](list)  # a define of a base may be used for other kinds by games that stand on it
-    for span, symbol in (pair for made in family for pair in made.resolved):
-        resolved[span.file].append((span, symbol))
-    read = [(made, made.occurrences_with(resolved[made.document.name])) for made in family]
+    files = {analysis.document.name, *(source.name for source, _ in analysis.chain)}
+    uris = [d.uri for d in analyses.documents] + [analyses.documents.uri(p.resolve()) for p in islice(games_in(folders), MOST_FILES)]
+    texts = readable([analysis.document.uri, *(made.document.uri for made in bases(analysis, analyses)), *uris], analyses)
+    family = [made for made in texts if made is analysis or files & {source.name for source, _ in made.chain}]
+    resolved = defaultdict[Span, set[Symbol]](set)  # a define of a base may be used for other kinds by games that stand on it
+    for span, found in (pair for made in family for pair in made.resolved.items()):
+        resolved[span] |= found
     known = 0
     while known < len(wanted):
         known = len(wanted)
-        declaring = own & {made.document.name for made, found in read if any(o.declares and wanted & set(o.symbols) for o in found)}
-        same = [(made, found) for made, found in read if made.document.name in own or declaring & {s.name for s, _ in made.chain}]
-        wanted |= {symbol for _, found in same for o in found if wanted & set(o.symbols) for symbol in o.symbols}
-    hits = [(made, [o for o in found if wanted & set(o.symbols)]) for made, found in same]
-    return [(made, found) for made, found in hits if found]
+        wanted |= {symbol for together in resolved.values() if wanted & together for symbol in together}
+    read = [(made, [o for o in occurrences(made.file, made.names, resolved) if wanted & set(o.symbols)]) for made in family if made.file]
+    declaring = files & {made.document.name for made, hits in read if any(o.declares for o in hits)}
+    return [(made, hits) for made, hits in read if declaring & {source.name for source, _ in made.chain}]

@@ -1,7 +1,6 @@
 """Where a name is declared, where it is used, and its change everywhere at once; through the games that one extends."""
 
 import re
-from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -9,8 +8,8 @@ from typing import Any
 from lsprotocol import types
 
 from sjdsl.compiler.ast.names import Occurrence
-from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, NOWHERE
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.documents import Documents
@@ -19,8 +18,11 @@ from sjdsl.editor.positions import Moved
 from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
-MEANT = ("agent", "cell", "no", "other", "step", "yes", "outside", NOWHERE, *HEADINGS)  # they mean something of their own
-FIXED = {"phase": ("start", "tick"), "action": BUILT_IN, "field": ("heading", *AGENT_ATTRIBUTES, *CELL_ATTRIBUTES)}
+FIXED = {  # names that mean something of their own in the language, by name space
+    "phase": ("start", "tick"), "action": BUILT_IN, "field": ("heading", *AGENT_ATTRIBUTES, *CELL_ATTRIBUTES),
+    "policy": ("random", "never", "stay", "seek"),
+    "word": ("agent", "cell", "no", "other", "everyone", "step", "yes", "outside", NOWHERE, *HEADINGS),
+}  # fmt: skip
 
 
 class Refused(Exception):
@@ -125,56 +127,25 @@ def _renamed(uri: str, position: types.Position, analyses: Analyses) -> tuple[An
     for symbol in occurrence.symbols:
         if symbol.name in FIXED.get(symbol.space, ()):
             raise Refused(f"`{symbol.name}` is a name of the language: it means something of its own")
-    if occurrence.symbols[0].space == "word" and occurrence.symbols[0].name in MEANT:
-        raise Refused(f"`{occurrence.symbols[0].name}` is a word of the language")
     return analysis, occurrence
 
 
 def rename(uri: str, position: types.Position, new: str, analyses: Analyses, folders: Iterable[Path]) -> types.WorkspaceEdit:
-    """Returns the edits that give a thing another name, in every text.
-
-    Raises Refused: the new name is not allowed, or is taken; the compiler decides, which reads the changed texts before they are offered.
-    """
+    """Returns the edits that give a thing another name, in every text. Raises Refused: the new name is not allowed, or is taken."""
     analysis, occurrence = _renamed(uri, position, analyses)
-    old = _text(analysis, occurrence)
     if not NAME.fullmatch(new):
         raise Refused(f"`{new[:40]}` cannot be a name: names are small letters, digits and `_`, and begin with a letter")
     table = automaton()
     if any(word == new for kind, word in table.words.items() if kind not in table.soft):
         raise Refused(f"`{new}` is a word of the language and cannot be a name")
-    if new in MEANT:
+    if new in FUNCTIONS or any(new in names for names in FIXED.values()):
         raise Refused(f"`{new}` means something of its own in the language and cannot be a name here")
-    hits = everywhere(occurrence.symbols, analysis, analyses, folders)
-    if new != old:
-        _check_changed(hits, old, new, analyses)
-    documents = analyses.documents
-    changes: list[Any] = []
-    for made, found in hits:
+    documents, changes = analyses.documents, list[Any]()
+    for made, found in everywhere(occurrence.symbols, analysis, analyses, folders):
+        if new != _text(analysis, occurrence) and any(token.type == "NAME" and token == new for token in made.tokens):
+            raise Refused(f"`{new}` already stands in {Path(made.document.name).name}, for something else")
         now = documents.get(made.document.uri) or made.document
         edits: list[Any] = [types.TextEdit(_range(o, made, documents), new) for o in found]
-        changes.append(types.TextDocumentEdit(types.OptionalVersionedTextDocumentIdentifier(now.uri, now.version), edits))
+        changed = types.TextDocumentEdit(types.OptionalVersionedTextDocumentIdentifier(now.uri, now.version), edits)
+        changes += [changed] if edits else []
     return types.WorkspaceEdit(document_changes=changes)
-
-
-def _check_changed(hits: list[tuple[Analysis, list[Occurrence]]], old: str, new: str, analyses: Analyses) -> None:
-    """Compiles the changed texts, in all their variants: a mistake that was not there before is a reason to refuse."""
-    changed = {made.document.name: _edited(made.document.text, found, new) for made, found in hits}
-
-    def over(path: Path) -> str | None:
-        return changed.get(path.as_posix(), analyses.documents.text_over(path))
-
-    for made, _ in hits:
-        before = Counter(d.code for _, problems in made.all_problems() for d in problems)
-        source = Source(made.source.name, changed[made.document.name], made.source.folder, over)
-        trial = Analysis(made.document, analyses.documents)
-        trial.source = source
-        for _, problems in trial.all_problems():
-            worse = next((d for d in problems if Counter(x.code for x in problems)[d.code] > before[d.code]), None)
-            if worse is not None:
-                raise Refused(f"`{old}` cannot become `{new}`: {Path(worse.span.file).name}:{worse.span.line}: {worse.message}")
-
-
-def _edited(text: str, found: list[Occurrence], new: str) -> str:
-    for o in sorted(found, key=lambda o: o.span.start, reverse=True):
-        text = text[: o.span.start] + new + text[o.span.end :]
-    return text

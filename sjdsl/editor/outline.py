@@ -1,15 +1,12 @@
-"""The outline of a text: its symbols as a tree, the symbols of a whole folder, what can be folded, and what can be run."""
+"""The outline of a text: its symbols as a tree."""
 
-import re
-from collections.abc import Iterable, Iterator
-from itertools import groupby, pairwise
+from collections.abc import Iterable
 
 from lsprotocol import types
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.editor.analysis import Analysis
-from sjdsl.editor.documents import Document
 from sjdsl.editor.positions import Lines
 
 Kind = types.SymbolKind
@@ -21,9 +18,6 @@ SORTS: dict[type[object], tuple[types.SymbolKind, str]] = {
     ast.Scenario: (Kind.Object, "scenario"), ast.Variant: (Kind.Namespace, "variant"), ast.About: (Kind.String, "about"),
 }  # fmt: skip
 Names = list[types.DocumentSymbol]
-RUN_PHASE = "sjdsl.runPhase"
-RUN_CHECK = "sjdsl.runCheck"
-RUN_CHECKS = "sjdsl.runChecks"  # commands of the code lenses
 
 
 def document_symbols(analysis: Analysis | None, lines: Lines) -> Names:
@@ -33,24 +27,6 @@ def document_symbols(analysis: Analysis | None, lines: Lines) -> Names:
     game = analysis.file.game
     title = game.title.text if game.title is not None else ""
     return [_symbol(lines, game.name.text, title, Kind.Module, game.span, game.name.span, _sections(game.sections, lines))]
-
-
-def workspace_symbols(query: str, files: Iterable[tuple[Document, ast.File]]) -> list[types.WorkspaceSymbol]:
-    """Returns the declarations of several files whose names have the letters of `query` in their order."""
-    fits = re.compile(".*".join(map(re.escape, "".join(query.lower().split()))))
-    found = []
-    for document, file in files:
-        for symbol, around in _flat(_sections(file.game.sections, document.lines), file.game.name.text):
-            if fits.search(symbol.name.lower()):
-                location = types.Location(document.uri, symbol.selection_range)
-                found.append(types.WorkspaceSymbol(location=location, name=symbol.name, kind=symbol.kind, container_name=around))
-    return found
-
-
-def _flat(tree: Names, around: str) -> Iterator[tuple[types.DocumentSymbol, str]]:
-    for symbol in tree:
-        yield symbol, around
-        yield from _flat(list(symbol.children or []), symbol.name)
 
 
 def _symbol(lines: Lines, name: str, detail: str, kind: types.SymbolKind, whole: Span, own: Span, inside: Names) -> types.DocumentSymbol:
@@ -98,49 +74,3 @@ def _named(node: object, lines: Lines, inside: Names, detail: str = "") -> types
 def _block(name: str, kind: types.SymbolKind, span: Span, inside: Names, lines: Lines) -> types.DocumentSymbol:
     word = Span(span.file, span.start, span.start + len(name.split()[0]), span.line, span.column)
     return _symbol(lines, name, "", kind, span, word, inside)
-
-
-def folding(analysis: Analysis) -> list[types.FoldingRange]:
-    """Returns what can be folded: blocks in braces over several lines, and comments of several lines; also of a text with mistakes."""
-    lines, opened, found = analysis.document.lines, list[int](), []
-    for token in analysis.tokens:
-        line = lines.position(token.start_pos or 0).line
-        if token.type == "LBRACE":
-            opened.append(line)
-        elif token.type == "RBRACE" and opened:
-            first = opened.pop()
-            if line - 1 > first:
-                found.append(types.FoldingRange(first, line - 1))
-    return sorted(found + _comments(analysis.document), key=lambda f: f.start_line)
-
-
-def _comments(document: Document) -> list[types.FoldingRange]:
-    """Returns runs of lines that hold only a comment."""
-    starts = [*document.lines.starts, len(document.text)]
-    comments = [document.text[start:end].lstrip().startswith("#") for start, end in pairwise(starts)]
-    runs = [list(run) for is_comment, run in groupby(range(len(comments)), comments.__getitem__) if is_comment]
-    return [types.FoldingRange(run[0], run[-1], kind=types.FoldingRangeKind.Comment) for run in runs if len(run) > 1]
-
-
-def code_lenses(analysis: Analysis) -> list[types.CodeLens]:
-    """Returns what can be run, also of variants; nothing for a text with syntax errors."""
-    return [] if analysis.file is None else _lenses(analysis.file.game.sections, analysis)
-
-
-def _lenses(sections: tuple[ast.Section | ast.Override | ast.Drop, ...], analysis: Analysis) -> list[types.CodeLens]:
-    uri, found = analysis.document.uri, []
-    for section in sections:
-        match section:
-            case ast.Phase():
-                found.append(_lens(section.span, "run this phase's scenes", RUN_PHASE, [uri, section.name.text], analysis))
-            case ast.Checks():
-                found.append(_lens(section.span, "run all checks", RUN_CHECKS, [uri], analysis))
-                found += [_lens(check.span, "run", RUN_CHECK, [uri, check.span.start], analysis) for check in section.checks]
-            case ast.Variant():
-                found += _lenses(section.changes, analysis)
-    return found
-
-
-def _lens(span: Span, title: str, command: str, arguments: list[object], analysis: Analysis) -> types.CodeLens:
-    start = analysis.document.lines.position(span.start)
-    return types.CodeLens(types.Range(start, start), types.Command(title, command, arguments=arguments))

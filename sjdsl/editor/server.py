@@ -1,7 +1,7 @@
 """The language server: messages of the Language Server Protocol, carried by pygls, to and from one session."""
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from lsprotocol import types
@@ -11,8 +11,6 @@ from pygls.lsp.server import LanguageServer
 from sjdsl.editor import colours, completion
 from sjdsl.editor.documents import path_of
 from sjdsl.editor.navigation import Refused
-from sjdsl.editor.outline import RUN_CHECK, RUN_CHECKS, RUN_PHASE
-from sjdsl.editor.running import Result, run_checks, run_phase
 from sjdsl.editor.session import Session
 from sjdsl.version import __version__
 
@@ -36,10 +34,8 @@ class Server(LanguageServer):
     def begin(self, params: types.InitializeParams) -> None:
         """Takes over what the client says of itself."""
         uris = [folder.uri for folder in params.workspace_folders or []] or [uri for uri in [params.root_uri] if uri]
-        document = params.capabilities.text_document
-        item = document.completion.completion_item if document and document.completion else None
         encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
-        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None], bool(item and item.snippet_support))
+        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None])
 
     def watch_files(self) -> None:
         """Has the client tell of changes of games and maps on the disk, if it can."""
@@ -104,26 +100,6 @@ class Server(LanguageServer):
         self.send(uri, None, [])
         self.look_at(others)
 
-    async def run(self, uri: str, runs: Callable[[Any], Iterator[Result | None]]) -> dict[str, Any]:
-        """Runs a part of a game, in pieces between which other messages are answered; shows the result, and marks it in the text."""
-        analysis = self.session.analyses.of(uri)
-        result = Result("the text has syntax errors", failed=True)
-        if analysis is not None and analysis.file is not None:
-            for step in runs(analysis):
-                result = step or result
-                await asyncio.sleep(0)
-                now = self.session.documents.get(uri)
-                if now is None or now.text != analysis.document.text:
-                    result = Result("the text has changed: run it again", failed=True)
-                    break
-            else:
-                self.session.mark(analysis, result.marks)
-                if self.session.documents.is_open(uri):
-                    self.look_at([uri])
-        sort = types.MessageType.Warning if result.failed else types.MessageType.Info
-        self.window_show_message(types.ShowMessageParams(sort, result.summary))
-        return {"summary": result.summary, "text": result.text, "failed": result.failed}
-
 
 def make_server() -> Server:
     """Returns a server with everything registered; `start_io` and `start_tcp` run it."""
@@ -168,10 +144,7 @@ def make_server() -> Server:
         types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(*at(params), params.context.include_declaration),
         types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT: lambda ls, params: ls.session.highlights(*at(params)),
         types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(params.text_document.uri),
-        types.WORKSPACE_SYMBOL: lambda ls, params: ls.session.workspace_symbols(params.query),
-        types.TEXT_DOCUMENT_FOLDING_RANGE: lambda ls, params: ls.session.folding(params.text_document.uri),
         types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: lambda ls, params: ls.session.semantic_tokens(params.text_document.uri),
-        types.TEXT_DOCUMENT_CODE_LENS: lambda ls, params: ls.session.code_lenses(params.text_document.uri),
         types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(params.text_document.uri, params.range),
         types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(params.text_document.uri),
         types.TEXT_DOCUMENT_PREPARE_RENAME: lambda ls, params: _or_refused(ls.session.can_be_renamed, *at(params)),
@@ -185,18 +158,6 @@ def make_server() -> Server:
     }
     for message, answer in answers.items():
         server.feature(message, options.get(message))(answer)
-
-    @server.command(RUN_PHASE)
-    async def phase(ls: Server, uri: str, name: str) -> dict[str, Any]:
-        return await ls.run(uri, lambda analysis: run_phase(analysis, name))
-
-    @server.command(RUN_CHECK)
-    async def check(ls: Server, uri: str, start: int) -> dict[str, Any]:
-        return await ls.run(uri, lambda analysis: run_checks(analysis, start))
-
-    @server.command(RUN_CHECKS)
-    async def checks(ls: Server, uri: str) -> dict[str, Any]:
-        return await ls.run(uri, run_checks)
 
     return server
 

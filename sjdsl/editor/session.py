@@ -1,39 +1,33 @@
 """One editor's session: its open texts and folders, and an answer for each thing it asks. Nothing here knows how messages travel."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from lsprotocol import types
 
+from sjdsl.compiler.ast.names import Names
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.colours import semantic_tokens
 from sjdsl.editor.completion import completion
-from sjdsl.editor.diagnostics import diagnostics, explanation_file
+from sjdsl.editor.diagnostics import diagnostics
 from sjdsl.editor.documents import Document, Documents, path_of
 from sjdsl.editor.edits import formatting, quick_fixes
-from sjdsl.editor.family import all_texts
 from sjdsl.editor.hover import hover
 from sjdsl.editor.navigation import can_be_renamed, definition, highlights, references, rename
-from sjdsl.editor.outline import code_lenses, document_symbols, folding, workspace_symbols
+from sjdsl.editor.outline import document_symbols
 from sjdsl.editor.positions import UTF16
 
 GAME = ".sj"
 
 
 class Session:
-    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open; `snippets`: whether it knows them.
+    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open."""
 
-    link: the address of the explanation of a code.
-    """
-
-    def __init__(
-        self, encoding: str = UTF16, folders: Iterable[Path] = (), snippets: bool = False, link: Callable[[str], str] = explanation_file
-    ):
+    def __init__(self, encoding: str = UTF16, folders: Iterable[Path] = ()):
         self.documents = Documents(encoding)
         self.analyses = Analyses(self.documents)
-        self.folders, self.snippets, self.link = list(folders), snippets, link
-        self._marks: dict[str, tuple[str, list[types.Diagnostic]]] = {}  # what runs found: of the text as it was then
+        self.folders = list(folders)
 
     # ---- texts
 
@@ -46,7 +40,6 @@ class Session:
     def close(self, uri: str) -> None:
         self.documents.close(uri)
         self.analyses.forget(uri)
-        self._marks.pop(uri, None)
 
     def affected_by(self, uri: str) -> list[str]:
         """Returns the open games whose messages may differ when a text has changed: it itself, and those that stand on it."""
@@ -65,26 +58,16 @@ class Session:
         found: list[tuple[tuple[str, ...], tuple[Diagnostic, ...]]] = []
         for variants, problems in analysis.all_problems():
             found.append((variants, problems))
-            yield diagnostics(analysis, self.documents, found, self.link) + self._marked(analysis)
+            yield diagnostics(analysis, self.documents, found)
 
     def diagnostics(self, uri: str) -> list[types.Diagnostic]:
         """Returns all messages about a text, in all its variants."""
         return next(iter([*self.diagnosed(uri)][-1:]), [])
 
-    def mark(self, analysis: Analysis, marks: Iterable[types.Diagnostic]) -> None:
-        """Keeps messages of a run beside those of the compiler, as long as the text stays as it is."""
-        uri, text = analysis.document.uri, analysis.document.text
-        before = [m for m in self._marked(analysis) if all(m.range != new.range for new in marks)]
-        self._marks[uri] = (text, [*before, *marks])
-
-    def _marked(self, analysis: Analysis) -> list[types.Diagnostic]:
-        text, marks = self._marks.get(analysis.document.uri, ("", []))
-        return list(marks) if text == analysis.document.text else []
-
     # ---- questions
 
     def completion(self, uri: str, position: types.Position) -> list[types.CompletionItem]:
-        return completion(uri, position, self.analyses, self.snippets)
+        return completion(uri, position, self.analyses)
 
     def hover(self, uri: str, position: types.Position) -> types.Hover | None:
         return hover(uri, position, self.analyses)
@@ -122,19 +105,10 @@ class Session:
         readable = self.analyses.readable(uri)
         return [] if document is None else document_symbols(readable, document.lines)
 
-    def workspace_symbols(self, query: str) -> list[types.WorkspaceSymbol]:
-        texts = all_texts(self.analyses, self.folders).values()
-        return workspace_symbols(query, [(a.document, a.file) for a in texts if a.file is not None])
-
-    def folding(self, uri: str) -> list[types.FoldingRange]:
-        return [fold for analysis in self._known(uri) for fold in folding(analysis)]
-
     def semantic_tokens(self, uri: str) -> types.SemanticTokens:
-        analysis = self.analyses.of(uri)
-        return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis)
-
-    def code_lenses(self, uri: str) -> list[types.CodeLens]:
-        return [lens for analysis in self._known(uri) for lens in code_lenses(analysis)]
+        analysis, readable = self.analyses.of(uri), self.analyses.readable(uri)
+        names = Names() if readable is None else readable.names
+        return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis, names)
 
 
 def is_game(document: Document) -> bool:

@@ -10,6 +10,8 @@ from sjdsl.interpreter.step import Totals
 
 REAL = 1e-6  # reals closer than this, relative, are equal
 DRIFT = 1e-4  # rounding error allowed in sums of reals over an episode, relative
+CONFIDENCE = 0.95
+FLOATS = -1  # stands for the index of a check that every real stays inside float32
 STATES = ("always", "once", "conserved", "monotone")  # checks about the states of a trajectory
 
 
@@ -76,3 +78,11 @@ def add_totals(before: Totals, events: Mapping[str, Any], game: ir.Game) -> dict
         for i, (word, _) in enumerate(counts_of(event)):
             totals[event.name, word] = totals.get((event.name, word), 0) + sum(row[i] if event.by else row for row in rows)
     return totals
+
+
+def least_share(trials: int) -> float:
+    """Returns the 95% lower confidence bound of a probability of success after so many trials, all of them successes; exact.
+
+    Source: Clopper and Pearson 1934, one-sided, all trials successes: share^n = 5%.
+    """
+    return float((1 - CONFIDENCE) ** (1 / trials))

@@ -1,9 +1,7 @@
 """The statements of a game that change something: on which of them a check depends, which ran, and how often in the compiled game."""
 
-from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -70,24 +68,14 @@ def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) ->
 
 
 def statements_needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[LeafStatement]) -> frozenset[StatementId]:
-    """Returns the statements on which a check depends: those that write what it reads, those that write what these read, and so on.
-
-    A symmetry depends on every statement.
-    """
-    leaves = tuple(leaves)
-    if check.sort == "symmetric":
-        return frozenset(leaf.statement_id for leaf in leaves)
+    """Returns the statements on which a check depends: those that write what it reads, those that write what these read, and so on."""
     wanted: set[Part] = {part for e in check.values for part in reads_and_blocks(e, game)}
-    waiting = {i: set(written_by(leaf.statement)) for i, leaf in enumerate(leaves)}
-    found: set[StatementId] = set()
-    while True:
-        now = [i for i, written in waiting.items() if written & wanted]
-        if not now:
-            return frozenset(found)
-        for i in now:
-            del waiting[i]
-            found.add(leaves[i].statement_id)
-            wanted |= set(_read_by(leaves[i], game))
+    waiting, found = list(leaves), set[StatementId]()
+    while now := [leaf for leaf in waiting if wanted.intersection(written_by(leaf.statement))]:
+        waiting = [leaf for leaf in waiting if leaf not in now]
+        found |= {leaf.statement_id for leaf in now}
+        wanted |= {part for leaf in now for part in _read_by(leaf, game)}
+    return frozenset(found)
 
 
 def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
@@ -103,43 +91,22 @@ def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
             yield from reads_and_blocks(block, game)
 
 
-Feature = tuple[object, ...]
-MANY = 3  # more instances of a statement in one step than this are not told apart
-
-
-def features_of(accounts: Iterable[Account]) -> frozenset[Feature]:
-    """Returns the features of a step: (ran, id), (times, id, n), (branch, id, which), (added, label, field, n), (both, id, id)."""
-    ran: Counter[StatementId] = Counter()
-    found: set[Feature] = set()
+def statements_run(accounts: Iterable[Account]) -> set[StatementId]:
+    """Returns the statements that ran in a step, or in the phase `start`."""
+    found = set[StatementId]()
     for account in accounts:
-        if not isinstance(account.turn, ir.Phase):
-            continue
-        label = STARTING if account.turn.name == STARTING else account.turn.label
-        ran.update(statement_id(label, done.statement) for done in account.done)
-        added = Counter(slot for done in account.done for slot, _ in done.written.get("adds", ()))
-        found |= {("added", label, slot.name, min(n, MANY)) for slot, n in added.items() if n > 1}
-        found |= {("branch", statement_id(label, d.statement), d.result) for d in account.drawn if isinstance(d.statement, ir.Chance)}
-    found |= {("ran", statement) for statement in ran}
-    found |= {("times", statement, min(n, MANY)) for statement, n in ran.items() if n > 1}
-    found |= {("both", *pair) for pair in combinations(sorted(ran), 2)}
-    return frozenset(found)
+        if isinstance(account.turn, ir.Phase):
+            label = STARTING if account.turn.name == STARTING else account.turn.label
+            found |= {statement_id(label, done.statement) for done in account.done}
+    return found
 
 
-def statements_run(features: Iterable[Feature]) -> set[StatementId]:
-    """Returns the statements that ran."""
-    return {feature[1] for feature in features if feature[0] == "ran"}  # type: ignore[misc]
+def count_statements(game: ir.Game) -> tuple[ir.Game, dict[str, StatementId]]:
+    """Returns the game with an event beside each of its statements, and the statement that each event counts, by its name.
 
-
-@dataclass(frozen=True)
-class CountedGame:
-    """A game with an event for each counted statement, beside the game's own. events: the statement that each stands for, by name."""
-
-    game: ir.Game
-    events: Mapping[str, StatementId]
-
-
-def count_statements(game: ir.Game, statements: Collection[StatementId]) -> CountedGame:
-    """Returns the game with a count beside each of some statements; none in `start`, where nothing is counted, and where agents move."""
+    Nothing is counted in `start`, and where agents move.
+    """
+    statements = {leaf.statement_id for leaf in leaf_statements(game)}
     taken, events = {event.name for event in game.events}, dict[str, StatementId]()
 
     def counted(body: tuple[ir.Stmt, ...], label: str) -> tuple[ir.Stmt, ...]:
@@ -168,4 +135,4 @@ def count_statements(game: ir.Game, statements: Collection[StatementId]) -> Coun
         for turn in game.schedule
     )
     more = tuple(ir.Event(name=name, per_agent=False) for name in events)
-    return CountedGame(game.model_copy(update={"schedule": schedule, "events": (*game.events, *more)}), events)
+    return game.model_copy(update={"schedule": schedule, "events": (*game.events, *more)}), events

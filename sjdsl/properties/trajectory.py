@@ -1,48 +1,44 @@
-"""Trajectories on the interpreter: a scenario (map, parameters, seed, actions) and every state and outcome it leads to."""
+"""Trajectories on the interpreter: a scenario (parameters, seed, actions) and every state and outcome it leads to."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level
 from sjdsl.interpreter.account import Account
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, Value, World, default_params
 from sjdsl.interpreter.step import Totals, read, reset, step
-from sjdsl.interpreter.threefry import Draws, Threefry
+from sjdsl.interpreter.threefry import Draws
+from sjdsl.policies import interpreted
 from sjdsl.properties.biased_draws import Bias, BiasedDraws, episode_key, policy_bits, reset_key, step_key
 from sjdsl.properties.monitors import add_totals
-from sjdsl.properties.scripted_policies import choose
-from sjdsl.properties.statements import Feature, features_of
+from sjdsl.properties.statements import StatementId, statements_run
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """Everything that determines a trajectory.
+    """Everything that determines a trajectory of a game.
 
-    rows: the map. params, sizes: parameters and sizes that differ from the file's. seed, episode: of the random draws; bias: of the draws of each step.
-    actions: of each agent in each step; policies: for each agent a scripted policy, or None: it takes `actions`.
+    seed, episode: of the random draws; bias: of the draws of each step, empty: all are fair. params: those that differ from the file's.
+    actions: of each agent in each step; policies: one for each agent, who then takes no `actions`.
     """
 
-    rows: tuple[str, ...]
-    agents: int
-    params: tuple[tuple[str, Value], ...]
     seed: int
-    bias: tuple[Bias, ...]
-    actions: tuple[tuple[int, ...], ...]
-    policies: tuple[ir.Policy | None, ...]
     episode: int = 0
-    sizes: tuple[tuple[str, Value], ...] = ()
+    params: tuple[tuple[str, Value], ...] = ()
+    bias: tuple[Bias, ...] = ()
+    actions: tuple[tuple[int, ...], ...] = ()
+    policies: tuple[ir.Policy, ...] = ()
 
 
 @dataclass
 class Trajectory:
-    """The states and outcomes of a scenario. `worlds`, `totals`: of the first state and after each step; the other lists: of each step.
+    """The states and outcomes of a scenario. `worlds`, `totals`: of the first state and after each step; actions, outcomes: of each step.
 
-    features: see `coverage.py`; start_features: of the phase `start`. left: the real that left float32 in the step after the last state,
-      whose actions are the last of `actions`; None if none did. known: values that checks read in the states, by the identity of the check.
+    ran: the statements that ran in it. left: the real that left float32 in the step after the last state, whose actions are the last of
+    `actions`; None if none did. known: values that checks read in the states, by the identity of the check.
     """
 
     game: ir.Game
@@ -51,8 +47,7 @@ class Trajectory:
     totals: list[Totals] = field(default_factory=list)
     actions: list[tuple[int, ...]] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
-    features: list[frozenset[Feature]] = field(default_factory=list)
-    start_features: frozenset[Feature] = frozenset()
+    ran: set[StatementId] = field(default_factory=set)
     left: LeavesFloat32 | None = None
     known: dict[int, list[tuple[Any, ...]]] = field(default_factory=dict)
 
@@ -77,13 +72,6 @@ class Trajectory:
         self.worlds.append(world)
         self.totals.append(totals)
 
-    def cut(self, steps: int) -> "Trajectory":
-        """Returns the trajectory up to the state after so many steps."""
-        known = {check: values[: steps + 1] for check, values in self.known.items()}
-        actions, outcomes, features = self.actions[:steps], self.outcomes[:steps], self.features[:steps]
-        worlds, totals = self.worlds[: steps + 1], self.totals[: steps + 1]
-        return Trajectory(self.game, self.params, worlds, totals, actions, outcomes, features, self.start_features, None, known)
-
     def value(self, e: ir.Expr, at: int) -> Value:
         """Returns the value of an expression of a check in the state `at`."""
         return self._read(e, self.worlds[at], self.totals[at], at)
@@ -92,18 +80,10 @@ class Trajectory:
         return read(self.game, world, e, totals, (self.worlds[at - 1], self.totals[at - 1]) if at else None)
 
 
-Driver = Callable[[World, int], Sequence[int] | None]  # (state, number of the step) -> an action for each agent; None to stop
-
-
 def params_of(game: ir.Game, given: Sequence[tuple[str, Value]]) -> dict[str, Value]:
-    """Returns the parameters of a scenario as the interpreter has them. A table by agent that was made for more or fewer agents stays as the file has it."""
+    """Returns the parameters of a scenario as the interpreter has them."""
     types = {p.name: p.type for p in game.params}
-    fitting = [(name, value) for name, value in given if _fits(value, types[name].by)]
-    return default_params(game) | {name: real(value) if types[name].kind == "real" else value for name, value in fitting}
-
-
-def _fits(value: Any, by: Sequence[Level]) -> bool:
-    return not by or (len(value) == len(by[0]) and all(_fits(entry, by[1:]) for entry in value))
+    return default_params(game) | {name: real(value) if types[name].kind == "real" else value for name, value in given}
 
 
 def draws_of(scenario: Scenario, at: int) -> Draws:
@@ -124,64 +104,62 @@ def play(
     scenario: Scenario,
     steps: int | None = None,
     checks: Sequence[ir.Check] = (),
-    since: Trajectory | None = None,
-    driver: Driver | None = None,
+    is_enough: Callable[[set[StatementId]], bool] = lambda _: False,
 ) -> Trajectory:
     """Plays a scenario to its end, to that of the episode, or until a real leaves float32.
 
     Args:
-      steps: at most so many, if the policies choose all actions.
+      steps: at most so many; None: as many as the scenario has actions.
       checks: those whose values are read in every state.
-      since: the beginning, as it was played before.
-      driver: chooses the actions, in place of the scenario.
+      is_enough: whether to stop before the next step, as these statements have run.
     """
-    params, key = params_of(game, scenario.params), episode_key(scenario.seed, scenario.episode)
-    if since is None:
-        trajectory = _begin(game, scenario, params, checks)
-    else:
-        trajectory = since.cut(len(since.outcomes))
-    for number in range(len(trajectory.outcomes), len(scenario.actions) if steps is None else steps):
-        if trajectory.is_over:
-            break
-        world = trajectory.worlds[-1]
-        actions = _actions(game, scenario, world, number, key) if driver is None else driver(world, number)
-        if actions is None:
-            break
-        trajectory.actions.append(tuple(actions))
-        _follow(trajectory, draws_of(scenario, number), checks)
+    trajectory, accounts = Trajectory(game, params_of(game, scenario.params)), list[Account]()
+    try:
+        zeros = add_totals({}, _nothing(game), game)
+        trajectory.add(reset(game, trajectory.params, draws_of(scenario, -1), accounts.append), zeros, checks)
+        for number in range(len(scenario.actions) if steps is None else steps):
+            if trajectory.is_over or is_enough(trajectory.ran):
+                break
+            world = trajectory.worlds[-1]
+            trajectory.actions.append(_actions(game, scenario, world, number))
+            after, outcome = step(game, world, trajectory.actions[-1], trajectory.params, draws_of(scenario, number), accounts.append)
+            trajectory.add(after, add_totals(trajectory.totals[-1], outcome.events, game), checks)
+            trajectory.outcomes.append(outcome)
+            trajectory.ran |= statements_run(accounts)
+            accounts.clear()
+    except LeavesFloat32 as left:
+        trajectory.left = left
+    trajectory.ran |= statements_run(accounts)
     return trajectory
 
 
-def _begin(game: ir.Game, scenario: Scenario, params: Mapping[str, Value], checks: Sequence[ir.Check]) -> Trajectory:
-    accounts: list[Account] = []
-    trajectory = Trajectory(game, params)
-    try:
-        trajectory.add(reset(game, params, draws_of(scenario, -1), accounts.append), add_totals({}, _nothing(game), game), checks)
-    except LeavesFloat32 as left:
-        trajectory.left = left
-    trajectory.start_features = features_of(accounts)
-    return trajectory
+def allowed_by(policy: ir.Policy, game: ir.Game) -> tuple[int, ...]:
+    """Returns the actions among which `random` and `never` choose, all equally likely; `stay` if none is left."""
+    left = tuple(a for a in range(len(game.agents.actions)) if a not in policy.actions)
+    return left or (game.agents.actions.index("stay"),)
 
 
-def _follow(trajectory: Trajectory, draws: Draws, checks: Sequence[ir.Check]) -> None:
-    """Takes the step whose actions are the last ones."""
-    accounts: list[Account] = []
-    try:
-        world, outcome = step(trajectory.game, trajectory.worlds[-1], trajectory.actions[-1], trajectory.params, draws, accounts.append)
-        trajectory.add(world, add_totals(trajectory.totals[-1], outcome.events, trajectory.game), checks)
-    except LeavesFloat32 as left:
-        trajectory.left = left
-        return
-    trajectory.features.append(features_of(accounts))
-    trajectory.outcomes.append(outcome)
+def script_of(policy: ir.Policy, game: ir.Game) -> ir.ScriptedPolicy | None:
+    """Returns the rules that an agent with this policy follows: those in the file, or the one of `seek D`; None if it acts at random."""
+    if policy.domain is not None:
+        return ir.ScriptedPolicy(name="seek", rules=(ir.Go(domain=policy.domain),))
+    return next((script for script in game.policies if script.name == policy.scripted), None)
 
 
-def _actions(game: ir.Game, scenario: Scenario, world: World, number: int, key: Threefry) -> tuple[int, ...]:
-    bits = policy_bits(key, number, scenario.agents) if any(scenario.policies) else []
-    return tuple(
-        scenario.actions[number][agent] if policy is None else choose(policy, game, world, agent, bits[agent])
-        for agent, policy in enumerate(scenario.policies)
-    )
+def choose(policy: ir.Policy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]) -> int:
+    """Returns what an agent with this policy does in a state."""
+    script = script_of(policy, game)
+    if script is not None:
+        return interpreted.choose(script, game, world, agent, bits)
+    actions = allowed_by(policy, game)
+    return actions[bits[0] * len(actions) >> 32]
+
+
+def _actions(game: ir.Game, scenario: Scenario, world: World, number: int) -> tuple[int, ...]:
+    if not scenario.policies:
+        return scenario.actions[number]
+    bits = policy_bits(episode_key(scenario.seed, scenario.episode), number, game.agents.number)
+    return tuple(choose(policy, game, world, agent, bits[agent]) for agent, policy in enumerate(scenario.policies))
 
 
 def _nothing(game: ir.Game) -> dict[str, Any]:

@@ -1,10 +1,14 @@
 """The verdict on a check: passed, untested, failed or not decided, how that is known, and the trace that shows it."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from sjdsl.compiler import ir
+from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.trajectory import Scenario
 
+Progress = Callable[[str], None]  # is told now and then how far a test is
 How = Literal["decided", "proved", "examples", "episodes", "not decided"]
 
 
@@ -13,12 +17,10 @@ class Verdict:
     """The verdict on one check of a game.
 
     text: as written, on one line; file, line: where. passed: None if it could not be tested.
-    untested: lines that a passed check depends on and that never ran in any trajectory. Then a fault in them would not have been seen.
-    unreached: for an `expect`, those that never ran in its own episodes.
-    how: `decided` when compiled; `proved` without playing; `examples` in random trajectories, and episodes on the game's own map;
-      `episodes` of the scripted policies. reason: the same in words, with confidence bounds. trace: the counterexample, step by step.
+    untested: lines that a passed check depends on and that never ran in random play. Then a fault in them would not have been seen.
+    how: `decided` when compiled; `proved` without playing; `examples` in random play; `episodes` of the policies that an `expect` names.
+    reason: the same in words, with confidence bounds. trace: the counterexample.
     scenario: what leads to the counterexample when it is played on the interpreter, every action written out; None where nothing is played.
-    note: how the check fails on a map that was made for the test; none of that kind was found on the game's own map.
     """
 
     text: str
@@ -29,9 +31,7 @@ class Verdict:
     reason: str
     trace: tuple[str, ...] = ()
     untested: tuple[str, ...] = ()
-    unreached: tuple[str, ...] = ()
     scenario: Scenario | None = None
-    note: "Verdict | None" = None
 
     @property
     def status(self) -> Literal["passed", "untested", "failed", "not decided"]:
@@ -43,14 +43,26 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of a test: random trajectories on small maps, to which the steps of the worlds on the own map are in proportion; whole
-    episodes there at least (0: no worlds); the seed of both.
+    """The effort of a test: how much random play, in units of 10 steps on the interpreter and 655,360 cell updates of the compiled game, and its seed.
 
-    tries: trajectories played to shrink one counterexample. any_map: a counterexample on any map refutes a check.
+    compiled: whether the compiled game is played; it is not where JAX is not installed.
     """
 
     examples: int = 200
-    episodes: int = 10
     seed: int = 0
-    tries: int = 600
-    any_map: bool = False
+    compiled: bool = True
+
+
+def make_verdict(
+    family: GameFamily,
+    node: ir.Node,
+    passed: bool | None,
+    how: How,
+    reason: str,
+    trace: Sequence[str] = (),
+    untested: tuple[str, ...] = (),
+    scenario: Scenario | None = None,
+) -> Verdict:
+    """Returns a verdict on a check, or on a statement, with the file and line where it is written."""
+    file, line = ("", 0) if node.origin is None else (node.origin.file, node.origin.line)
+    return Verdict(family.text_of(node), file, line, passed, how, reason, tuple(trace), untested, scenario)

@@ -1,44 +1,47 @@
 """Verifies every check of a game: decides or proves it statically if possible, and otherwise tests it by play."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of, event_named
 from sjdsl.compiler.lower.scope import NotSupported
-from sjdsl.properties.confidence import least_share, mean_and_half
-from sjdsl.properties.counterexample import describe_episode, names_of
+from sjdsl.properties.counterexample import LARGEST, describe_counterexample, describe_episode, describe_overflow, episode_opening
 from sjdsl.properties.effects import is_untouched
 from sjdsl.properties.engines import Episode, EpisodeRunner
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.intervals import decide
-from sjdsl.properties.monitors import Violation
+from sjdsl.properties.monitors import CONFIDENCE, FLOATS, Violation, least_share
 from sjdsl.properties.monotonicity import decide_monotone
-from sjdsl.properties.scripted_policies import TooLarge
-from sjdsl.properties.search import Progress
+from sjdsl.properties.search import Counterexample, Search
 from sjdsl.properties.sizes import in_all_sizes
-from sjdsl.properties.symmetry import names_agents, one_sided_action, order_of_sending, tells_apart, why_symmetric
-from sjdsl.properties.trajectories import PlayedVerdicts, make_verdict, overflow_verdict, statement_lines
-from sjdsl.properties.verdict import Effort, Verdict
+from sjdsl.properties.statements import leaf_statements, statements_needed_by
+from sjdsl.properties.symmetry import order_of_sending, why_asymmetric, why_symmetric
+from sjdsl.properties.trajectory import Trajectory
+from sjdsl.properties.verdict import Effort, How, Progress, Verdict, make_verdict
+from sjdsl.trace.rules import Rules
 
 
 @dataclass(frozen=True)
 class Report:
-    """The verdicts on a game's checks in the order written, and the lines of statements that never ran in any trajectory.
+    """The verdicts on a game's checks in the order written.
 
-    faults: what is wrong whatever the checks say: a real that leaves float32; notes: the same, on another map than the game's own.
+    steps: of random play; idle: the lines of statements that never ran in it. faults: what is wrong whatever the checks say: a real that leaves float32.
     """
 
     verdicts: tuple[Verdict, ...]
-    trajectories: int
+    steps: int = 0
     idle: tuple[int, ...] = ()
     faults: tuple[Verdict, ...] = ()
-    notes: tuple[Verdict, ...] = ()
 
 
 class Verification:
-    """The verification of one game's checks, each done when it is asked for; play that serves several checks is done once."""
+    """The verification of one game's checks, each done when it is asked for; play that serves several checks is done once.
+
+    has_played: whether random play was needed so far: static verdicts, and an `expect` that its episodes violate, need none.
+    """
 
     def __init__(
         self,
@@ -48,87 +51,110 @@ class Verification:
         progress: Progress = lambda _: None,
     ):
         """`only`: indices among the game's checks; None: all. `progress`: is told how far the play is, a few hundred times."""
-        self.family, self.effort, self._progress = family, effort or Effort(), progress
-        checks = family.own.checks
+        self.family, self._progress, effort = family, progress, effort or Effort()
+        checks, leaves = family.own.checks, leaf_statements(family.own)
         self.numbers = [i for i in range(len(checks)) if only is None or i in only]
-        self._faults: list[Verdict] = []
-        self._static = {i: verdict for i in self.numbers if (verdict := decide_statically(family, i)) is not None}
-        self._played = [i for i in self.numbers if i not in self._static and checks[i].sort != "expect"]
-        self._expectations = dict[int, Verdict]()
-        self._expected = [i for i in self.numbers if i not in self._static and checks[i].sort == "expect"]
+        self._known = {i: verdict for i in self.numbers if (verdict := decide_statically(family, i)) is not None}
+        played = [i for i in self.numbers if i not in self._known]
+        self._needed = {i: statements_needed_by(checks[i], family.own, leaves) for i in played}
+        states = [i for i in played if checks[i].sort != "expect"]
+        self._search, self.has_played = Search(family, states, effort, self._needed, progress), False
+        self._runner, self._faults = EpisodeRunner(family, effort.seed), list[Verdict]()
 
     def verdict(self, number: int) -> Verdict:
         """Returns the verdict on a check. Raises CompileError for a game that cannot be compiled exactly."""
-        if number in self._static:
-            return self._static[number]
-        if number in self._played:
-            return self._verdicts[number]
-        if number not in self._expectations:
-            episodes = self.family.own.checks[number].episodes
-            self._progress(f"{episodes} episodes of `{self.family.text_of(self.family.own.checks[number])}`")
-            verdict, fault = check_expectation(self.family, self._runner, number)
-            self._faults += fault
-            self._expectations[number] = verdict
-        verdict = self._expectations[number]
-        return self._with_untested_lines(number, verdict) if verdict.passed else verdict
-
-    def fail_elsewhere(self) -> set[int]:
-        """Returns the checks without a verdict that fail on another map: the game's own was not searched to the end."""
-        return self._trajectories.fail_elsewhere() - self.decided().keys()
-
-    def _with_untested_lines(self, number: int, verdict: Verdict) -> Verdict:
-        """Returns the verdict on an `expect` with the lines that ran in no trajectory; if all play at random, also in none of its episodes."""
-        untested = self.trajectories.missing(number)
-        unreached = tuple(line for line in verdict.unreached if line not in untested)
-        if any(policy.name != "random" for policy in self.family.own.checks[number].policies):
-            return replace(verdict, untested=untested, unreached=unreached)
-        return replace(verdict, untested=(*untested, *(f"{line}  (in none of its own episodes)" for line in unreached)), unreached=())
+        if number not in self._known:
+            check = self.family.own.checks[number]
+            if check.sort == "expect":
+                self._progress(f"{check.episodes} episodes of `{self.family.text_of(check)}`")
+                verdict = self._expectation(number)
+            else:
+                verdict = self._passed(number) if number not in self._played.found else self._failed(self._played.found[number])
+            self._known[number] = replace(verdict, untested=self._untested(number)) if verdict.passed else verdict
+        return self._known[number]
 
     def decided(self) -> dict[int, Verdict]:
         """Returns the verdicts that are certain by now: after an interruption, what need not be played again."""
-        played: dict[int, Verdict] = self._trajectories.failed() | vars(self).get("_verdicts", {})
-        missed = {i: verdict for i, verdict in self._expectations.items() if not verdict.passed}
-        return self._static | played | missed
+        return self._known | {i: self._failed(found) for i, found in self._search.found.items() if i not in (FLOATS, *self._known)}
 
     def report(self) -> Report:
         """Returns all verdicts."""
         verdicts = tuple(self.verdict(i) for i in self.numbers)
-        played, idle = (self.trajectories.played, self.trajectories.idle()) if self.has_played else (0, ())
-        return Report(verdicts, played, idle, self.faults, self.notes)
+        ran, leaves = self._search.ran, leaf_statements(self.family.own) if self.has_played else ()
+        idle = {leaf.statement.origin.line for leaf in leaves if leaf.statement_id not in ran and leaf.statement.origin is not None}
+        return Report(verdicts, self._search.steps, tuple(sorted(idle)), self.faults)
 
     @property
     def faults(self) -> tuple[Verdict, ...]:
         """What is wrong whatever the checks say, as far as it has come up; at most one."""
-        return tuple([*self._trajectories.faults(), *self._faults][:1])
-
-    @property
-    def notes(self) -> tuple[Verdict, ...]:
-        """A real that leaves float32 on another map than the game's own, if one did; at most one."""
-        return tuple(self._trajectories.notes())
-
-    @property
-    def has_played(self) -> bool:
-        """Whether trajectories were played: static verdicts, and an `expect` that its episodes violate, need none."""
-        return "trajectories" in vars(self)
+        found = self._search.found.get(FLOATS)
+        return tuple([*([] if found is None else [self._failed(found)]), *self._faults][:1])
 
     @cached_property
-    def trajectories(self) -> PlayedVerdicts:
-        """The trajectories, all of them played."""
-        self._trajectories.play()
-        return self._trajectories
+    def _played(self) -> Search:
+        """The search, when all is played."""
+        if self._needed:
+            self.has_played = True
+            self._search.run()
+        return self._search
 
-    @cached_property
-    def _trajectories(self) -> PlayedVerdicts:
-        return PlayedVerdicts(self.family, self.effort, self._played, self._expected, self._progress)
+    def _passed(self, number: int) -> Verdict:
+        check, search = self.family.own.checks[number], self._played
+        never = "; its first condition never held" if check.sort == "once" and number not in search.triggered else ""
+        return make_verdict(self.family, check, True, "examples", f"{search.steps:,} steps of random play{never}")
 
-    @cached_property
-    def _runner(self) -> EpisodeRunner:
-        return EpisodeRunner(self.family, self.effort.seed)
+    def _failed(self, found: Counterexample) -> Verdict:
+        trace, scenario = describe_counterexample(self.family, found), found.scenario
+        if found.number == FLOATS:
+            return replace(self._overflow(found.trajectory, "examples"), trace=tuple(trace), scenario=scenario)
+        said = f"fails after step {found.where.at - 1}" if found.where.at else "fails at the start"
+        return make_verdict(self.family, self.family.own.checks[found.number], False, "examples", said, trace, scenario=scenario)
 
-    @cached_property
-    def _verdicts(self) -> dict[int, Verdict]:
-        """The verdicts on the checks about every trajectory."""
-        return {i: self.trajectories.passed(i) for i in self._played} | self.trajectories.failed()
+    def _overflow(self, trajectory: Trajectory, how: How) -> Verdict:
+        """Returns the verdict on a real that leaves float32 at the end of a trajectory."""
+        assert trajectory.left is not None
+        said = f"in step {trajectory.left.before}" if trajectory.worlds else "in phase start"
+        return make_verdict(self.family, trajectory.left.node, False, how, f"a real leaves float32, which ends at {LARGEST}, {said}")
+
+    def _untested(self, number: int) -> tuple[str, ...]:
+        """Returns the lines that a check depends on and that never ran, with their text; in which use, if their phase is used several times."""
+        check, rules, leaves = self.family.own.checks[number], Rules(self.family.composition.sources), leaf_statements(self.family.own)
+        uses, never = Counter(leaf.statement_id[1:] for leaf in leaves), self._needed[number] - self._played.ran
+        lines = [
+            f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}"
+            + f"  (in {leaf.statement_id[0]})" * (uses[leaf.statement_id[1:]] > 1)
+            for leaf in leaves
+            if leaf.statement_id in never
+        ]
+        if check.sort == "once" and number not in self._played.triggered:
+            lines.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
+        return tuple(dict.fromkeys(lines))
+
+    def _expectation(self, number: int) -> Verdict:
+        """Returns the verdict on an `expect`, whose condition must hold at the end of every one of its episodes."""
+        family, check, runner = self.family, self.family.own.checks[number], self._runner
+        try:
+            episodes = runner.play(check.policies, 0, check.episodes)
+        except NotSupported as error:
+            return make_verdict(family, check, None, "not decided", f"the compiled game cannot play this yet: {error}")
+        if (gone := next((e for e in episodes if e.left is not None), None)) is not None:
+            trajectory = runner.overflow(gone)
+            told, scenario = (
+                [episode_opening(family, gone, check.policies), *describe_overflow(family, trajectory)],
+                runner.written_out(gone, len(gone.actions)),
+            )
+            self._faults.append(replace(self._overflow(trajectory, "episodes"), trace=tuple(told), scenario=scenario))
+            return make_verdict(family, check, None, "not decided", "its episodes cannot be judged: a real leaves float32")
+        missed, many = [e for e in episodes if not e.values[number][-1][0]], len(episodes)
+        share = "" if missed else f" (at least {100 * least_share(many):.1f}% of all, with {CONFIDENCE:.0%} confidence)"
+        said = "; ".join([f"{many - len(missed)} of {many} episodes{share}", *_means(check, episodes, family.own)])
+        if not missed:
+            return make_verdict(family, check, True, "episodes", said)
+        values = [value for (value,) in missed[0].values[number]]
+        held = [t for t, value in enumerate(values) if value]
+        where = Violation(max(held) + 1) if held else Violation(len(values) - 1)
+        trace = describe_episode(family, runner, missed[0], check.policies, number, where)
+        return make_verdict(family, check, False, "episodes", said, trace, scenario=runner.written_out(missed[0], where.at))
 
 
 def verify_properties(family: GameFamily, effort: Effort | None = None, only: Collection[int] | None = None) -> Report:
@@ -144,9 +170,7 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
             return make_verdict(
                 family, check, True, "decided", "it holds for the parameters of the file; others are checked when they are set"
             )
-        case "symmetric" if one_sided_action(check, game):
-            return make_verdict(family, check, False, "decided", one_sided_action(check, game))
-        case "symmetric" if not tells_apart(check, game) and not (names_agents(game) and tells_apart(check, family.crowded)):
+        case "symmetric":
             return _symmetric(family, check)
         case "always" | "once" if _in_all_sizes(family, number, lambda game: bool(decide(game.checks[number].values[-1]))):
             return make_verdict(family, check, True, "proved", "the ranges of the values it reads imply it")
@@ -167,7 +191,9 @@ def _in_all_sizes(family: GameFamily, number: int, proves: Callable[[ir.Game], b
 
 
 def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
-    """Returns the verdict on a symmetry that no rule of a step breaks: it is proved unless who is sent first takes cells from the others."""
+    """Returns the verdict on a symmetry: it is proved if no rule of a step reads a number, unless who is sent first takes cells from the others."""
+    if told := why_asymmetric(check, family.crowded):
+        return make_verdict(family, check, False, "decided", told)
     because, (chosen, crowded) = why_symmetric(check, family.own), order_of_sending(check, family.own)
     if chosen:
         but = f"in line {chosen[0].span.line} some cells suit only some agents, and lower-numbered agents choose first: the effect of this is not tested"
@@ -176,49 +202,11 @@ def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
     return make_verdict(family, check, True, "proved", because + but)
 
 
-def _overflow(family: GameFamily, runner: EpisodeRunner, episodes: Sequence[Episode], policies: Sequence[ir.Policy]) -> list[Verdict]:
-    """Returns the verdict on the first episode in which a real leaves float32, if any."""
-    episode = next((e for e in episodes if e.left is not None), None)
-    if episode is None:
-        return []
-    opening = f"episode {episode.number} on the game's own map, the agents in turn: {names_of(family, policies)}"
-    scenario = runner.written_out(policies, episode, len(episode.actions))
-    return [overflow_verdict(family, runner.overflow(episode, policies), "episodes", [opening], scenario)]
-
-
-def check_expectation(family: GameFamily, runner: EpisodeRunner, number: int) -> tuple[Verdict, list[Verdict]]:
-    """Returns the verdict on an `expect`, whose condition must hold at the end of every one of its episodes; and what else is wrong in them."""
-    check = family.own.checks[number]
-    try:
-        episodes = runner.play(check.policies, 0, check.episodes)
-    except (NotSupported, TooLarge) as error:
-        return make_verdict(family, check, None, "not decided", f"the compiled game cannot play this yet: {error}"), []
-    fault = _overflow(family, runner, episodes, check.policies)
-    if fault:
-        return make_verdict(family, check, None, "not decided", "its episodes cannot be judged: a real leaves float32"), fault
-    missed = [e for e in episodes if not e.values[number][-1][0]]
-    figures = _figures(check, episodes, family.own)
-    if not missed:
-        share = (
-            f"{len(episodes)} of {len(episodes)} episodes (at least {100 * least_share(len(episodes)):.1f}% of all, with 95% confidence)"
-        )
-        ran = frozenset().union(*(episode.ran for episode in episodes))
-        verdict = make_verdict(family, check, True, "episodes", "; ".join([share, *figures]))
-        return replace(verdict, unreached=tuple(statement_lines(family, runner.counted_for(number) - ran))), []
-    said = "; ".join([f"{len(episodes) - len(missed)} of {len(episodes)} episodes", *figures])
-    values = [value for (value,) in missed[0].values[number]]
-    held = [t for t, value in enumerate(values) if value]
-    where = Violation(max(held) + 1) if held else Violation(len(values) - 1)
-    trace = describe_episode(family, runner, missed[0], check.policies, number, where)
-    return make_verdict(family, check, False, "episodes", said, trace, runner.written_out(check.policies, missed[0], where.at)), []
-
-
-def _figures(check: ir.Check, episodes: list[Episode], game: ir.Game) -> list[str]:
-    """Returns the means of the events that a check reads, with half of their 95% confidence intervals."""
+def _means(check: ir.Check, episodes: list[Episode], game: ir.Game) -> list[str]:
+    """Returns the means over episodes of the events that a check reads."""
     found = []
-    for total in dict.fromkeys((n.name, n.word) for n in ir.walk(check) if isinstance(n, ir.EventTotal)):
-        name, word = total
+    for name, word in dict.fromkeys((n.name, n.word) for n in ir.walk(check) if isinstance(n, ir.EventTotal)):
         words = [word] if word else [word for word, _ in counts_of(event_named(game, name))]
-        mean, half = mean_and_half([float(sum(e.totals[name, w] for w in words)) for e in episodes])
-        found.append(f"{name}{f'[{word}]' if word else ''} {mean:.4g} ± {half:.2g}")
+        mean = sum(e.totals[name, w] for e in episodes for w in words) / len(episodes)
+        found.append(f"{name}{f'[{word}]' if word else ''} {mean:.4g} on average")
     return found

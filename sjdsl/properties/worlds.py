@@ -4,8 +4,7 @@ An archive keeps a world for each summary of a state. Some of the worlds play wh
 often where a summary was seldom seen. Source of that: Ecoffet et al., "First return, then explore", Nature 590, 2021.
 """
 
-from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
 from typing import Any, NamedTuple, cast
@@ -17,18 +16,15 @@ from jax import Array
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of, param_attribute
-from sjdsl.compiler.ir.queries import body_sorts, counts_of, kinds_by_glyph
-from sjdsl.library.factory import load_module
-from sjdsl.properties.biased_draws import BIASES, RESET, STEP, Bias
-from sjdsl.properties.compiled_values import lower_checks, with_totals
-from sjdsl.properties.episodes import derived_key, is_finite, read_totals
-from sjdsl.properties.instances import GameFamily, Sizes
-from sjdsl.properties.monitors import DRIFT, REAL
-from sjdsl.properties.random_starts import random_params
-from sjdsl.properties.search import FLOATS, MOVES, Progress
-from sjdsl.properties.statements import StatementId, count_statements, leaf_statements
+from sjdsl.compiler.ir.queries import body_sorts, kinds_by_glyph
+from sjdsl.properties.biased_draws import BIASES, Bias
+from sjdsl.properties.compiled_play import CompiledPlay, episode_keys
+from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.monitors import DRIFT, FLOATS, REAL
+from sjdsl.properties.random_play import MOVES, random_params
+from sjdsl.properties.statements import StatementId
 from sjdsl.properties.trajectory import Scenario
-from sjdsl.properties.verdict import Effort
+from sjdsl.properties.verdict import Effort, Progress
 
 WORK = 2**19 + 2**17  # cells of the map times steps, of all worlds together, for each trajectory that is asked for
 SMALL = 32  # cells; a smaller map takes as long
@@ -38,18 +34,12 @@ WHOLE = 4  # one in so many worlds plays whole episodes
 UNFAIR = 0.5  # how often the draws of a segment may be biased
 QUIET = 0.2  # how often all agents of a world only move for STEPS steps; in half of the whole episodes they always do
 STEPS = 4  # of every world between two looks at what happened
-SHOWN = 3  # times that it is shown what leads to a statement
 KEPT = 4  # times as many worlds in the archive as are played at once
 AGES = 8  # parts of an episode that a summary tells apart
 SETS = 32  # of parameters for the worlds that begin together; the first half are the file's
 HABITS = (0.0, 0.5, 0.9)  # how often an agent repeats its habitual action for STEPS steps
 ALIKE = 0.1  # how often all agents of a world do the same
-MANY = 3  # more runs of a statement in STEPS steps than this are not told apart
 COUNTED = 8  # values of a small field, or entries of a small table, that a summary tells apart
-BIASED = """
-from sjdsl.properties.biased_draws import biased
-{names} = {biased}
-"""
 
 
 class Worlds(NamedTuple):
@@ -81,54 +71,46 @@ class Segment(NamedTuple):
 class WorldSearch:
     """Looks for violations of checks about states, by their index among the game's checks, and of the range of float32.
 
-    game: an instance on the family's own map; sizes: those that differ from the file's.
-    steps: taken so far, by all worlds; ran: how often each statement ran, of those that can be counted; triggers: how often the first
-    condition of each `once` came to hold.
+    steps: taken so far, by all worlds; ran: the statements that ran, of those that can be counted; triggered: each `once` whose first
+    condition has held.
     """
 
     family: GameFamily
-    game: ir.Game
-    sizes: Sizes
     numbers: Sequence[int]
     effort: Effort
     progress: Progress
     steps: int = 0
-    ran: Counter[StatementId] = field(default_factory=Counter)
-    triggers: Counter[int] = field(default_factory=Counter)
+    ran: set[StatementId] = field(default_factory=set)
+    triggered: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        game = self.game
+        game = self.family.own
         self._checks = [game.checks[number] for number in self.numbers]
         self._left = {FLOATS, *self.numbers}
-        self._program = Program(self.family, game, self._checks)
+        self._program = Program(self.family, self._checks)
         cells = max(SMALL, len(game.rows) * len(game.rows[0]))
         self.worlds = max(LEAST, min(MOST, 2 ** ((AT_ONCE // cells).bit_length() - 1)))
         self._segments = max(self.effort.examples * WORK // (cells * self.worlds), self._program.length) // STEPS + 1
         self._random, self._rng = Random(self.effort.seed), np.random.default_rng(self.effort.seed)
         self._sets: list[tuple[tuple[str, Any], ...]] = []
         self._past: list[Segment] = []
-        self._begun, self._shown = 0, Counter[StatementId]()
+        self._begun = 0
 
-    def run(self, is_enough: Callable[[Collection[StatementId]], bool]) -> Iterator[tuple[int | None, Scenario]]:
-        """Yields each check with what leads to a violation of it, and for None what leads to a statement: to be played on the interpreter.
+    def run(self, is_enough: Callable[[set[StatementId]], bool]) -> Iterator[tuple[int, Scenario]]:
+        """Yields each check that is violated with what leads to that.
 
         It ends when all work is done, or all checks are violated and it `is_enough` that these statements have run.
         """
         rng, whole = self._rng, self.worlds // WHOLE
         worlds, spare, archive = self._begin(), np.arange(0), Archive(KEPT * self.worlds)
         for number in range(self._segments):
-            self.progress(f"{self.steps} steps on the game's own map")
+            self.progress(f"{self.steps} steps of random play")
             bias = self._bias(worlds.episode, whole)
             actions = self._actions((rng.random(self.worlds) < QUIET) | (np.arange(self.worlds) < whole) & (worlds.episode // 8 % 2 == 1))
             played = self._program.play(worlds, bias, self.effort.seed, actions)
             self._past.append(Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16)))
             self.steps += self.worlds * STEPS
-            for i, times in enumerate(played.ran.sum(0, dtype=np.int64).tolist()):
-                statement = self._program.statements[i]
-                self.ran[statement] += times
-                if times and self._shown[statement] < SHOWN:
-                    self._shown[statement] += 1
-                    yield None, self._scenario(worlds, number, int(played.ran[:, i].argmax()), STEPS)
+            self.ran |= {self._program.statements[i] for i in np.flatnonzero(played.ran.any(0))}
             wrong, triggered = self._wrong(worlds, played)
             for check, bad in wrong:
                 if check in self._left and bad.any():
@@ -152,7 +134,7 @@ class WorldSearch:
 
     def _begin(self) -> Worlds:
         """Returns worlds at the start of episodes."""
-        sets = [() if i < SETS // 2 else random_params(self.game, self._random) for i in range(SETS)]
+        sets = [() if i < SETS // 2 else random_params(self.family.own, self._random) for i in range(SETS)]
         given = len(self._sets) + np.arange(self.worlds) % SETS
         self._sets += sets
         episode = self._begun + np.arange(self.worlds)
@@ -167,7 +149,7 @@ class WorldSearch:
 
     def _actions(self, quiet: np.ndarray) -> np.ndarray:
         """Returns random actions, `[B, STEPS, N]` int32: some worlds have agents with habits, in some all do the same. quiet: only moves."""
-        rng, shape, names = self._rng, (self.worlds, STEPS, self._program.agents), self.game.agents.actions
+        rng, shape, names = self._rng, (self.worlds, STEPS, self._program.agents), self.family.own.agents.actions
         moves = np.array([action for action, name in enumerate(names) if name in MOVES])
         any_action, habit = (
             np.where(quiet[:, None, None], rng.choice(moves, size), rng.integers(0, len(names), size))
@@ -191,7 +173,7 @@ class WorldSearch:
                     bad = ~np.isclose(values, first, DRIFT, DRIFT)[:, :, 0]
                 case "once":
                     holds = np.logical_or.accumulate(live & (values[:, :, 0] != 0), 1) | triggered[:, i, None]
-                    self.triggers[number] += int((holds[:, -1] & ~triggered[:, i]).sum())
+                    self.triggered |= {number} if holds.any() else set()
                     triggered[:, i], bad = holds[:, -1], holds & (values[:, :, 1] == 0)
                 case _:
                     bad = _turns(np.concatenate([first, values], 1), check.words[0] == "rising")
@@ -207,10 +189,8 @@ class WorldSearch:
             past = [(BIASES[one.bias[i]], tuple(actions)) for actions in one.actions[i].tolist()] + past
             node = int(one.before[i])
         past = past[: len(past) - STEPS + steps]
-        number = self._program.agents
         bias, actions = tuple(bias for bias, _ in past), tuple(actions for _, actions in past)
-        params, episode = self._sets[worlds.given[world]], int(worlds.episode[world])
-        return Scenario(self.game.rows, number, params, self.effort.seed, bias, actions, (None,) * number, episode, self.sizes)
+        return Scenario(self.effort.seed, int(worlds.episode[world]), self._sets[worlds.given[world]], bias, actions)
 
 
 class Archive:
@@ -253,8 +233,8 @@ class Played(NamedTuple):
     """What a segment leads to.
 
     state, totals: the last ones; over `[B]`: whether the episode has ended. values `[B, STEPS, K]`, was_over and finite `[B, STEPS]`: of
-    each step, whether the episode had ended before, and whether all its numbers are finite. ran `[B, S]`: how often each statement ran, up
-    to MANY times. summary `[B]` uint32: of the last state and of what ran.
+    each step, whether the episode had ended before, and whether all its numbers are finite. ran `[B, S]`: whether each statement ran.
+    summary `[B]` uint32: of the last state and of what ran.
     """
 
     state: Any
@@ -268,25 +248,20 @@ class Played(NamedTuple):
 
 
 class Program:
-    """The compiled game with biased draws and counted statements, and the values of checks."""
+    """The compiled game, for worlds side by side."""
 
-    def __init__(self, family: GameFamily, game: ir.Game, checks: Sequence[ir.Check]):
-        counted = count_statements(game, {leaf.statement_id for leaf in leaf_statements(game)})
-        self._env = family.compiled(counted.game)
-        self._game, self._counted = counted.game, counted
-        self._module: Any = _with_bias(self._env.module)
-        self._lowered = lower_checks(self._game, [e for check in checks for e in check.values], [])
-        self._events = [(event.name, *count) for event in self._game.events for count in counts_of(event)]
-        self._checks = len(checks)
-        self.statements = list(counted.events.values())
-        self.agents, self.length = self._env.num_agents, self._env.episode_length
+    def __init__(self, family: GameFamily, checks: Sequence[ir.Check]):
+        self._play, self._game, self._checks = CompiledPlay(family, checks), family.own, len(checks)
+        env = self._play.env
+        self.statements, self._module = list(self._play.counted.values()), self._play.module
+        self.agents, self.length = env.num_agents, env.episode_length
         self._kinds = self._kind_of_place()
-        self._segment = jax.jit(jax.vmap(self._play))
-        self._start = jax.jit(jax.vmap(self._reset))
+        self._segment = jax.jit(jax.vmap(self._played))
+        self._start = jax.jit(jax.vmap(self._play.begin))
 
     def begin(self, sets: Sequence[tuple[tuple[str, Any], ...]], given: np.ndarray, episode: np.ndarray, seed: int) -> Worlds:
         """Returns the first states of some episodes, with these parameters."""
-        own = self._env.params
+        own = self._play.env.params
         names = {p.name: param_attribute(p.name) for p in self._game.params}
         types = {p.name: p.type for p in self._game.params}
         different = [{names[n]: _stored(value, types[n]) for n, value in one} for one in sets]
@@ -294,47 +269,25 @@ class Program:
             name: [np.asarray(one.get(name, getattr(own, name)), getattr(own, name).dtype) for one in different] for name in names.values()
         }
         params = replace(own, **{name: np.stack(value) for name, value in values.items()})
-        state, totals, first = jax.tree.map(np.array, self._start(params, _keys(seed, episode)))
+        state, totals, first = jax.tree.map(np.array, self._start(params, episode_keys(seed, episode)))
         triggered = np.zeros((len(episode), self._checks), np.bool_)
         return Worlds(state, totals, params, first, triggered, given, episode, np.full(len(episode), -1))
 
     def play(self, worlds: Worlds, bias: np.ndarray, seed: int, actions: np.ndarray) -> Played:
         """Plays STEPS steps of each world."""
-        played = self._segment(worlds.state, worlds.totals, worlds.params, _keys(seed, worlds.episode), bias, actions)
+        played = self._segment(worlds.state, worlds.totals, worlds.params, episode_keys(seed, worlds.episode), bias, actions)
         return Played(*jax.tree.map(np.array, played))
 
-    def _reset(self, params: Any, key: Array) -> tuple[Any, dict[str, Array], Array]:
-        state = self._module.reset(params, jnp.append(derived_key(key, RESET, jnp.int32(0)), jnp.uint32(0)))
-        totals = {name: jnp.int32(0) for *_, name in self._events}
-        return state, totals, self._values(state, totals, state, totals, params)
-
-    def _values(self, state: Any, totals: Any, before: Any, earlier: Any, params: Any) -> Array:
-        lowered = self._lowered
-        known = read_totals(lowered.totals, totals, self._game) | read_totals(lowered.earlier, earlier, self._game)
-        found: Array = lowered.values(state, with_totals(params, known), before)
-        return found
-
-    def _play(self, state: Any, totals: dict[str, Array], params: Any, key: Array, bias: Array, actions: Array) -> tuple[Any, ...]:
-        module, counted_events = self._module, list(self._counted.events)
-
+    def _played(self, state: Any, totals: dict[str, Array], params: Any, key: Array, bias: Array, actions: Array) -> tuple[Any, ...]:
         def advance(carry: Any, chosen: Array) -> Any:
             before, earlier, over = carry
-            words = jnp.append(derived_key(key, STEP, before.step), bias)
-            after, out = module.step(before, chosen, params, words)
-            after = after.replace(step=after.step + 1)
-            counts = ((name, getattr(out, attribute), entry) for name, attribute, entry in module.EVENTS)
-            events = {name: jnp.sum(count if entry is None else count[..., entry]) for name, count, entry in counts}
-            counted = {name: earlier[name] + events[name] for *_, name in self._events}
-            values = self._values(after, counted, before, earlier, params)
-            finite = is_finite((after, out.reward, values))
-            done = over | out.ended | (after.step >= module.episode_length(params))
-            ran = jnp.array([events[name] for name in counted_events], jnp.int32) * ~over
-            after, counted = jax.tree.map(lambda old, new: jnp.where(over, old, new), (before, earlier), (after, counted))
-            return (after, counted, done), (values, over, finite, ran)
+            after = self._play.step(before, earlier, params, key, bias, chosen)
+            ran = jnp.array([after.events[name] > 0 for name in self._play.counted], bool) & ~over
+            state, totals = jax.tree.map(lambda old, new: jnp.where(over, old, new), (before, earlier), (after.state, after.totals))
+            return (state, totals, over | after.over), (after.values, over, after.finite, ran)
 
         (state, totals, over), (values, was_over, finite, ran) = jax.lax.scan(advance, (state, totals, jnp.bool_(False)), actions)
-        ran = jnp.minimum(ran.sum(0), MANY)
-        return state, totals, over, values, was_over, finite, ran.astype(jnp.uint8), self._summary(state, values[-1], ran, params)
+        return state, totals, over, values, was_over, finite, ran.any(0), self._summary(state, values[-1], ran.any(0), params)
 
     def _summary(self, state: Any, values: Array, ran: Array, params: Any) -> Array:
         """Returns a hash of a state: its fields, the kinds on which agents and movers are, what checks read, the part of the episode; and of what ran."""
@@ -344,7 +297,7 @@ class Program:
             "step"
         }
         age = state.step * AGES // jnp.maximum(1, self._module.episode_length(params))
-        parts = [age, _some(jnp.where(jnp.isfinite(values), values, 0)), jnp.minimum(ran, 1)]
+        parts = [age, _some(jnp.where(jnp.isfinite(values), values, 0)), ran]
         for name in state.__dataclass_fields__:
             if name not in left_out and not name.startswith("mark_"):
                 held = getattr(state, name)
@@ -356,25 +309,13 @@ class Program:
 
     def _kind_of_place(self) -> Array:
         """Returns a number for the kind of each cell of the map with its frame; 0: none, where those are who are away."""
-        game, module = self._game, self._env.module
+        game, module = self._game, self._play.env.module
         of_glyph, names = kinds_by_glyph(game), [kind.name for kind in game.kinds]
         framed = np.zeros(module.FRAME, np.int32)
         for r, row in enumerate(game.rows):
             for c, glyph in enumerate(row):
                 framed[r + module.PAD, c + module.PAD] = 1 + names.index(of_glyph[glyph])
         return jnp.asarray(framed.reshape(-1))
-
-
-def _with_bias(module: Any) -> Any:
-    """Returns a generated module in which a key has a third word, the bias of the draws, by its place in BIASES."""
-    _, (text, file, name) = module.__reduce__()
-    names = [n for n in ("random_bits", "random_bits_at") if hasattr(module, n)]
-    more = BIASED.format(names=", ".join(names), biased=", ".join(f"biased({n})" for n in names)) if names else ""
-    return load_module(text + more, f"{file}, with biased draws", name)
-
-
-def _keys(seed: int, episode: np.ndarray) -> np.ndarray:
-    return np.stack([np.full(len(episode), seed & 0xFFFFFFFF), episode], 1).astype(np.uint32)
 
 
 def _stored(value: Any, type_: ir.Type) -> Any:

@@ -78,14 +78,12 @@ class Label:
 
 
 def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
-    """Writes the name of each line right of the plot, at the height of its end, or as near to it as no other name is.
-
-    Called when the range of the axes is known.
-    """
+    """Writes the name of each line right of the plot, at the height of its end, or as near to it as no other name is."""
     labels = sorted((label for label in labels if label.text and np.isfinite(label.at)), key=lambda label: label.at)
     if not labels:
         return
     texts = [fill(label.text, LABEL) for label in labels]
+    axes.get_ylim()  # transLimits doesn't bring limits that follow the data up to date
     ends = axes.transLimits.transform([(0, axes.transScale.transform((1, label.at))[1]) for label in labels])[:, 1]
     style: Any = {"xycoords": "axes fraction", "va": "center", "fontsize": "small", "linespacing": 1.0, "annotation_clip": False}
     for label, text, place in zip(labels, texts, apart(list(ends), [_LINE * (text.count("\n") + 1) for text in texts]), strict=True):

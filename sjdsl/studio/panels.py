@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-from sjdsl.compiler import compile_build
+from sjdsl.compiler import compile_build, ir
 from sjdsl.compiler.ir.queries import kind_named
 from sjdsl.doc import read_written, report, rule_sheet
 from sjdsl.interpreter.board import board_of
@@ -141,24 +141,16 @@ def checks_panel(opened: Opened) -> dict[str, Any]:
     """Returns the verdict on each check of the game as its text has it, with a counterexample in words and as what leads to it."""
     family = GameFamily(opened.source, opened.composition.chosen)
     found = verify_properties(family)
-    verdicts = [_verdict(verdict, opened) for verdict in (*found.verdicts, *found.faults)]
-    return {"trajectories": found.trajectories, "verdicts": verdicts + [_note(note, opened) for note in found.notes]}
+    return {"verdicts": [_verdict(verdict, opened, family.own) for verdict in (*found.verdicts, *found.faults)]}
 
 
-def _verdict(verdict: Verdict, opened: Opened) -> dict[str, Any]:
+def _verdict(verdict: Verdict, opened: Opened, game: ir.Game) -> dict[str, Any]:
     return {
         "text": verdict.text,
         "line": verdict.line if verdict.file == opened.source.name else None,
         "status": verdict.status,
         "reason": verdict.reason,
         "untested": list(verdict.untested),
-        "unreached": list(verdict.unreached),
         "trace": list(verdict.trace),
-        "scenario": None if verdict.scenario is None else as_json(verdict.scenario),
-        "note": None if verdict.note is None else _note(verdict.note, opened),
+        "scenario": None if verdict.scenario is None else as_json(verdict.scenario, game),
     }
-
-
-def _note(note: Verdict, opened: Opened) -> dict[str, Any]:
-    """Returns what is wrong on another map only."""
-    return _verdict(note, opened) | {"status": "note", "reason": f"{note.reason} on another map"}

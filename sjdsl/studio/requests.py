@@ -100,13 +100,11 @@ class Write(Request):
 
 
 class Replay(Request):
-    """Shows the counterexample to a check, as its verdict has it: a map, params and sizes that differ from the file's, and all actions."""
+    """Shows the counterexample to a check, as its verdict has it: the map it was found on, params that differ from the file's, all actions."""
 
     do: Literal["replay"]
     rows: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(min_length=1, max_length=500)]
-    agents: Annotated[int, Field(ge=1, le=1000)]
     params: Annotated[tuple[tuple[NAME, Any], ...], Field(max_length=1000)] = ()
-    sizes: Annotated[tuple[tuple[NAME, Any], ...], Field(max_length=1000)] = ()
     seed: Annotated[int, Field(ge=0, lt=2**32)]
     episode: Annotated[int, Field(ge=0, lt=2**32)] = 0
     bias: Annotated[tuple[Bias, ...], Field(max_length=LONGEST)] = ()

@@ -1,6 +1,4 @@
-"""The actions of a trace: drawn at random, or given step by step."""
-
-from pathlib import Path
+"""The actions of a trace: drawn at random, given step by step, or those of a policy."""
 
 from sjdsl.compiler import ir
 from sjdsl.library.action_names import split_actions
@@ -15,19 +13,15 @@ def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Choose, i
     """Returns what the agents do, and for how many steps if that is written down.
 
     Args:
-      text: `random`, a file, or the steps themselves: a line or a part up to `;` for each step, in it an action for each agent, or
-        one for all of them; a single one counts for every step.
+      text: `random`, or the steps: a part up to `;` for each, with an action for each agent or one for all; a single step is repeated.
     Raises ValueError: an unknown action, not one for each agent, fewer steps than asked for.
     """
     if text == RANDOM:
         return random_actions(game), None
-    path = Path(text)
-    is_file = path.is_file()
-    written = path.read_text("utf-8").splitlines() if is_file else text.split(";")
-    lines = [words for words in (list(filter(None, split_actions(line.partition("#")[0], r"[,\s]+"))) for line in written) if words]
+    lines = [words for words in (list(filter(None, split_actions(line, r"[,\s]+"))) for line in text.split(";")) if words]
     if not lines:
         raise ValueError(f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}")
-    taken = [_step(words, number, game, "" if is_file or len(words) > 1 else text) for number, words in enumerate(lines, 1)]
+    taken = [_step(words, number, game) for number, words in enumerate(lines, 1)]
     if len(taken) == 1:
         return lambda _number, _key, _world: taken[0], None
     if steps is not None and steps > len(taken):
@@ -46,12 +40,11 @@ def policy_actions(name: str, game: ir.Game, seed: int) -> Choose:
     return lambda number, _key, world: scripted(number, world)
 
 
-def _step(words: list[str], number: int, game: ir.Game, maybe_file: str) -> list[int]:
+def _step(words: list[str], number: int, game: ir.Game) -> list[int]:
     names, agents = game.agents.actions, game.agents.number
     for word in words:
         if word not in names:
-            beside = f", and no file `{maybe_file}`" if maybe_file else f" (step {number})"
-            raise ValueError(f"there is no action `{word}`{beside}{meant(word, names, 'the game has')}")
+            raise ValueError(f"there is no action `{word}` (step {number}){meant(word, names, 'the game has')}")
     if len(words) not in (1, agents):
         raise ValueError(f"step {number} has {len(words)} actions; write one for each of the {agents} agents, or one for all")
     return [names.index(word) for word in words] * (agents if len(words) == 1 else 1)

@@ -17,13 +17,14 @@ from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot, winners
 
 Sort = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]
+Purpose = Literal["which cell", "which heading", "which way"]
 RandomNumbers = Mapping[tuple[int, int], int]  # (stream, number) -> 32 random bits
 
 
 class Used(NamedTuple):
-    """A random number that decided where an agent or a mover went: which cell, which heading, which way, who of several."""
+    """A random number that decided where an agent or a mover went: which cell, which heading, which way."""
 
-    purpose: Literal["who comes first", "which cell", "which heading", "which way"]
+    purpose: Purpose
     stream: int
     number: int
     bits: int
@@ -54,12 +55,6 @@ def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[E
     found = [*_fields(account, board), *_agents(account, board, numbers), *_said(account, board)]
     order = {id(done): number for number, done in enumerate(account.done)}
     return sorted(found, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
-
-
-def without_effect(account: Account, effects: Sequence[Effect]) -> list[Done]:
-    """Returns the statements that happened and changed nothing."""
-    busy = {id(done) for effect in effects for done in (*effect.by, *effect.lost)}
-    return [done for done in account.done if id(done) not in busy]
 
 
 # ---- fields
@@ -153,26 +148,22 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
 
 
 def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:
-    place, agent = where_is(body, account.after), number_of(body)
-    several = len(herd_of(body, account.after).position)
     for statement in (done.statement for done in by):
-        if isinstance(statement, ir.Shift) and sort == "place" and (at := (statement.stream, agent)) in numbers:
-            yield Used("who comes first", *at, numbers[at])
-        if isinstance(statement, ir.Shift) and sort == "heading" and (at := (statement.heading_stream or 0, agent)) in numbers:
-            yield Used("which heading", *at, numbers[at])
-        if isinstance(statement, ir.Move) and sort == "place":
-            own = ((stream, n) for stream, n in numbers if stream == statement.stream and n % several == agent)
-            yield from (Used("who comes first", *at, numbers[at]) for at in own)
-            if isinstance(statement.course, ir.Wander) and (at := (statement.course.stream, agent)) in numbers:
-                yield Used("which way", *at, numbers[at])
-        if not isinstance(statement, ir.Send) or place is None:
+        purpose: Purpose
+        match sort, statement:
+            case "heading", ir.Shift() | ir.Send():
+                purpose, stream = "which heading", statement.heading_stream
+            case "place", ir.Send():
+                purpose, stream = "which cell", statement.order_stream
+            case "place", ir.Move(course=ir.Wander(stream=stream)):
+                purpose = "which way"
+            case _:
+                continue
+        if where_is(body, account.after) is None or stream is None:
             continue
-        order, heading = statement.order_stream, statement.heading_stream
-        if isinstance(account.turn, ir.Tick):
-            order, heading = return_stream(order), return_stream(heading)
-        at = (order if sort == "place" else heading, agent)
-        if sort in ("place", "heading") and at in numbers:
-            yield Used("which cell" if sort == "place" else "which heading", *at, numbers[at])
+        at = (return_stream(stream) if isinstance(account.turn, ir.Tick) else stream, number_of(body))
+        if at in numbers:
+            yield Used(purpose, *at, numbers[at])
 
 
 # ---- rewards, events, marks, ends

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.account import Account, Done, Drawn, Tell
+from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.trace.effects import Effect, effects_of, without_effect
+from sjdsl.trace.effects import Effect, effects_of
 from sjdsl.trace.jax_random import Key, RecordedDraws, key_of, random_numbers, split
 
 Choose = Callable[[int, Key, World], list[int]]  # number of the step in the trace, a key for it, state -> an action for each agent
@@ -20,17 +20,10 @@ Choose = Callable[[int, Key, World], list[int]]  # number of the step in the tra
 
 @dataclass(frozen=True)
 class Told:
-    """One turn of the schedule, or the phase `start`.
-
-    idle: statements that happened and changed nothing. failed: draws after which nothing happened. never: statements that write
-      and did not happen at all. account: what all of it is told from.
-    """
+    """One turn of the schedule, or the phase `start`. account: what its effects are told from."""
 
     label: str
     effects: tuple[Effect, ...]
-    idle: tuple[Done, ...]
-    failed: tuple[Drawn, ...]
-    never: tuple[ir.Stmt, ...]
     account: Account
 
 
@@ -98,14 +91,5 @@ def _listener(told: list[Told], board: Board, recorded: RecordedDraws) -> Tell:
 
 def tell_of(account: Account, board: Board, numbers: Mapping[tuple[int, int], int]) -> Told:
     """Returns what there is to tell of one turn. `numbers`: the random numbers taken in it."""
-    effects = effects_of(account, board, numbers)
-    happened = {id(done.statement) for done in account.done}
-    writing = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Shift, ir.Remove, ir.Move, ir.Mark, ir.End)
-    return Told(
-        label=account.turn.label if isinstance(account.turn, ir.Phase) else "tick",
-        effects=tuple(effects),
-        idle=tuple(without_effect(account, effects)),
-        failed=tuple(drawn for drawn in account.drawn if drawn.result is None or drawn.result is False),
-        never=tuple(s for s in ir.walk(account.turn) if isinstance(s, writing) and id(s) not in happened),
-        account=account,
-    )
+    label = account.turn.label if isinstance(account.turn, ir.Phase) else "tick"
+    return Told(label, tuple(effects_of(account, board, numbers)), account)

@@ -4,7 +4,6 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.render.letters import Letters, draw, make_letters
 from sjdsl.trace.effects import Effect
@@ -18,21 +17,19 @@ RULE, EFFECT, REASON = "  ", " " * 4, " " * 6
 
 @dataclass(frozen=True)
 class Teller:
-    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty; everything, verbose: as with `--all`, `--verbose`."""
+    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty."""
 
     board: Board
     rules: Rules
     looks: Letters
     phases: Collection[str] = ()
-    everything: bool = False
-    verbose: bool = False
     agents: frozenset[str] = field(default_factory=frozenset)
 
 
-def make_teller(board: Board, rules: Rules, phases: Collection[str] = (), everything: bool = False, verbose: bool = False) -> Teller:
+def make_teller(board: Board, rules: Rules, phases: Collection[str] = ()) -> Teller:
     """Returns what is needed to tell of a game; variables that stand for agents are told from numbers by it."""
     agents = frozenset(node.name for node in ir.walk(board.game) if isinstance(node, ir.Member) and node.sort.what == "agent")
-    return Teller(board, rules, make_letters(board.game), phases, everything, verbose, agents)
+    return Teller(board, rules, make_letters(board.game), phases, agents)
 
 
 def is_shown(turn: Told, phases: Collection[str]) -> bool:
@@ -57,15 +54,13 @@ def turn_lines(turn: Told, teller: Teller) -> Iterator[str]:
     """Yields the lines of one turn of the schedule: its rules, what each changed and why; a formula is written out once."""
     found = list(rules_with_effects(turn))
     explainer, told = explainer_of(turn, teller.board, teller.rules), set[Reason]()
-    idle = list(_idle_lines(turn, teller, explainer, told)) if teller.everything else []
-    if found or idle:
+    if found:
         yield f"  {turn.label}"
     for rule, together in found:
         if rule is not None:
             yield f"{RULE}  {_rule(rule, teller.rules)}"
         for effect in together:
             yield from _effect_lines(effect, rule, teller, explainer, told)
-    yield from idle
 
 
 def rules_with_effects(turn: Told) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
@@ -88,19 +83,19 @@ def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller, explaine
     others = dict.fromkeys(teller.rules.place(done.statement) for done in effect.by if done.statement is not rule)
     beside = [*([names] if names else []), *(f"also {place}" for place in others)]
     yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (f"  [{'; '.join(beside)}]" if beside else "")
-    for number, reason in enumerate(explainer.effect(effect, teller.everything)):
-        yield from reason_lines(reason, teller.verbose, told, f"{REASON}  {'and' if number else 'because'} ")
+    for number, reason in enumerate(explainer.effect(effect)):
+        yield from reason_lines(reason, told, f"{REASON}  {'and' if number else 'because'} ")
     yield from (f"{REASON}  {text}" for text in _lots(effect, names, teller))
 
 
-def reason_lines(reason: Reason, verbose: bool, told: set[Reason], head: str) -> Iterator[str]:
+def reason_lines(reason: Reason, told: set[Reason], head: str) -> Iterator[str]:
     """Yields a reason and what is behind it, without what was told before. head: what its line begins with."""
-    yield f"{head}{reason.text}" + (f"  ({reason.bits})" if verbose and reason.bits else "")
+    yield f"{head}{reason.text}"
     deeper = " " * (len(head) - len(head.lstrip()) + 2)
     for behind in reason.because:
         if behind not in told:
             told.add(behind)
-            yield from reason_lines(behind, verbose, told, deeper)
+            yield from reason_lines(behind, told, deeper)
 
 
 def _lots(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
@@ -110,24 +105,6 @@ def _lots(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
         loser = say_names(done, effect.owner, teller.agents, teller.board)
         other = "" if effect.by and done.statement is effect.by[0].statement else teller.rules.place(done.statement)
         yield f"{', '.join(filter(None, (other, loser)))} lost the lot to {winner}"
-
-
-def _idle_lines(turn: Told, teller: Teller, explainer: Explainer, told: set[Reason]) -> Iterator[str]:
-    """Yields what happened without changing anything, draws after which nothing happened, and rules that did not happen."""
-    for done in turn.idle:
-        yield f"{RULE}  {_rule(done.statement, teller.rules)}{_among(done, teller)}: nothing changed"
-        for number, drawn in enumerate(done.causes):
-            yield from reason_lines(explainer.draw(drawn), teller.verbose, told, f"{EFFECT}  {'and' if number else 'because'} ")
-    for drawn in turn.failed:
-        head = f"{RULE}  {teller.rules.place(drawn.statement)}{_among(drawn, teller)}  "
-        yield from reason_lines(explainer.draw(drawn), teller.verbose, told, head)
-    for rule in turn.never:
-        yield f"{RULE}  {_rule(rule, teller.rules)}: did not happen"
-
-
-def _among(done: Done | Drawn, teller: Teller) -> str:
-    names = say_names(done, None, teller.agents, teller.board)
-    return f"  [{names}]" if names else ""
 
 
 def _actions(moment: Moment, game: ir.Game) -> str:

@@ -19,7 +19,6 @@ WHOLE = 2**31  # a chance is compared with the upper 31 bits of its word
 # Values that a formula is said to be made of; what is inside them isn't.
 _VALUES = (ir.Named, ir.ParamRef, ir.At, ir.Count, ir.Sum, ir.Extreme, ir.SumRow, ir.Step)
 _CHOICES = {
-    "who comes first": "who comes first was drawn at random",
     "which cell": "its cell was drawn at random",
     "which heading": "its heading was drawn at random",
     "which way": "its way was drawn at random",
@@ -44,11 +43,10 @@ class Explainer:
     rules: Rules
     is_told: bool  # false of a `tick`, whose statements are those of earlier turns
 
-    def effect(self, effect: Effect, everything: bool = False) -> tuple[Reason, ...]:
-        """Returns why a change happened, without who came first of several unless everything is asked for."""
+    def effect(self, effect: Effect) -> tuple[Reason, ...]:
+        """Returns why a change happened."""
         found = [reason for done in effect.by for reason in self._done(done)]
-        found += [_used(used) for used in effect.draws if used.purpose != "who comes first" or everything]
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys([*found, *map(_used, effect.draws)]))
 
     def draw(self, drawn: Drawn) -> Reason:
         """Returns a draw, what came of it, and the values that it depended on."""

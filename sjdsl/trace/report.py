@@ -32,14 +32,9 @@ def moment_report(moment: Moment, teller: Teller) -> dict[str, Any]:
 
 
 def turn_report(turn: Told, teller: Teller) -> dict[str, Any]:
-    """Returns one turn of the schedule; what changed nothing only if everything is asked for."""
+    """Returns one turn of the schedule."""
     explainer = explainer_of(turn, teller.board, teller.rules)
-    report: dict[str, Any] = {"turn": turn.label, "effects": [_effect(effect, teller, explainer) for effect in turn.effects]}
-    if teller.everything:
-        report["idle"] = [_done(done, teller.rules) for done in turn.idle]
-        report["failed"] = [_drawn(drawn, teller.rules) for drawn in turn.failed]
-        report["never"] = [_statement(statement, teller.rules) for statement in turn.never]
-    return report
+    return {"turn": turn.label, "effects": [_effect(effect, teller, explainer) for effect in turn.effects]}
 
 
 def _effect(effect: Effect, teller: Teller, explainer: Explainer) -> dict[str, Any]:
@@ -55,7 +50,7 @@ def _effect(effect: Effect, teller: Teller, explainer: Explainer) -> dict[str, A
         "old": HEADINGS[effect.old] if is_heading else plain(effect.old),
         "new": HEADINGS[effect.new] if is_heading else plain(effect.new),
         "by": [_done(done, teller.rules) for done in effect.by],
-        "because": [reason_report(reason) for reason in explainer.effect(effect, teller.everything)],
+        "because": [reason_report(reason) for reason in explainer.effect(effect)],
         "random_words": [_used(used) for used in effect.draws],
     }
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.account import Done, Drawn
+from sjdsl.interpreter.account import Done
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import HEADINGS, Away, Cell, Mover, Value
 from sjdsl.trace.effects import Effect
@@ -87,7 +87,7 @@ def _absence(away: Away | None) -> str:
     return f"is off the map for {away.ticks} tick{'' if away.ticks == 1 else 's'}" if away.ticks else "is off the map for ever"
 
 
-def say_names(done: Done | Drawn, owner: int | Mover | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
+def say_names(done: Done, owner: int | Mover | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
     """Returns what the variables around a statement stand for: `cleaner 0, level cut`; not those that are the owner itself."""
     said = []
     for name, value in done.names.items():

@@ -65,8 +65,7 @@ def interrupting(monkeypatch: pytest.MonkeyPatch, when: str) -> None:
 @pytest.mark.parametrize(
     ("when", "decided", "not_yet"),
     [
-        ("trajectory 1 ", {"require", "symmetric"}, {"always count(agent on wall)", "always count(agent on soil", "expect"}),
-        ("trajectory 20 ", {"require", "symmetric"}, {"always count(agent on wall)", "always count(agent on soil", "expect"}),
+        ("0 steps", {"require", "symmetric"}, {"always count(agent on wall)", "always count(agent on soil", "expect"}),
         ("3 episodes of `expect", {"require", "symmetric", "always count(agent on wall)", "always count(agent on soil"}, {"expect"}),
     ],
 )
@@ -74,7 +73,7 @@ def test_an_interruption_leaves_a_summary(
     when: str, decided: set[str], not_yet: set[str], sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     interrupting(monkeypatch, when)
-    shown = sjdsl("test", "checked.sj", "--seed", "1")  # with which the one on soil first fails on a small map
+    shown = sjdsl("test", "checked.sj", "--seed", "1")
     assert shown.status == 130
     assert "Traceback" not in shown.text
     lines = shown.out.splitlines()
@@ -84,12 +83,11 @@ def test_an_interruption_leaves_a_summary(
         for word in words:
             (line,) = (line for line in lines if line.startswith("  ") and f"  {word}" in line and "checked.sj:" in line)
             assert line.strip().startswith(marks), line
-            assert ("fails on another map" in line) == (when == "trajectory 20 " and "on soil" in word)
 
 
 @pytest.mark.usefixtures("game")
 def test_json_of_an_interruption_has_both(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
-    interrupting(monkeypatch, "trajectory 1 ")
+    interrupting(monkeypatch, "0 steps")
     shown = sjdsl("test", "checked.sj", "--json")
     assert shown.status == 130
     (document,) = json.loads(shown.out)

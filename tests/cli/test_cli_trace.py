@@ -7,7 +7,7 @@ from command_line import Sjdsl
 
 
 def test_json_has_the_same_changes(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("trace", "orchard.sj", "--steps", "3", "--json", "--all")
+    shown = sjdsl("trace", "orchard.sj", "--steps", "3", "--json")
     report = json.loads(shown.out)
     assert [moment["step"] for moment in report["steps"]] == [None, 0, 1, 2]
     start = report["steps"][0]["turns"][0]

@@ -27,7 +27,6 @@ FILES = {
     "idle.sj": GAME.replace("forward, stay", "forward, stay, dance").replace("event eaten", "event eaten  event lost"),
     "other.sj": GAME.replace("set soil.fruit = none  give", "give"),
     "sure.sj": GAME.replace("none: 0.1, ripe: 0", "none: 1, ripe: 0").replace("{ none, ripe } = ripe", "{ none, ripe } = none"),
-    "walk.txt": "# two steps\nforward stay\n\nturn_left, stay  # and turn\n",
 }
 SCRIPT = """
 import contextlib, io, os, shlex, sys

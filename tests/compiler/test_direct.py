@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from lark import Token, Tree, UnexpectedToken
 
 from sjdsl.compiler import ast
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.diagnostics.limits import MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, check_tree
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
+from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, MAX_TREE, STATEMENTS
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax import rules
 from sjdsl.compiler.syntax.direct import EVERY, read_directly
@@ -37,7 +37,15 @@ def with_care(text: str) -> ast.File | None:
         tree = tree_of(found.tokens)[1]
     except UnexpectedToken:
         return None
-    return None if check_tree(tree, source) else built(tree)
+    fits = depth(tree) <= MAX_TREE and sum(node.data in STATEMENTS for node in tree.iter_subtrees()) <= MAX_STATEMENTS
+    return built(tree) if fits else None
+
+
+def depth(tree: Tree[Token]) -> int:
+    """Returns how deep a tree is; each operator of a chain counts, and `and` and `or` leave no token."""
+    chained = sum(isinstance(child, Token) for child in tree.children) or len(tree.children) - 1
+    below = max((depth(child) for child in tree.children if isinstance(child, Tree)), default=0)
+    return below + (chained if tree.data in CHAINS else 1)
 
 
 def built(tree: Tree[Token]) -> Any:
@@ -94,7 +102,7 @@ def test_mistakes_are_those_found_from_the_beginning(mistake: str) -> None:
     for before in range(EVERY - 20, EVERY + 4):
         source = Source("game.sj", game(f"phase p {{ {'end ' * before} {mistake} }}"))
         so_far = read_directly(source, parser())
-        assert not isinstance(so_far, ast.File) and so_far is not None
+        assert not isinstance(so_far, ast.File | Diagnostic) and so_far is not None
         assert mistakes(source, None, so_far) == mistakes(source, None, None)
 
 

@@ -8,15 +8,14 @@ from typing import ClassVar, get_args, get_origin
 import pytest
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, LazyFixes, Near, Suggestion, near
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Near, near
 from sjdsl.compiler.diagnostics.explanations import kinds
 from sjdsl.compiler.diagnostics.source import Span
 
 HERE = Span("game.sj", 0, 0, 1, 1)
-OF_ALL = {"span", "labels", "fix", "help", "repairs"}
+OF_ALL = {"span", "labels", "fix", "help"}
 SAMPLES = {
     str: "abc",
-    LazyFixes: LazyFixes(lambda: [Suggestion("abc", ())]),
     int: 7,
     float: 2.5,
     Near: Near("oak", "the trees are `oak`"),

@@ -32,12 +32,12 @@ from sjdsl.compiler.ir.operations import (
 )
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.ranges import range_of
-from sjdsl.compiler.ir.verify import verify
 from sjdsl.editor.highlighting import patterns
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.evaluate import is_of_class
 from sjdsl.properties.monotonicity import decide_monotone
 from tests.fuzz.together import interpret, on_numpy, random_play, run
+from tests.verify_ir import verify
 
 ROOT = Path(__file__).parents[2]
 WHOLE = (-7, -2, -1, 0, 1, 2, 3, 9)

@@ -290,7 +290,7 @@ def test_a_misspelt_keyword_is_repaired_so_that_errors_inside_are_seen(wrong: st
     heads = {"each": "agent", "give": "1 to a", "tally": "e", "chance": "0.5", "when": "a"}
     body = "{ set x = }" if right in ("each", "chance", "when") else ""
     found = problems(in_phase(f"{wrong} {heads[right]} {body}\n end"))
-    assert found[0].hint == f"did you mean `{right}`?"
+    assert f"`{right}`" in found[0].hint
     assert found[0].fix is not None
     assert found[0].fix.text == right
     assert len(found) == (2 if body else 1)
@@ -351,7 +351,7 @@ def test_a_brace_too_many_is_pointed_at() -> None:
 @pytest.mark.parametrize(
     ("statements", "help_"),
     [
-        ("when a = b { }", "numbers are compared with `==`, words with `is`"),
+        ("when a = b { }", "`==` compares numbers, and `is` compares words"),
         ('kind b "c"', "a declaration stands outside the phases"),
         ("wehn", "did you mean `when`?"),
     ],
@@ -362,7 +362,7 @@ def test_help(statements: str, help_: str) -> None:
 
 
 def test_fixes_repair() -> None:
-    for wrong in ("give (1 + 2 to a", "eech a { }", "when a = b { }", "set a = b;"):
+    for wrong in ("give (1 + 2 to a", "eech a { }", "when a = b { }", "set A = b"):
         text = in_phase(wrong)
         while found := problems(text):
             assert found[0].fix is not None, (wrong, found)

@@ -5,7 +5,7 @@ import pickle
 
 import pytest
 
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label, LazyFixes, Suggestion
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 
@@ -14,7 +14,7 @@ class Wrong(Diagnostic, code="SJ999", title="Wrong"):
     says = "`{name}` is wrong"
     hints = ("write `{better}`",)
     name: str
-    better: str | LazyFixes = ""
+    better: str = ""
 
 
 class Odd(Diagnostic, code="SJ998", title="Odd", severity="warning"):
@@ -25,7 +25,7 @@ def shown(text: str, *diagnostics: Diagnostic, colour: bool = False) -> str:
     return render(diagnostics, {"game.sj": Source("game.sj", text)}, colour)
 
 
-def wrong(text: str, part: str, *labels: tuple[str, str], better: str | LazyFixes = "") -> Diagnostic:
+def wrong(text: str, part: str, *labels: tuple[str, str], better: str = "") -> Diagnostic:
     """A diagnostic about `part` of a text, with labels for other parts."""
     source = Source("game.sj", text)
 
@@ -57,16 +57,6 @@ def test_an_exception_says_where_what_and_what_to_write_instead() -> None:
     said = "game.sj:1:1: warning[SJ998]: this is odd\ngame.sj:2:13: error[SJ999]: `fish` is wrong\n  help: write `dish`"
     assert str(error) == said
     assert str(pickle.loads(pickle.dumps(error))) == said, "as it comes from another process"
-
-
-def test_what_is_tried_is_tried_when_an_exception_is_shown() -> None:
-    text, asked = "sj 1\n", []
-    better = LazyFixes(lambda: asked.append("better") or [Suggestion("sj 2", ())])
-    error = CompileError([wrong(text, "sj 1", better=better)])
-    assert not asked
-    assert str(error).endswith("help: write `sj 2`")
-    assert str(pickle.loads(pickle.dumps(error))) == str(error), "what was found goes to another process"
-    assert asked == ["better"]
 
 
 def test_labels_stand_in_the_order_of_the_file() -> None:
@@ -117,9 +107,6 @@ def test_the_end_of_the_file_has_a_caret() -> None:
     [
         ("\tset x", "x", "    set x", "        ^"),
         ("a\tset x", "x", "a   set x", "        ^"),
-        ('cite "漢字" x', "x", 'cite "漢字" x', "            ^"),
-        ('cite "漢字" x', "漢字", 'cite "漢字" x', "      ^^^^"),
-        ("e\u0301te\u0301 x", "x", "e\u0301te\u0301 x", "    ^"),
         ("a \x1b[31m x", "x", "a \\x1b[31m x", "           ^"),
         ("a \u202e x", "x", "a \\u202e x", "         ^"),
     ],

@@ -12,10 +12,10 @@ from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate import statements
 from sjdsl.compiler.elaborate.streams import PhaseUse
-from sjdsl.compiler.ir.verify import verify
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.library.games_folder import find_game, games_folder, main_games
 from tests.fuzz.together import moments, on_numpy, plain, random_play
+from tests.verify_ir import verify
 
 FILES = [*map(find_game, main_games()), *sorted((Path(__file__).parents[1] / "cases").glob("*.sj"))]
 # Harvest with statements that change nothing: it must play exactly as Harvest.

@@ -16,9 +16,9 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.report import LINES, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir import printer
-from sjdsl.compiler.ir.verify import verify
 from sjdsl.compiler.syntax.read import read_source
 from tests.damage.edits import FOLDER, Edit
+from tests.verify_ir import verify
 
 SECONDS = 2.0
 NEAR = 1  # lines

@@ -67,10 +67,12 @@ def test_nothing_in_the_tables_changes_without_the_sheet() -> None:
 def test_what_is_quoted_is_every_word_of_the_file(programs) -> None:
     for name, written in programs().items():
         c, sheet = written.composition, "".join(rule_sheet(written).split())
+        read = {node.name for node in ir.walk(written.game) if isinstance(node, ir.Named)}
+        defines = {name: d for name, d in c.defines.items() if d.span.file == c.file or name in read}  # not those that only a base needs
         turns = [] if c.schedule is None else [turn.name.text for turn in c.schedule.turns]
         phases = [phase for called, phase in c.phases.items() if called in ("start", *turns)]
         kinds = [kind for kind in c.kinds.values() if kind.attributes]  # of the others a table says all
-        tables = (c.groups, c.fields, c.agent_fields, c.agent_blocks, c.forbids, c.movers, c.shapes, c.defines, c.observables, c.policies)
+        tables = (c.groups, c.fields, c.agent_fields, c.agent_blocks, c.forbids, c.movers, c.shapes, defines, c.observables, c.policies)
         groups = [*c.checks.values(), *c.looks.values(), c.windows, kinds, phases, [c.schedule, c.episode], *(t.values() for t in tables)]
         for node in filter(None, chain.from_iterable(groups)):
             text = c.sources[node.span.file].text[node.span.start : node.span.end]

@@ -70,14 +70,6 @@ def place(session: Session, uri: str, before: str, number: int = 1) -> types.Pos
     return document.lines.position(at + len(before))
 
 
-def with_cursor(marked: str) -> tuple[Session, str, types.Position]:
-    """Returns a session with the text, and the place of its `|`."""
-    session, uri = opened(marked.replace("|", "", 1))
-    document = session.documents.get(uri)
-    assert document is not None
-    return session, uri, document.lines.position(marked.index("|"))
-
-
 def texts(session: Session, locations: list[types.Location]) -> list[tuple[str, int, str]]:
     """Returns file names, lines from 1 and what stands at locations."""
     found = []

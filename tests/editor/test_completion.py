@@ -5,20 +5,25 @@ from pathlib import Path
 import pytest
 from lsprotocol import types
 
-from sjdsl.compiler import check
-from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.editor.place import place_at
-from sjdsl.editor.snippets import SNIPPETS
-from tests.editor.asked import ORCHARD, opened, with_cursor
-
-BROKEN = "phase late { each agent { set agent. } "  # what is not finished elsewhere does not matter
+from sjdsl.editor.session import Session
+from tests.editor.asked import ORCHARD, opened
 
 
-def offered(marked: str, sort: types.CompletionItemKind | None = None) -> list[str]:
-    session, uri, position = with_cursor(marked)
+def offered(marked: str) -> list[str]:
+    """Returns what is offered at the `|` of a text, which was the orchard before it was changed."""
+    session, uri, position = asked(marked)
     found = session.completion(uri, position)
     assert len({item.label for item in found}) == len(found)
-    return [item.label for item in found if sort is None or item.kind == sort]
+    return [item.label for item in found]
+
+
+def asked(marked: str) -> tuple[Session, str, types.Position]:
+    session, uri = opened()
+    session.completion(uri, types.Position(0, 0))
+    session.open(uri, marked.replace("|", "", 1), 2)
+    document = session.documents.get(uri)
+    assert document is not None
+    return session, uri, document.lines.position(marked.index("|"))
 
 
 def inside(statement: str) -> str:
@@ -47,6 +52,8 @@ def inside(statement: str) -> str:
         ("each agent as me { send | }", {"me"}, {"tree"}),
         ("each agent { send agent to |", {"gate", "tree"}, {"apple"}),
         ("each agent { send agent to gate facing |", {"north", "same"}, {"apple"}),
+        ("each agent as a { tally hits for | }", {"a"}, {"tree", "walk"}),
+        ("each agent as a { let mine = a.bag } each agent { add 1 to | }", {"agent"}, {"a", "mine", "tree"}),
         ("let big = 3 chance |", {"big", "regrow"}, {"walk"}),
         ("|", {"each", "when", "chance", "let"}, {"kind", "agent", "apple"}),
     ],
@@ -70,6 +77,9 @@ def test_what_fits_in_a_phase_is_offered(statement: str, wanted: set[str], unwan
         ("never(zap)", "never(|)", set(), {"tree"}),
         ("field owner : agent", "field owner : |", {"agent", "set"}, {"tree"}),
         ("forbid zap", "forbid |", {"zap", "all"}, {"tree"}),
+        ("when agent.sore > 0", "when |", {"agent", "regrow"}, {"tree", "walk"}),
+        ("seek tree where", "when |", {"agent", "regrow"}, {"tree", "walk"}),
+        ("define ready(who) = who.bag > 0", "define ready(who) = |", {"who", "apple", "count"}, {"tree", "walk"}),
         ("episode 20", "episode 20\n  |", {"kind", "phase", "agents", "variant"}, {"each", "tree"}),
         ("observe { window ahead 2", "observe { window |", {"ahead", "left"}, {"tree"}),
         ("always count(agent)", "always count(|)", {"agent", "tree"}, {"apple"}),
@@ -86,31 +96,22 @@ def test_what_fits_in_a_declaration_is_offered(old: str, new: str, wanted: set[s
 
 
 def test_words_of_a_field_come_first() -> None:
-    session, uri, position = with_cursor(inside("each tree where tree.fruit is |"))
+    session, uri, position = asked(inside("each tree where tree.fruit is |"))
     items = sorted(session.completion(uri, position), key=lambda item: item.sort_text or "")
     assert [item.label for item in items[:2]] == ["none", "ripe"]
 
 
 def test_the_word_begun_is_replaced() -> None:
-    session, uri, position = with_cursor("# é😀\n" + inside("each agent { give ap| to agent }"))
+    session, uri, position = asked("# é😀\n" + inside("each agent { give ap| to agent }"))
     (apple,) = [item for item in session.completion(uri, position) if item.label == "apple"]
     assert apple.text_edit == types.TextEdit(types.Range(types.Position(position.line, position.character - 2), position), "apple")
     assert apple.detail == "param apple : reward = 1"
 
 
 def test_a_function_comes_with_what_it_gives() -> None:
-    session, uri, position = with_cursor(inside("each agent { give rou| to agent }"))
+    session, uri, position = asked(inside("each agent { give rou| to agent }"))
     (found,) = [item for item in session.completion(uri, position) if item.label == "round"]
     assert found.detail == "round(x): the nearest whole number; of two, the even one"
-
-
-def test_names_of_a_text_that_was_never_right_are_offered() -> None:
-    text = (
-        'sj 1\ngame g {\n  param one : reward = \n  kind pond "~" { field depth : { low, deep } = low }\n  phase p { each pond where pond.|'
-    )
-    assert {"depth"} <= set(offered(text))
-    assert {"pond", "agent"} <= set(offered(text.replace("pond where pond.|", "|")))
-    assert {"low", "deep"} <= set(offered(text.replace("pond.|", "pond.depth is |")))
 
 
 def test_files_are_offered_in_quotes(tmp_path: Path) -> None:
@@ -122,34 +123,3 @@ def test_files_are_offered_in_quotes(tmp_path: Path) -> None:
     assert [item.label for item in session.completion(uri, types.Position(1, 22))] == ["base.sj"]
     session.open(uri, 'sj 1\ngame g "G" { map "ma" }', 2)
     assert [item.label for item in session.completion(uri, types.Position(1, 20))] == ["maps/small.txt"]
-
-
-def test_texts_with_gaps_are_for_clients_that_know_them() -> None:
-    session, uri, position = with_cursor(inside("|"))
-    assert not [item for item in session.completion(uri, position) if item.kind == types.CompletionItemKind.Snippet]
-    session.snippets = True
-    found = {item.filter_text for item in session.completion(uri, position) if item.kind == types.CompletionItemKind.Snippet}
-    assert found == {"each", "pick", "first", "match", "when", "chance", "send"}
-
-
-@pytest.mark.parametrize("word", SNIPPETS)
-def test_a_text_with_gaps_can_be_written_where_its_word_can(word: str) -> None:
-    import re
-
-    filled = re.sub(r"\$\{\d+:([^}]*)\}", r"\1", SNIPPETS[word]).replace("$0", "")
-    places = (
-        "{}",
-        "sj 1 game x {{ {} }}",
-        "sj 1 game x {{ phase p {{ {} }} }}",
-        "sj 1 game x {{ checks {{ {} }} }}",
-        "sj 1 game x {{ define d = {} }}",
-    )
-    errors = [[d for d in check(Source("x.sj", place.format(filled))) if d.code == "SJ002" and "expected" in d.message] for place in places]
-    gaps = {"define", "case", "count", "checks", "policy"}
-    assert word in gaps or [] in errors
-
-
-def test_what_stands_before_the_cursor_is_read_through_mistakes() -> None:
-    place = place_at(inside("each agent as a { set a.| }").partition("|")[0], 10_000)
-    assert place.last() == "DOT"
-    assert place.following == {"NAME"}

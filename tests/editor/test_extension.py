@@ -1,4 +1,4 @@
-"""What other tools take from the language is up to date: the extension's grammar and snippets, its commands, and the hooks of pre-commit."""
+"""What other tools take from the language is up to date: the extension's grammar, its snippets, its commands, and the hooks of pre-commit."""
 
 import json
 import re
@@ -9,12 +9,15 @@ import pytest
 import yaml
 
 from sjdsl.cli import COMMANDS
+from sjdsl.compiler import check
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.highlighting import VALUES, patterns, word_groups
 
 ROOT = Path(__file__).parents[2]
 VSCODE = ROOT / "editors" / "vscode"
 GENERATE = runpy.run_path(str(ROOT / "editors" / "generate.py"))
+SNIPPETS = json.loads((VSCODE / "snippets" / "sj.json").read_text("utf-8"))
 PACKAGE = json.loads((VSCODE / "package.json").read_text("utf-8"))
 
 
@@ -54,6 +57,21 @@ def test_what_the_extension_names_is_there() -> None:
     assert run - {"studio"} <= set(COMMANDS)
     lock = (VSCODE / "package-lock.json").read_text("utf-8")
     assert "resolved" not in lock, "the lock file names no registry"
+
+
+@pytest.mark.parametrize("word", SNIPPETS)
+def test_a_text_with_gaps_can_be_written_where_its_word_can(word: str) -> None:
+    filled = re.sub(r"\$\{\d+:([^}]*)\}", r"\1", "\n".join(SNIPPETS[word]["body"])).replace("$0", "")
+    places = (
+        "{}",
+        "sj 1 game x {{ {} }}",
+        "sj 1 game x {{ phase p {{ {} }} }}",
+        "sj 1 game x {{ checks {{ {} }} }}",
+        "sj 1 game x {{ define d = {} }}",
+    )
+    errors = [[d for d in check(Source("x.sj", place.format(filled))) if d.code == "SJ002" and "expected" in d.message] for place in places]
+    gaps = {"define", "case", "count", "checks", "policy"}
+    assert word in gaps or [] in errors
 
 
 def test_hooks_run_commands_that_there_are() -> None:

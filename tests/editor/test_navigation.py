@@ -127,17 +127,17 @@ def test_a_new_name_reaches_every_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("before", "new", "reason"),
     [
-        ("give app", "regrow", "already the name of"),
+        ("give app", "regrow", "already stands in"),
         ("give app", "Apple", "small letters"),
         ("give app", "2nd", "begin with a letter"),
         ("give app", "each", "is a word of the language"),
         ("give app", "step", "means something of its own"),
-        ("give app", "ripe", "both a word and"),
-        ("agent as hi", "zapper", "already the name of"),
+        ("give app", "ripe", "already stands in"),
+        ("agent as hi", "zapper", "already stands in"),
         ("phase start", "begin", "is a name of the language"),
         ("turn_le", "left", "is a name of the language"),
         ("each", "every", "there is no name here"),
-        ("field b", "row", ""),
+        ("field b", "row", "means something of its own"),
     ],
 )
 def test_a_new_name_that_cannot_be_is_refused(before: str, new: str, reason: str) -> None:
@@ -145,6 +145,14 @@ def test_a_new_name_that_cannot_be_is_refused(before: str, new: str, reason: str
     with pytest.raises(Refused) as refused:
         session.rename(uri, place(session, uri, before), new)
     assert reason in str(refused.value)
+
+
+def test_a_new_name_that_another_game_on_the_file_has_is_refused(tmp_path: Path) -> None:
+    """Otherwise its number would replace the one of its base without a word."""
+    (tmp_path / "small.sj").write_text('sj 1\ngame small "S" extends "orchard.sj" { param pear : reward = 2 }\n')
+    session, uri = opened(ORCHARD, tmp_path)
+    with pytest.raises(Refused, match=r"`pear` already stands in small\.sj"):
+        session.rename(uri, place(session, uri, "give app"), "pear")
 
 
 def test_a_broken_text_gets_no_new_names() -> None:

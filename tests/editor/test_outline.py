@@ -1,8 +1,4 @@
-"""Symbols, folding, layout, colours and code lenses of a text."""
-
-from pathlib import Path
-
-from lsprotocol import types
+"""Symbols, layout and colours of a text."""
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.editor.colours import coloured
@@ -23,25 +19,6 @@ def test_the_outline_has_what_is_declared_inside_what_declares_it() -> None:
         inner, outer = symbol.selection_range, symbol.range
         assert (outer.start.line, outer.start.character) <= (inner.start.line, inner.start.character)
         assert (inner.end.line, inner.end.character) <= (outer.end.line, outer.end.character)
-
-
-def test_symbols_of_a_folder_are_found_by_some_of_their_letters(tmp_path: Path) -> None:
-    (tmp_path / "orchard.sj").write_text(ORCHARD)
-    (tmp_path / "wrong.sj").write_text("game")
-    session, uri = opened(ORCHARD.replace("orchard", "second").replace("ripe_trees", "ripe_things"), tmp_path, "second.sj")
-    found = [(s.name, s.container_name, s.location.uri) for s in session.workspace_symbols("rtr")]
-    assert found == [("ripe_trees", "metrics", (tmp_path / "orchard.sj").as_uri())]
-    assert {s.location.uri for s in session.workspace_symbols("eaten")} == {uri, (tmp_path / "orchard.sj").as_uri()}
-
-
-def test_blocks_and_comments_fold_also_in_a_broken_text() -> None:
-    session, uri = opened("# one\n# two\n# three\n" + ORCHARD.replace("move each agent", "move each"))
-    found = {(f.start_line, f.end_line, f.kind) for f in session.folding(uri)}
-    lines = ORCHARD.splitlines()
-    eat = lines.index("  phase eat {") + 3
-    assert (0, 2, types.FoldingRangeKind.Comment) in found
-    assert (eat, eat + 3, None) in found
-    assert (4, len(lines) + 1, None) in found
 
 
 def test_layout_changes_only_lines_that_differ() -> None:
@@ -66,7 +43,7 @@ def test_words_are_coloured_by_what_they_mean() -> None:
     analysis = session.analyses.of(uri)
     assert analysis is not None
     found = {}
-    for start, end, sort, modifiers in coloured(analysis):
+    for start, end, sort, modifiers in coloured(analysis, analysis.names):
         found.setdefault(ORCHARD[start:end], []).append((sort, modifiers))
     assert found["apple"][0] == ("parameter", ("declaration", "readonly"))
     assert found["apple"][1] == ("parameter", ("readonly",))
@@ -84,10 +61,3 @@ def test_colours_are_counted_from_one_word_to_the_next() -> None:
     data = list(session.semantic_tokens(uri).data)
     steps = [tuple(data[i : i + 3]) for i in range(0, len(data), 5)]
     assert steps == [(0, 0, 2), (0, 3, 1), (1, 0, 4), (0, 5, 1), (0, 2, 4), (0, 8, 7), (0, 8, 1)]
-
-
-def test_phases_and_checks_can_be_run_from_the_text() -> None:
-    session, uri = opened()
-    found = [(lens.range.start.line, lens.command.title, lens.command.arguments) for lens in session.code_lenses(uri) if lens.command]
-    assert (24, "run this phase's scenes", [uri, "eat"]) in found
-    assert [title for line, title, _ in found if line == 37] == ["run all checks", "run", "run"]

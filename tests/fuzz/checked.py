@@ -42,7 +42,7 @@ def checks(w: World) -> list[Lines]:
     if numbers and w.is_now(0.5):
         lines.append(f"monotone {numbers[0]} {w.random.choice(('falling', 'rising'))} in {numbers[-1]}")
     if w.is_now(0.2):
-        lines.append(f"symmetric {w.random.choice(('agents', 'mirror', *w.movers))}")
+        lines.append(f"symmetric {w.random.choice(('agents', *w.movers))}")
     if w.is_now(0.3):
         event = w.random.choice(w.events)
         name = f"{event.name}[{event.by.names[0]}]" if event.by and event.by.sort != "agent" else event.name

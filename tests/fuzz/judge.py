@@ -13,7 +13,6 @@ from typing import Any
 from sjdsl.compiler import Build, build, ir, lower_build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir.verify import verify
 from sjdsl.library.factory import load_module
 from sjdsl.runtime.env import Environment
 from tests.fuzz.policies import different_choice
@@ -32,6 +31,7 @@ from tests.fuzz.together import (
     random_play,
     run,
 )
+from tests.verify_ir import verify
 
 # What a generated text may be refused for: things its generator does not look at closely.
 FORESEEN = {

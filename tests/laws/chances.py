@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.tree import rewrite
-from sjdsl.compiler.ir.verify import verify
+from tests.verify_ir import verify
 
 PROBABILITY = ir.Type(kind="real", unit="probability", low=0, high=1)
 

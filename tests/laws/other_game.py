@@ -13,9 +13,9 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.queries import body_sort, shows_attribute
 from sjdsl.compiler.ir.types import integer, words
-from sjdsl.compiler.ir.verify import verify
 from sjdsl.interpreter.state import HEADINGS
 from tests.laws.symmetry import Symmetry
+from tests.verify_ir import verify
 
 
 def without_frame(game: ir.Game) -> ir.Game:

@@ -34,7 +34,7 @@ WORDS_OF_RULES = {
     "sides of the window": observations.SIDES,
     "whose fields are seen": observations.OWNERS,
     "frames of moves": ("relative", "compass"),
-    "checks": ("random", "never", "falling", "rising", "agents", "mirror"),
+    "checks": ("random", "never", "falling", "rising", "agents"),
     "values": ("step", "nobody", "nowhere", "yes", "no"),
     "field types": ("agent", "cell", "reward"),
 }

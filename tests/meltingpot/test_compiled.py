@@ -13,7 +13,7 @@ from sjdsl.testing import Stage
 
 STEPS = 3
 MOST_STABLEHLO = 3500  # lines of a step; XLA's time to compile grows with them
-FEW = Effort(25, episodes=0)
+FEW = Effort(25, compiled=False)
 
 
 @pytest.mark.slow
@@ -38,7 +38,7 @@ def test_checks_pass(entry: Substrate) -> None:
 @pytest.mark.thorough
 @pytest.mark.parametrize("game", sorted(melting_pot_games()))
 def test_no_check_fails_in_a_few_trajectories(game: str) -> None:
-    """Checks of states, symmetry and numbers in 25 trajectories on small maps; lines may stay uncovered, and no `expect` is played.
+    """Checks of states, symmetry and numbers in 250 steps; lines may stay uncovered, and no `expect` is played.
 
     The 19 files took 149 processor seconds together, the slowest (predator_prey_open) 28.
     """

@@ -25,7 +25,6 @@ NEEDED = (
     "sjdsl/library/starter/game.sj.txt",
     "sjdsl/library/starter/package_tests.yml.txt",
     "sjdsl/compiler/diagnostics/explain/SJ001.md",
-    "sjdsl/editor/words.toml",
     "sjdsl/trainers/presets/quick.toml",
 )
 TYPED = """

@@ -4,7 +4,7 @@
 
 It shares no rule with the proofs. `always`, `once` and `monotone` are computed as compiled, under JAX, in random worlds with parameters
 and fields at the ends of their ranges, and in other sizes of the game. `conserved` is looked at along play, and `symmetric` by a step
-beside the same step of agents with other numbers, or on the mirrored map, under the very same rules (modules played on NumPy).
+beside the same step of agents with other numbers, under the very same rules (modules played on NumPy).
 """
 
 import argparse
@@ -126,7 +126,7 @@ def _hunt_states(game: ir.Game, numbers: Sequence[int], random: Random, many: in
     if not numbers:
         return
     values = [game.checks[n].values if game.checks[n].sort == "monotone" else game.checks[n].values[-1:] for n in numbers]
-    lowered = lower_checks(game, [e for some in values for e in some], [])
+    lowered = lower_checks(game, [e for some in values for e in some])
     env = on_numpy(game)
     worlds = random_worlds(env, game, random, many)
     table = _computed(lowered.values, worlds.state, worlds.params)
@@ -158,7 +158,7 @@ def _turns(columns: np.ndarray, rising: bool) -> np.ndarray:
 def _hunt_conserved(game: ir.Game, numbers: Sequence[int], random: Random, hunted: Hunted, family: GameFamily) -> None:
     if not numbers:
         return
-    lowered = lower_checks(game, [game.checks[n].values[0] for n in numbers], [])
+    lowered = lower_checks(game, [game.checks[n].values[0] for n in numbers])
     env = on_numpy(game)
     params = [encoded(game, random_params(game, random)) for _ in range(PLAYS)]
     trajectories = [_played(env, given, random) for given in params]

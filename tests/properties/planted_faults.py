@@ -163,7 +163,7 @@ if __name__ == "__main__":
     for name in FAULTS:
         for seed in map(int, sys.argv[1:] or ["0"]):
             start = time.process_time()
-            report = look_for(name, Effort(seed=seed, tries=0))
+            report = look_for(name, Effort(seed=seed))
             (verdict,) = report.verdicts
             found = "found" if verdict.passed is False else "not found"
-            print(f"{name}, seed {seed}: {found}, {report.trajectories} trajectories, {time.process_time() - start:.1f} s", flush=True)
+            print(f"{name}, seed {seed}: {found}, {report.steps:,} steps, {time.process_time() - start:.1f} s", flush=True)

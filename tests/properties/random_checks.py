@@ -19,7 +19,7 @@ def many_checks(number: int) -> Callable[[World], list[Lines]]:
     """Returns what makes so many checks, and the defines of those about slopes."""
 
     def made(w: World) -> list[Lines]:
-        lines = [f"require {test}" for test in w.requires] + ["symmetric agents", "symmetric mirror"]
+        lines = [f"require {test}" for test in w.requires] + ["symmetric agents"]
         lines += [f"symmetric {sort}" for sort in w.movers]
         declared: list[Lines] = []
         for i in range(number):

@@ -46,7 +46,7 @@ def small_game(checks: str, rule: str = TALLY, more: str = "", text: str = ORCHA
 
 
 def searched(family: GameFamily, effort: Effort) -> Search:
-    """Returns the search on small maps for counterexamples to the first check, at its end."""
+    """Returns the search for counterexamples to the first check, at its end."""
     search = Search(family, [0], effort)
-    search.run(effort.examples)
+    search.run()
     return search

@@ -16,7 +16,7 @@ from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.operations import Calculation
 from sjdsl.properties import GameFamily, effects, intervals, monotonicity, symmetry
 from tests.properties.hunt import Hunted, hunt, hunt_seeds
-from tests.properties.test_false_proofs import PAIR, SEEN, meet, numbers, yard
+from tests.properties.test_false_proofs import SEEN, meet, numbers, yard
 
 Put = Callable[[pytest.MonkeyPatch], None]
 FEW = 512
@@ -62,13 +62,9 @@ def without_blocks(put: pytest.MonkeyPatch) -> None:
     put.setattr(effects, "reads_and_blocks", lambda node, _: set(effects.reads(node)))
 
 
-def without_order(put: pytest.MonkeyPatch) -> None:
-    is_even = symmetry._is_even
-    put.setattr(symmetry, "_is_even", lambda shape, _: is_even(shape, False))
-
-
 def without_tables(put: pytest.MonkeyPatch) -> None:
-    put.setattr(symmetry, "_reads_table_by_agent", lambda _: False)
+    reads = symmetry._reads_number
+    put.setattr(symmetry, "_reads_number", lambda node, sort: "" if isinstance(node, ir.ParamRef) else reads(node, sort))
 
 
 def ramp_of_the_file(put: pytest.MonkeyPatch) -> None:
@@ -95,7 +91,6 @@ FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
         without_blocks,
         lambda: yard(SEEN, "each door { set door.open = yes }  each agent { set agent.tall = yes }"),
     ),
-    "the order of a shape": (without_order, lambda: meet("mirror", PAIR)),
     "a whole table by agent": (without_tables, lambda: meet("agents", "set purse = gift")),
     "a sum of a table by agent and an entry of it": (without_tables, lambda: meet("agents", "each agent { give gift[agent] to agent }")),
     "a ramp whose ends differ": (

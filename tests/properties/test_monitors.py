@@ -1,12 +1,11 @@
-"""Where a trajectory violates a check, written down by hand; and confidence intervals against their definition."""
+"""Where a trajectory violates a check, written down by hand; and the confidence bound against its definition."""
 
 from typing import Any
 
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.properties.confidence import least_share, mean_and_half
-from sjdsl.properties.monitors import Violation, find_violation
+from sjdsl.properties.monitors import Violation, find_violation, least_share
 
 T, F = True, False
 TRAJECTORIES: list[tuple[str, tuple[str, ...], list[tuple[Any, ...]], Violation | None]] = [
@@ -38,10 +37,3 @@ def test_a_share_that_small_would_have_been_noticed(trials: int) -> None:
     """With a share just below the bound, all trials succeed in less than one case of twenty; with a larger one in more."""
     share = least_share(trials)
     assert (share - 1e-6) ** trials < 0.05 < (share + 1e-6) ** trials
-
-
-def test_means_and_their_intervals() -> None:
-    mean, half = mean_and_half([1.0, 2.0, 3.0, 4.0])
-    assert mean == 2.5
-    assert half == pytest.approx(3.182 * (5 / 3 / 4) ** 0.5)
-    assert mean_and_half([7.0])[1] == float("inf")

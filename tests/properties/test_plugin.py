@@ -77,8 +77,7 @@ def test_a_check_is_a_test_under_its_own_text(run: Callable[..., tuple[int, list
     start = lines.index(f"orchard.sj:{line}: the check failed: always apples[ripe] < 1.5")
     told = lines[start : start + next(i for i, text in enumerate(lines[start:]) if text.startswith("  apples[ripe] = "))]
     assert told[1].startswith("fails after step ")
-    assert told[2].endswith(" on the game's own map")  # a check reads a column
-    assert "  step 0" in told
+    assert any(line.startswith("  step ") for line in told)
     assert not any("Traceback" in line or "pytest_plugin.py" in line for line in lines)
 
 

@@ -2,11 +2,11 @@
 
 import pytest
 
-from sjdsl.properties import verify_properties
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.properties.monitors import STATES
-from sjdsl.properties.symmetry import transformed_games
+from sjdsl.properties.search import Search
 from sjdsl.properties.verdict import Effort
-from sjdsl.properties.verify_properties import PlayedVerdicts, decide_statically
+from sjdsl.properties.verify_properties import decide_statically
 
 from .small_games import ORCHARD, small_game
 
@@ -26,7 +26,6 @@ PROVED = [
     "monotone fruit falling in bare",
     "monotone fruit rising in fruit",
     "symmetric agents",
-    "symmetric mirror",
 ]
 NOT_PROVED = [
     "always fruit <= 1",
@@ -61,8 +60,10 @@ def test_what_is_left_to_playing(check: str) -> None:
 def test_what_is_proved_holds_when_played() -> None:
     """The proofs against play: every proved check once more, on trajectories, with the proofs switched off."""
     everything = small_game("  ".join(p for p in PROVED if p.split()[0] in STATES))
-    verdicts = PlayedVerdicts(everything, Effort(examples=40), list(range(len(everything.own.checks))))
-    assert not verdicts.failed()
+    search = Search(everything, range(len(everything.own.checks)), Effort(examples=40))
+    search.run()
+    assert search.steps
+    assert not search.found
 
 
 SLOPES = {  # define value, define argument -> the way the one goes with the other, as far as the ranges tell
@@ -93,72 +94,43 @@ def test_slopes(value: str, argument: str) -> None:
     assert found == {"rising": ["rising"], "falling": ["falling"], "level": ["rising", "falling"], None: []}[SLOPES[value, argument]]
 
 
-UNEVEN = {
-    "agents": [
-        "each agent where agent.index == 0 { give 1 to agent }",
-        "each agent as a { each agent as b where a.index < b.index { give 1 to a } }",
-    ],
-    "mirror": [
-        "each agent where agent.col == 0 { give 1 to agent }",
-        "each agent where agent.heading is east { give 1 to agent }",
-        "each agent where agent chose turn_left { give 1 to agent }",
-        "each agent where agent chose zap { send agent to grass facing west otherwise stay }",
-    ],
+UNEVEN = {  # rule -> which line tells agents apart, and how
+    "each agent where agent.index == 0 { give 1 to agent }": "line 29 reads `agent.index`",
+    "each agent as a { each agent as b where a.index < b.index { give 1 to a } }": "line 29 reads `agent.index`",
+    "each agent as a where a chose vote(0) { give 1 to a }": "line 29 names agent 0 by its number",
+    "each agent as a where a chose vote(0) or a chose vote(1) { give 1 to a }": "line 29 names agent 0 by its number",
 }
+VOTE = ORCHARD.replace("stay, zap", "stay, zap, vote(agent)")
 
 
-@pytest.mark.parametrize(("what", "rule"), [(what, rule) for what, rules in UNEVEN.items() for rule in rules])
-def test_uneven_rules_are_found_and_shown(what: str, rule: str) -> None:
-    report = verify_properties(small_game(f"symmetric {what}", rule), Effort(examples=60))
-    (verdict,) = report.verdicts
-    assert verdict.passed is False
-    assert "would give something else" in "\n".join(verdict.trace)
-    other = {"agents": "mirror", "mirror": "agents"}[what]
-    even = decide_statically(small_game(f"symmetric {other}", rule), 0)
-    assert even is not None
-    assert even.passed
-
-
-def test_distances_are_the_same_for_all_and_in_a_mirror() -> None:
-    rule = "each agent where min(distance(agent, tree) over tree) > 1 { give 1 to agent }"
-    for what in UNEVEN:
-        verdict = decide_statically(small_game(f"symmetric {what}", rule), 0)
-        assert verdict is not None
-        assert verdict.passed
-
-
-EVEN = [
-    "each agent where agent.index >= 0 { give 1 to agent }",
-    "each agent where agent chose turn_left or agent chose turn_right { give 1 to agent }",
-    "each agent where agent.index == 0 { chance 0.5 { give 1 to agent } }  each agent where agent.index > 0 { chance 0.5 { give 1 to agent } }",
-]
-
-
-@pytest.mark.parametrize("rule", EVEN)
-def test_rules_that_read_numbers_evenly_pass(rule: str) -> None:
-    what = "mirror" if "turn" in rule else "agents"
-    symmetric = small_game(f"symmetric {what}", rule)
-    assert transformed_games(symmetric.own.checks[0], symmetric.own)
-    (verdict,) = verify_properties(symmetric, Effort(examples=40)).verdicts
-    assert verdict.passed
-    assert verdict.how == "examples"
-
-
-def test_an_uneven_shape_is_no_mirror_image() -> None:
-    def shaped(shape: str) -> str:
-        return ORCHARD.replace("shape ray = line(2)", shape)
-
-    rule = "each agent as a where a chose zap { each agent as b in ray of a { give 1 to b } }"
-    uneven = verify_properties(small_game("symmetric mirror", rule, text=shaped('shape ray {{ "x." ".^" }}')), Effort(60))
-    assert uneven.verdicts[0].passed is False
-    even = decide_statically(small_game("symmetric mirror", rule, text=shaped("shape ray = fan(2, 1)")), 0)
-    assert even is not None
-    assert even.passed
-
-
-def test_one_sided_agents_have_no_mirror_image() -> None:
-    one_sided = small_game("symmetric mirror", text=ORCHARD.replace("step_right, ", ""))
-    verdict = decide_statically(one_sided, 0)
+@pytest.mark.parametrize("rule", UNEVEN)
+def test_uneven_rules_fail_with_their_line(rule: str) -> None:
+    verdict = decide_statically(small_game("symmetric agents", rule, text=VOTE), 0)
     assert verdict is not None
-    assert verdict.passed is False
-    assert verdict.reason == "the agents can step_left, but not step_right"
+    assert (verdict.status, verdict.how, verdict.reason) == ("failed", "decided", UNEVEN[rule])
+
+
+@pytest.mark.parametrize(
+    ("forbidden", "passes"), [("vote", True), ("vote(0)", False), ("vote(0), vote(1)", False), ("vote(0), vote(1), vote(2), vote(3)", True)]
+)
+def test_actions_forbidden_on_some_agents_tell_them_apart(forbidden: str, passes: bool) -> None:
+    """The file has two agents and allows four: two that are named are not all."""
+    text = VOTE.replace("    timer tired\n", "    timer tired\n    forbid " + forbidden + " when agent.tired > 0\n")
+    text = text.replace("players : count = 2 in", "players : count = 4 in") if "3" in forbidden else text
+    text = text.replace('"..T" ".T."', '"..T." ".T.."')
+    verdict = decide_statically(small_game("symmetric agents", text=text), 0)
+    assert verdict is not None
+    assert verdict.passed is passes
+
+
+def test_distances_are_the_same_for_all() -> None:
+    verdict = decide_statically(
+        small_game("symmetric agents", "each agent where min(distance(agent, tree) over tree) > 1 { give 1 to agent }"), 0
+    )
+    assert verdict is not None
+    assert verdict.passed
+
+
+def test_a_mirrored_map_is_no_symmetry_that_can_be_asked_for() -> None:
+    with pytest.raises(CompileError, match="mirror"):
+        small_game("symmetric mirror")

@@ -28,8 +28,8 @@ def orchard() -> GameFamily:
 def test_both_engines_play_the_same(orchard: GameFamily) -> None:
     runner = EpisodeRunner(orchard, seed=2)
     for check in orchard.own.checks:
-        for number, compiled in enumerate(runner._compiled(check.policies, 0, 3)):
-            interpreted = runner._interpreted(check.policies, number)
+        for number, compiled in enumerate(runner.compiled(check.policies, 0, 3)):
+            interpreted = runner.interpreted(check.policies, number)
             assert compiled.actions == interpreted.actions
             assert compiled.totals == interpreted.totals
 

@@ -10,7 +10,7 @@ from sjdsl.properties.statements import leaf_statements, statements_needed_by
 
 from .small_games import ORCHARD, small_game
 
-FEW, MORE = Effort(examples=25, episodes=0), Effort(examples=150, episodes=0)
+FEW = Effort(examples=25, compiled=False)
 NEVER = "each tree where step > 900 { set tree.fruit = ripe }"  # an episode has 20 steps
 
 
@@ -89,18 +89,7 @@ def test_a_line_that_only_a_policy_of_the_file_reaches_is_tested_by_it(policy: s
     hit = "phase hit {{ each agent where agent.wealth == 20 {{ tally zaps for agent }} }}"
     text = ORCHARD.replace("  add 1 to agent.wealth", "").replace("-> rule", "-> rule -> hit").replace("  metrics", f"  {hit}\n  metrics")
     family = small_game("always zaps <= eaten + 9", rule, f'policy hard "hits" {{ {policy} }}', text)
-    assert [verdict.status for verdict in verify_properties(family, Effort(examples=3, episodes=0)).verdicts] == [status]
-
-
-def test_a_rule_of_later_agents_only_is_reached() -> None:
-    """Small maps have four agents at most, unless a line that a check depends on has not run with so few. The own map has no rock."""
-    rule = "each agent on rock where agent.index > 4 { tally zaps for agent }"
-    for number, status in ((7, "passed"), (5, "untested")):  # of five agents at most none has the number 5
-        crowded = ORCHARD.replace("count = 2 in 1 .. 4", f"count = {number} in 1 .. {number}").replace(
-            '"..T" ".T."', '"..T." ".T.." "...."'
-        )
-        (verdict,) = verify_properties(small_game("always zaps <= 99", rule, 'kind rock "O"', crowded), MORE).verdicts
-        assert verdict.status == status
+    assert [verdict.status for verdict in verify_properties(family, Effort(examples=3, compiled=False)).verdicts] == [status]
 
 
 @pytest.mark.parametrize(("other", "status"), [("stay", "passed"), ("zap", "untested")])
@@ -108,5 +97,5 @@ def test_policies_of_the_file_meet(other: str, status: str) -> None:
     """Trajectories by policies alone: what wants agents that follow different ones is seen, too."""
     rule = "each agent where agent chose zap and count(agent as idle where idle chose stay) > 0 { tally zaps for agent }"
     policies = f"policy one {{ when step >= 0 choose zap }}  policy other {{ when step >= 0 choose {other} }}"
-    (verdict,) = verify_properties(small_game("always zaps <= 99", rule, policies), Effort(examples=0, episodes=0)).verdicts
+    (verdict,) = verify_properties(small_game("always zaps <= 99", rule, policies), Effort(examples=0, compiled=False)).verdicts
     assert verdict.status == status

@@ -1,1 +1,1 @@
-"""Mistaken games, what is said of each, and what the message suggests: applied, it is accepted."""
+"""Mistaken games, what is said of each, and a repair that is accepted."""

@@ -22,20 +22,16 @@ from .test_trace import SMALL
 HERE = Path(__file__).parent
 
 
-def text_of(game_text: str, actions: str, seed: int, everything: bool) -> str:
+def text_of(game_text: str, actions: str, seed: int) -> str:
     made = build(Source("small.sj", game_text))
     choose, steps = read_actions(actions, made.game, None)
-    teller = make_teller(board_of(made.game), Rules(made.sources), (), everything)
+    teller = make_teller(board_of(made.game), Rules(made.sources))
     moments = play(made.game, default_params(made.game), seed, steps or 1, choose)
     return "".join(f"{line}\n" for moment in moments for line in moment_lines(moment, teller))
 
 
 def test_a_small_game(golden: Callable[[Path, str], None]) -> None:
-    golden(HERE / "small.txt", text_of(SMALL, "shout; leave; stay; shout", 2, everything=False))
-
-
-def test_a_small_game_with_all_that_did_not_happen(golden: Callable[[Path, str], None]) -> None:
-    golden(HERE / "small_all.txt", text_of(SMALL, "shout; leave; stay; shout", 2, everything=True))
+    golden(HERE / "small.txt", text_of(SMALL, "shout; leave; stay; shout", 2))
 
 
 def test_every_state_has_a_character_of_its_own() -> None:
@@ -84,7 +80,7 @@ game pond "A pond" {
 
 def test_a_change_has_the_values_its_rule_read_and_their_formulas() -> None:
     """In step 0 no water is dirty, so that growth is 1 * ramp(0 / 2, 0.5, 0) = 1; in step 1 the water is spoilt, for 1 >= 1."""
-    text = text_of(POND, "stay; stay", 0, everything=False)
+    text = text_of(POND, "stay; stay", 0)
     assert (
         """      reed (0, 0)  fruit: none -> ripe
         because reed.fruit is none and growth > 0, with growth = 1

@@ -83,11 +83,6 @@ function checks({ answer, toLine, showIt }) {
     if (verdict.untested.length) told.push(element("p", {}, `Lines that never ran: ${verdict.untested.join("; ")}`));
     if (verdict.scenario) told.push(element("button", { onclick: () => showIt(verdict) }, "Show it on the board"));
     if (verdict.trace.length) told.push(element("pre", {}, verdict.trace.join("\n")));
-    if (verdict.unreached.length) told.push(element("p", {}, `Lines that its own episodes never reached: ${verdict.unreached.join("; ")}`));
-    if (verdict.note) {
-      told.push(element("p", {}, element("b", { class: "note" }, "note"), `: ${verdict.note.reason}`));
-      told.push(element("button", { onclick: () => showIt(verdict.note) }, "Show that map on the board"));
-    }
     return element("section", {}, rule, ...told);
   });
 }

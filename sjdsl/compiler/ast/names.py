@@ -1,6 +1,6 @@
 """The names that games declare: what there is by name, and where a name stands."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
@@ -96,38 +96,51 @@ def declarations(node: Node, owner: str = "") -> Iterator[tuple[Symbol, Node]]:
 
 @dataclass
 class Names:
-    """What is declared, by name. `sorts`: what each name of the shared name space is, as messages call it."""
+    """What games declare: `nodes` by symbol, the `words` of fields, and the names that statements, domains and parameters introduce."""
 
-    sorts: dict[str, str] = field(default_factory=dict)
     nodes: dict[Symbol, Node] = field(default_factory=dict)
-    kinds: set[str] = field(default_factory=set)
-    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    movers: set[str] = field(default_factory=set)
-    fields: dict[str, dict[str, ast.Field | ast.Timer]] = field(default_factory=dict)  # by owner; "" is the world
-    words: dict[str, list[Span]] = field(default_factory=dict)
+    words: set[str] = field(default_factory=set)
+    locals: set[str] = field(default_factory=set)
+
+    def knows(self, symbol: Symbol) -> bool:
+        """Returns whether the games declare something, and not the language."""
+        return symbol in self.nodes or symbol.space == "local" or (symbol.space == "word" and symbol.name in self.words)
+
+    def called(self, name: str, spaces: Iterable[Space]) -> set[Symbol]:
+        """Returns what has a name in some of the name spaces, of whomever it is."""
+        word = {Symbol("word", name)} if name in self.words and "word" in spaces else set()
+        return word | {symbol for symbol in self.nodes if symbol.name == name and symbol.space in spaces}
+
+    def sort(self, symbol: Symbol) -> str:
+        """Returns what something of the shared name space is, as messages call it."""
+        node = self.nodes[symbol]
+        return SORTS.get(type(node)) or ("size" if isinstance(node, ast.Constant) and node.is_size else "parameter")
 
     def owners(self, name: str) -> Owners:
         """Returns what members of a domain are: of `agent`, a kind, a group, a sort of movers."""
         if name in ("agent", "other", "everyone"):
             return AGENT
-        if name in self.kinds or name in self.movers:
-            return frozenset({name})
-        return frozenset(self.groups[name]) if name in self.groups else None
+        match self.nodes.get(Symbol("name", name)):
+            case ast.Kind() | ast.Movers():
+                return frozenset({name})
+            case ast.Group(kinds=kinds):
+                return frozenset(kind.text for kind in kinds)
+            case _:
+                return None
 
-    def with_field(self, name: str, owners: Owners) -> tuple[Symbol, ...]:
-        """Returns the fields that a name after a dot can stand for; of an owner that is not known, those of all."""
-        among = sorted(owners) if owners is not None else [owner for owner in self.fields if owner]
-        return tuple(Symbol("field", name, owner) for owner in among if name in self.fields.get(owner, {}))
+    def fields(self, owners: Owners) -> list[Symbol]:
+        """Returns the fields that can follow a dot; behind an owner that is not known, those of all."""
+        return [symbol for symbol in self.nodes if symbol.space == "field" and (owners is None or symbol.owner in owners)]
 
-    def type_of(self, declared: ast.Field | ast.Timer) -> Owners:
+    def held(self, symbol: Symbol) -> Owners:
         """Returns what a field holds, as far as dots are concerned."""
-        match declared:
+        match self.nodes.get(symbol):
             case ast.Field(type=ast.NamedType(name=ast.Name(text="agent"))):
                 return AGENT
             case ast.Field(type=ast.CellType(of=of)):
                 return self.owners(of.text)
             case _:
-                return frozenset()
+                return None
 
 
 def names_of(files: Iterable[ast.File]) -> Names:
@@ -136,20 +149,54 @@ def names_of(files: Iterable[ast.File]) -> Names:
     for file in files:
         for symbol, node in declarations(file):
             found.nodes.setdefault(symbol, node)
-            if symbol.space == "name":
-                number = "size" if isinstance(node, ast.Constant) and node.is_size else "parameter"
-                found.sorts.setdefault(symbol.name, SORTS.get(type(node), number))
-            match node:
-                case ast.Field() | ast.Timer():
-                    found.fields.setdefault(symbol.owner, {}).setdefault(symbol.name, node)
-                case ast.Kind():
-                    found.kinds.add(symbol.name)
-                case ast.Movers():
-                    found.movers.add(symbol.name)
-                case ast.Group():
-                    found.groups.setdefault(symbol.name, tuple(kind.text for kind in node.kinds))
-        for node in walk(file):
-            if isinstance(node, ast.Words):
-                for name in node.names:
-                    found.words.setdefault(name.text, []).append(name.span)
+        for inner in walk(file):
+            match inner:
+                case ast.Words(names=names):
+                    found.words |= {name.text for name in names}
+                case ast.Phase(parameters=names) | ast.Define(parameters=names):
+                    found.locals |= {name.text for name in names}
+                case ast.Let(name=name) | ast.Draw(name=name) | ast.Domain(bind=ast.Name() as name) | ast.On(bind=ast.Name() as name):
+                    found.locals.add(name.text)
+                case _:
+                    pass
     return found
+
+
+# Names that elaboration resolves where it gets to them, and in which name spaces their spelling counts where it doesn't.
+USES: dict[type[Node], tuple[Space, ...]] = {
+    ast.Path: ("name", "word", "metric"), ast.Call: ("name",), ast.Member: ("field", "argument"), ast.Domain: ("name",),
+    ast.On: ("name",), ast.Chosen: ("action",), ast.ShapeRef: ("shape",), ast.Turn: ("phase",),
+}  # fmt: skip
+
+
+def occurrences(file: ast.File, names: Names, resolved: Mapping[Span, set[Symbol]]) -> list[Occurrence]:
+    """Returns every name of a file that stands for something declared in the game, in the order of the text.
+
+    Elaboration doesn't reach everything: not text beside a mistake, a define that nobody uses, a game that cannot be put together.
+    There a name means all that is declared under it.
+
+    Args:
+      names: what the game declares, with its bases.
+      resolved: what elaboration found names to stand for, in this game, in its variants, and perhaps in games that stand on it.
+    """
+    found = {node.name.span: Occurrence(node.name.span, (symbol,), True) for symbol, node in declarations(file)}  # type: ignore[attr-defined]
+    bound = {symbol for symbols in resolved.values() for symbol in symbols if symbol.space == "local"}
+    for node in walk(file):
+        match node:
+            case ast.Words():
+                for word in node.names:
+                    if word.span not in resolved:  # `draw colour from { red, green }` and `in { red, green }` are uses
+                        found[word.span] = Occurrence(word.span, (Symbol("word", word.text),), True)
+            case ast.Name(span=span) if local_symbol(node) in bound:
+                found[span] = Occurrence(span, (local_symbol(node),), True)
+            case ast.Name(span=span) if span in resolved:
+                symbols = tuple(sorted(symbol for symbol in resolved[span] if names.knows(symbol)))
+                found |= {span: Occurrence(span, symbols)} if symbols else {}
+            case _ if type(node) in USES:
+                name: ast.Name = node.kind if isinstance(node, ast.Domain | ast.On) else node.name  # type: ignore[attr-defined]
+                symbols = tuple(sorted(names.called(name.text, USES[type(node)])))
+                if name.span not in resolved and symbols:
+                    found[name.span] = Occurrence(name.span, symbols)
+            case _:
+                pass
+    return sorted(found.values(), key=lambda o: o.span.start)

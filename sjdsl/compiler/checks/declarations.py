@@ -3,7 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Static
@@ -75,7 +75,7 @@ def _check_actions(game: ir.Game, composition: Composition, problems: Problems) 
     idle = [a.name for a in composition.acts.actions if a.name.text not in asked and a.name.text != "stay"]
     for action in idle:
         if action.text not in MOVES:
-            problems.add(errors.IdleAction(action.span, name=action.text, help=guesses.ACTIONS.get(action.text, "")))
+            problems.add(errors.IdleAction(action.span, name=action.text))
     steps = [a for a in idle if a.text in MOVES]
     if steps and not moving:
         problems.add(errors.IdleSteps(steps[0].span, names=", ".join(f"`{a.text}`" for a in steps)))

@@ -1,8 +1,7 @@
 """A diagnostic as data: what is wrong, where, and what to write instead. `errors` declares them all."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields
-from functools import cached_property
 from operator import attrgetter
 from string import Formatter
 from typing import Any, ClassVar, Literal, dataclass_transform
@@ -78,7 +77,6 @@ class Diagnostic(Facts):
     labels: tuple[Label, ...] = ()
     fix: Fix | None = None
     help: str = ""
-    repairs: "LazyFixes | tuple[()]" = ()
 
     def __init_subclass__(cls, code: str = "", title: str = "", severity: Severity = "error") -> None:
         if code:
@@ -103,15 +101,14 @@ class Diagnostic(Facts):
 
     @property
     def suggestions(self) -> tuple[Suggestion, ...]:
-        """The changes that the message suggests, as edits; those of `repairs` are tried when they are first asked for."""
+        """The changes that the message suggests, as edits."""
         hint, instead = ("", "") if self.help else self._chosen()
         found = []
         if self.fix is not None:
             text = " ".join(self.fix.text.split())
             found.append(Suggestion(f"write `{text}`" if text else "put a space" if self.fix.text else "delete it", (self.fix,)))
         found += [Suggestion(f"write `{instead}`", (Fix(self.span, instead),))] if instead and hint else []
-        tried = [t for t in (self.repairs, getattr(self, "accepted", ())) if isinstance(t, LazyFixes)]
-        return (*found, *(suggestion for one in tried for suggestion in one.suggestions))
+        return tuple(found)
 
     def _parts(self, template: str) -> list[str]:
         """Returns a template in parts: each of its texts, and each fact as it is shown."""
@@ -131,28 +128,6 @@ class AboutName(Diagnostic):
     name: str
 
 
-class LazyFixes:
-    """Changes that are tried when they are first asked for, so that nobody waits who only counts errors. As text: their names."""
-
-    def __init__(self, find: Callable[[], Iterable[Suggestion]]):
-        self._find = find
-
-    @cached_property
-    def suggestions(self) -> tuple[Suggestion, ...]:
-        return tuple(self._find())
-
-    @property
-    def text(self) -> str:
-        return "; or ".join(suggestion.says for suggestion in self.suggestions)
-
-    def __format__(self, spec: str) -> str:
-        return self.text
-
-    def __reduce__(self) -> tuple[type[str], tuple[str]]:
-        """Another process gets what was found."""
-        return str, (self.text,)
-
-
 class CompileError(Exception):
     """Carries every diagnostic of the phase that failed; `diagnostics` holds errors and warnings in file order."""
 
@@ -161,7 +136,7 @@ class CompileError(Exception):
         super().__init__(self.diagnostics)
 
     def __str__(self) -> str:
-        """Returns each diagnostic in a line, with what to write instead below it; made when it is shown, as some of that is tried first."""
+        """Returns each diagnostic in a line, with what to write instead below it."""
         lines = []
         for d in self.diagnostics:
             lines.append(f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}")

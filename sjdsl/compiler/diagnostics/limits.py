@@ -2,8 +2,6 @@
 
 import re
 
-from lark import Token, Tree
-
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.source import Source, Span
@@ -68,28 +66,3 @@ def check_text(source: Source) -> list[Diagnostic]:
         span = source.span(long.start(), long.start())
         return [too_much(f"this line has {len(long.group())} characters", MAX_LINE, span, "break the line")]
     return []
-
-
-def check_tree(tree: Tree[Token], source: Source) -> list[Diagnostic]:
-    """Returns what is too large about a text without syntax errors: nested too deeply, too many statements."""
-    statements = 0
-    todo: list[tuple[Tree[Token], int]] = [(tree, 0)]
-    while todo:
-        node, depth = todo.pop()
-        depth += _operators(node) if node.data in CHAINS else 1
-        if depth > MAX_TREE:
-            return [errors.TooDeep(_span(node, source), limit=MAX_TREE)]
-        statements += node.data in STATEMENTS
-        if statements > MAX_STATEMENTS:
-            return [too_much("the file has more statements", MAX_STATEMENTS, _span(node, source))]
-        todo += [(child, depth) for child in reversed(node.children) if isinstance(child, Tree)]
-    return []
-
-
-def _operators(chain: Tree[Token]) -> int:
-    """How many operators a chain has; `and` and `or` leave no token in the tree."""
-    return sum(isinstance(child, Token) for child in chain.children) or len(chain.children) - 1
-
-
-def _span(node: Tree[Token], source: Source) -> Span:
-    return source.span(node.meta.start_pos, node.meta.start_pos)

@@ -1,12 +1,13 @@
 """Collects the diagnostics of a stage, each once, and declares the exception that skips what cannot be built."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, near
+from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Span
 
 K = TypeVar("K", bound=Hashable)
@@ -51,12 +52,13 @@ class Problems:
         self.add(new)
         return Poisoned()
 
-    def unknown(self, name: Named, candidates: Iterable[str], what: str, instead: Mapping[str, str] | None = None) -> Poisoned:
-        """Records that a name is none of the candidates (`what` says what they are); `instead`: what to write for names often tried."""
+    def unknown(self, name: Named, candidates: Iterable[str], what: str, help_: str = "") -> Poisoned:
+        """Records that a name is none of the candidates; `what` says what they are."""
         known = list(candidates)
-        help_ = (instead or {}).get(name.text, "")
-        fix = named_first(help_, name.span, known)
-        return self.fail(errors.UnknownName(name.span, name=name.text, help=help_, fix=fix, near=near(name.text, known, what)))
+        hint, word = slip(name.text, known)
+        fix = Fix(name.span, word) if word else None
+        near_ = near(name.text, known, what)
+        return self.fail(errors.UnknownName(name.span, name=name.text, help=help_ or hint, fix=fix, near=near_))
 
     @contextmanager
     def survive(self, broken: set[K] | None = None, key: K | None = None) -> Iterator[None]:
@@ -74,9 +76,3 @@ class Problems:
             with self.survive():
                 built.append(build(part))
         return built
-
-
-def named_first(help_: str, span: Span, known: Iterable[str]) -> Fix | None:
-    """Returns the edit that a help line stands for which begins with the name to write: "`col` is the column". None for another one."""
-    word = help_.split("`")[1] if help_.startswith("`") else ""
-    return Fix(span, word) if word in set(known) else None

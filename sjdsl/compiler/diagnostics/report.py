@@ -1,9 +1,7 @@
 """Prints diagnostics: as text with the lines they are about, or as plain data for a program."""
 
-import unicodedata
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
@@ -109,8 +107,7 @@ def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[s
         if before and line > before + 1:
             lines.append(f"  {'.' * max(width, 3)}")
         here = sorted((m for m in marks if m.line == line), key=lambda m: (m.start, m.sign == "-"))
-        text, here = _near(source.line(line), here)
-        content, columns = _cut(text, here)
+        content, columns = _cut(source.line(line), here)
         lines.append(f"  {line:>{width}} | {content}".rstrip())
         for mark in here:
             start, end = (columns[min(place, len(columns) - 1)] for place in (mark.start, mark.end))
@@ -121,36 +118,17 @@ def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[s
     return lines
 
 
-def _near(line: str, marks: list[Mark]) -> tuple[str, list[Mark]]:
-    """Returns the part of a very long line that can be shown at all, and the marks moved to it."""
-    begin = max(0, min(m.start for m in marks) - 2 * WIDTH)
-    if len(line) - begin <= 6 * WIDTH:
-        return line, marks
-    line = line[begin : begin + 6 * WIDTH]
-    return line, [replace(m, start=m.start - begin, end=min(m.end - begin, len(line))) for m in marks]
-
-
 def _cut(line: str, marks: list[Mark]) -> tuple[str, list[int]]:
-    """Returns the line as shown and, for each of its characters and its end, the column where it is shown."""
-    shown, columns = [], [0]
-    for character in line:
-        text = " " * (TAB - columns[-1] % TAB) if character == "\t" else visible(character)
-        shown.append(text)
-        columns.append(columns[-1] + _columns(text))
-    if columns[-1] <= WIDTH:
-        return "".join(shown), columns
-    first, last = (columns[min(place, len(line))] for place in (min(m.start for m in marks), max(m.end for m in marks)))
-    low = 0 if last <= WIDTH - 2 else max(0, min(first - 20, columns[-1] - WIDTH + 2))
-    kept = [i for i in range(len(line)) if columns[i] >= low and columns[i + 1] <= low + WIDTH - 2]
-    head, tail = "…" * (kept[0] > 0), "…" * (kept[-1] < len(line) - 1)
-    begin, end = columns[kept[0]] - len(head), columns[kept[-1] + 1]
-    moved = [min(max(c, columns[kept[0]]), end + len(tail)) - begin for c in columns]
-    return head + "".join(shown[kept[0] : kept[-1] + 1]) + tail, moved
-
-
-def _columns(text: str) -> int:
-    """Returns how many columns of a terminal a text takes: none for what combines, two for wide characters."""
-    return sum(0 if unicodedata.combining(c) else 2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
+    """Returns the line as shown, of a long one the part around the marks, and for each of its characters and its end the column where it is."""
+    first, last = min(m.start for m in marks), max(m.end for m in marks)
+    begin = 0 if len(line) <= WIDTH or last <= WIDTH - 2 else max(0, min(first - 20, len(line) - WIDTH + 2))
+    end = len(line) if len(line) <= WIDTH else begin + WIDTH - 2
+    shown, columns = "…" * (begin > 0), [0] * begin
+    for character in line[begin:end]:
+        columns.append(len(shown))
+        shown += " " * (TAB - len(shown) % TAB) if character == "\t" else visible(character)
+    shown += "…" * (end < len(line))
+    return shown, columns + [len(shown)] * (len(line) - end + 1)
 
 
 def visible(text: str) -> str:

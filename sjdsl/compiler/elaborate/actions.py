@@ -79,11 +79,11 @@ def _arguments(action: ast.Action, game: Composition, scope: Scope) -> tuple[ir.
     for number, argument in enumerate(names):
         if argument.text in [other.text for other in names[:number]]:
             scope.problems.add(errors.WrittenTwice(argument.span, what=f"the argument `{argument.text}`"))
-    return tuple(_argument(argument, name, scope) for argument in action.arguments)
+    return tuple(_argument(argument, scope) for argument in action.arguments)
 
 
-def _argument(argument: ast.Argument, action: str, scope: Scope) -> ir.ActionArgument:
-    type_ = field_type(argument.type, action, scope)
+def _argument(argument: ast.Argument, scope: Scope) -> ir.ActionArgument:
+    type_ = field_type(argument.type, scope)
     capped = isinstance(argument.type, ast.Range) and argument.type.capped
     if type_.kind not in ("agent", "word", "int") or capped:
         given = f"{describe(type_)} that is `capped`" if capped else describe(type_)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.actions import declare_actions, forbids
 from sjdsl.compiler.elaborate.fields import one_field
@@ -36,7 +36,7 @@ def declare_agents(game: Composition, scope: Scope) -> None:
     static, problems = scope.static, scope.problems
     declare_actions(game, scope)
     if game.moves is not None and game.moves.frame.text not in ("relative", "compass"):
-        problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving", guesses.MOVES)
+        problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving")
     for name, declared in game.agent_fields.items():
         with problems.survive(static.broken, Symbol("field", name, "agent")):
             static.agent_fields[name] = one_field(declared, scope, AGENTS)

@@ -5,7 +5,7 @@ from math import isfinite
 from typing import Any
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label, near
 from sjdsl.compiler.elaborate.keys import entries_of, level_of
 from sjdsl.compiler.elaborate.lookup import table_words
@@ -21,7 +21,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     """Adds one `size` or `param` to the static tables; a size may take another value than the written one."""
     unit, name, static = declared.unit.text, declared.name.text, scope.static
     if unit not in UNITS:
-        raise scope.problems.unknown(declared.unit, UNITS, "the units", guesses.UNITS)
+        raise scope.problems.unknown(declared.unit, UNITS, "the units")
     if unit == "word":
         type_, word = _word(declared, scope)
         static.params[name] = ir.Param(name=name, type=type_, value=word, origin=declared.span)

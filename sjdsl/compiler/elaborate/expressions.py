@@ -9,7 +9,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
-from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate import actions
@@ -232,7 +232,7 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         return use_define(e.name, e.arguments, scope)
     if row is None:
         found = [row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks]
-        raise scope.problems.unknown(e.name, [*found, *scope.static.defines], "the functions and defines", guesses.FUNCTIONS)
+        raise scope.problems.unknown(e.name, [*found, *scope.static.defines], "the functions and defines")
     if row.reduces is not None and len(e.arguments) == 1:
         values = row_of_numbers(e.arguments[0], scope, "a row of numbers, or several numbers")
         return ir.SumRow(type=element(values.type), row=values, fn=name, origin=e.span)  # type: ignore[arg-type]
@@ -262,7 +262,7 @@ def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
     """Returns the least or greatest value over a domain."""
     reduction = REDUCTIONS.get(e.name.text)
     if reduction is None or reduction.adds:  # a sum is `ast.Total`
-        raise scope.problems.unknown(e.name, REDUCTIONS, "what there is over a domain", guesses.FUNCTIONS | guesses.OVER_DOMAINS)
+        raise scope.problems.unknown(e.name, REDUCTIONS, "what there is over a domain")
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
     otherwise = None if e.if_none is None else scope.expression(e.if_none)

@@ -4,13 +4,15 @@ from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
-from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, check_words, interval_text
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
 
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "reward")
+
+REAL_FIELD = "a field of real numbers is `field {name} : reward = 0`"
 
 
 def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: ir.Sort) -> dict[str, ir.VarField]:
@@ -37,7 +39,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
         return ir.VarField(name=name, held_by=held_by, type=type_, timer=True, start=0, origin=span)
-    type_ = field_type(declared.type, name, scope)
+    type_ = field_type(declared.type, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
         type_ = type_.model_copy(update={"by": (level_of(declared.by, scope),)})
@@ -45,7 +47,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     return ir.VarField(name=name, held_by=held_by, type=type_, capped=capped, start=start, origin=span)
 
 
-def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
+def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
     static = scope.static
     match declared:
         case ast.Words():
@@ -67,8 +69,7 @@ def field_type(declared: ast.Type, field: str, scope: Scope) -> ir.Type:
             help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {sort}`"
             raise scope.fail(errors.Unsupported(declared.span, what="a field that holds a mover", help=help_))
         case ast.NamedType():
-            instead = {guess: help_.format(name=field) for guess, help_ in guesses.TYPES.items()}
-            raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields", instead)
+            raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields")
 
 
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
@@ -78,7 +79,7 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
         problem = f"an end of this range is {max(low, high, key=abs):.15g}"
         raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
     if low != int(low) or high != int(high) or low > high:
-        wanted, help_ = "a range of whole numbers, the smaller first", "" if low > high else guesses.REAL_FIELD.format(name="NAME")
+        wanted, help_ = "a range of whole numbers, the smaller first", "" if low > high else REAL_FIELD.format(name="NAME")
         raise scope.fail(errors.WrongType(declared.span, wanted=wanted, given="another one", help=help_))
     unit = join_units(*units)
     return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=low, high=high)
@@ -110,7 +111,7 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
             return value.value
         case ir.Number() if type_.kind in ("int", "real"):
             if type_.kind == "int" and value.value != int(value.value):
-                help_ = guesses.REAL_FIELD.format(name=name)
+                help_ = REAL_FIELD.format(name=name)
                 raise scope.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_))
             if type_.kind == "int" and not type_.low <= value.value <= type_.high:
                 reached = interval_text(value.type.low, value.type.high)

@@ -42,7 +42,7 @@ def level_of(by: ast.By, scope: Scope) -> Level:
                 instead = "write `by agent`: one entry for each agent"
             elif scope.static.kinds_of(by.text):
                 instead = f"cells keep what belongs to them in fields of their own: `kind {by.text} … {{ field … }}`"
-            raise scope.problems.unknown(by, SORTS, "what a row can be by", {by.text: instead})
+            raise scope.problems.unknown(by, SORTS, "what a row can be by", instead)
 
 
 def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir.Expr:

@@ -1,16 +1,17 @@
 """Name lookup: kinds, words and defines by name, the names a variable may have, and errors for unknown names."""
 
 import re
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Sequence
 from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
-from sjdsl.compiler.diagnostics import errors, guesses, limits
-from sjdsl.compiler.diagnostics.diagnostic import Near, near
-from sjdsl.compiler.diagnostics.problems import Poisoned, Problems, named_first
+from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.diagnostic import Fix, Near, near
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
+from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
@@ -180,29 +181,22 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     meant = nearest(name.text, static.names() | set(scope.variables))
     values = sorted({*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"})
     listed = near(name.text, values if len(values) > 1 else (), "the values known here").listed
-    help_ = _owned(name.text, meant, static)
-    return scope.fail(errors.UnknownName(name.span, name=name.text, near=Near(meant, listed), help=help_))
+    help_, word = slip(name.text, values)
+    fix = Fix(name.span, word) if word else None
+    owners = ["agent"] * (name.text in static.agent_fields or name.text in AGENT_ATTRIBUTES)
+    owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
+    owners += [sort for sort in static.movers if name.text in static.mover_fields(sort)]
+    if owners and not meant:
+        help_ = help_ or f"a field is written with its owner: {' or '.join(f'`{owner}.{name.text}`' for owner in owners[:3])}"
+    return scope.fail(errors.UnknownName(name.span, name=name.text, near=Near(meant, listed), help=help_, fix=fix))
 
 
-def _owned(name: str, near: str, static: Static) -> str:
-    """Returns what to write for a name that something else has: a field without its owner, a condition compared with `true`."""
-    if name in guesses.CONDITIONS:
-        return "a condition is used as it is: `when c`, `when not c`"
-    if name in guesses.VALUES:
-        return guesses.VALUES[name]
-    owners = ["agent"] * (name in static.agent_fields or name in AGENT_ATTRIBUTES)
-    owners += [kind for kind, fields in static.kinds.items() if name in fields]
-    owners += [sort for sort in static.movers if name in static.mover_fields(sort)]
-    paths = " or ".join(f"`{owner}.{name}`" for owner in owners[:3])
-    return f"a field is written with its owner: {paths}" if owners and not near else ""
-
-
-def no_field(name: ast.Name, owner: str, fields: Iterable[str], instead: Mapping[str, str], problems: Problems) -> Poisoned:
-    """Reports a field that `owner` does not have; `instead`: what to write for names that are often tried."""
+def no_field(name: ast.Name, owner: str, fields: Iterable[str], problems: Problems, help_: str = "") -> Poisoned:
+    """Reports a field that `owner` does not have."""
     known = list(fields)
-    help_, meant = instead.get(name.text, ""), near(name.text, known, "the fields")
-    fix = named_first(help_, name.span, known)
-    return problems.fail(errors.NoField(name.span, owner=owner, name=name.text, help=help_, fix=fix, near=meant))
+    hint, word = slip(name.text, known)
+    fix, meant = Fix(name.span, word) if word else None, near(name.text, known, "the fields")
+    return problems.fail(errors.NoField(name.span, owner=owner, name=name.text, help=help_ or hint, fix=fix, near=meant))
 
 
 def interval_text(low: float, high: float) -> str:

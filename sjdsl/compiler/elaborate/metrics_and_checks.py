@@ -163,7 +163,7 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
         case ast.Monotone():
             return _monotone(check, scope)
         case ast.Symmetric():
-            known = ("agents", "mirror", *scope.static.movers)
+            known = ("agents", *scope.static.movers)
             if check.what.text not in known:
                 raise scope.problems.unknown(check.what, known, "the symmetries")
             if check.what.text in scope.static.movers:

@@ -1,6 +1,6 @@
 """Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from math import inf
 from typing import Literal
@@ -8,7 +8,7 @@ from typing import Literal
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.compose import Composition, path_text
-from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Fix, near
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned
@@ -76,7 +76,7 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
         if name.text in [n.text for n, _ in tree.sides[:i]]:
             scope.problems.add(errors.WrittenTwice(name.span, what=f"`{name.text}`"))
         if name.text not in SIDES:
-            scope.problems.unknown(name, tuple(SIDES), "the sides of a window", guesses.SIDES)
+            scope.problems.unknown(name, tuple(SIDES), "the sides of a window")
             continue
         with scope.problems.survive():
             sides[name.text] = scope.whole(value, "the window", f"the window {name.text}", 0, limits.MAX_WINDOW)
@@ -234,7 +234,7 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     if head in static.movers and Symbol("field", name.text, head) not in static.broken:
         fields = static.mover_fields(head)
         if name.text not in fields:
-            raise no_field(name, f"a mover `{head}`", fields, guesses.PLACES, scope.problems)
+            raise no_field(name, f"a mover `{head}`", fields, scope.problems)
         static.refer(owner, Symbol("name", head))
         static.refer(name, Symbol("field", name.text, head))
         return [Seen(("mover", head, name.text), fields[name.text])]
@@ -257,12 +257,12 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     static.refer(owner, Symbol("name", head))
     for kind in kinds:
         if name.text not in static.kinds[kind]:
-            called, instead = f"the kind `{kind}`", dict(guesses.PLACES)
+            called, help_ = f"the kind `{kind}`", ""
             if head in static.groups:
                 called = f"{called} of the group"
             elif name.text in CELL_ATTRIBUTES:
-                instead = {name.text: "where a cell is, an agent sees by its place in the window; fields of cells are shown"}
-            raise no_field(name, called, static.kinds[kind], instead, scope.problems)
+                help_ = "where a cell is, an agent sees by its place in the window; fields of cells are shown"
+            raise no_field(name, called, static.kinds[kind], scope.problems, help_)
         static.refer(name, Symbol("field", name.text, kind))
     return [Seen(("cell", kind, name.text), static.kinds[kind][name.text]) for kind in kinds]
 
@@ -270,8 +270,7 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
 def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
     """Returns what every agent has of itself, as if it were a field; conditions are the words `no` and `yes`."""
     if name.text not in AGENT_ATTRIBUTES:
-        instead: Mapping[str, str] = guesses.AGENT_FIELDS | guesses.PLACES
-        raise no_field(name, "an agent", [*scope.static.agent_fields, *AGENT_ATTRIBUTES], instead, scope.problems)
+        raise no_field(name, "an agent", [*scope.static.agent_fields, *AGENT_ATTRIBUTES], scope.problems)
     if name.text == "away" and head != "everyone":
         help_ = "an agent that is away sees nothing, and is not seen; `show everyone.away` tells all who is away"
         what, wanted = "the same whenever it is seen", "something that can change"
@@ -299,7 +298,7 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
     help_ = f"a field is written with its owner: {' or '.join(f'`{verb} {o}.{name.text}`' for o in owners)}" if owners else ""
     values = ["step", *static.defines] if isinstance(observable, ast.Show) else []
     known = "the fields of the world, the defines, and what has fields," if values else "the fields of the world, and what has fields,"
-    return scope.problems.unknown(name, [*static.fields, *values, *WHO, *static.kinds], known, {name.text: help_})
+    return scope.problems.unknown(name, [*static.fields, *values, *WHO, *static.kinds], known, help_)
 
 
 def _fields_of_a_kind(kind: str, verb: str, static: Static) -> str:

@@ -2,7 +2,7 @@
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
-from sjdsl.compiler.diagnostics import errors, guesses
+from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.actions import argument_read
@@ -91,11 +91,10 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         held_by, fields, called = owner.sort, static.mover_fields(owner.sort.name), f"a mover `{owner.sort.name}`"
         types["index"] = integer(0, static.movers[owner.sort.name].number - 1, "number")
         known: tuple[str, ...] = MOVER_ATTRIBUTES
-        instead = guesses.PLACES
     elif as_agent(owner):
         check_somebody(owner, name.span, scope)
         held_by, fields, called = AGENTS, static.agent_fields, "an agent"
-        known, instead = AGENT_ATTRIBUTES, guesses.AGENT_FIELDS | guesses.PLACES
+        known = AGENT_ATTRIBUTES
     else:
         raise scope.fail(errors.WrongType(name.span, wanted="an agent or a cell before the point", given=describe(owner.type)))
     if name.text in fields:
@@ -109,7 +108,7 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     if Symbol("field", name.text, held_by.name) in static.broken:
         raise Poisoned
-    raise no_field(name, called, [*fields, *known], instead, scope.problems)
+    raise no_field(name, called, [*fields, *known], scope.problems)
 
 
 def attribute_types(static: Static) -> dict[str, ir.Type]:
@@ -169,7 +168,7 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
             raise Poisoned
         if name.text not in fields:
             what = f"the kind `{kind}`" if len(kinds) == 1 else f"the kind `{kind}` of the group"
-            raise no_field(name, what, [*fields, *CELL_ATTRIBUTES], guesses.PLACES, scope.problems)
+            raise no_field(name, what, [*fields, *CELL_ATTRIBUTES], scope.problems)
         found.append(fields[name.text])
         static.use(name, Symbol("field", name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
-from sjdsl.compiler.diagnostics import errors, guesses, limits
+from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.scope import Scope
 
@@ -45,7 +45,7 @@ def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
         if shape is None:
             if Symbol("shape", ref.name.text) in static.broken:
                 raise Poisoned
-            raise scope.problems.unknown(ref.name, [*static.shapes, *BUILT_IN], "the shapes", guesses.SHAPES)
+            raise scope.problems.unknown(ref.name, [*static.shapes, *BUILT_IN], "the shapes")
         static.use(ref.name, Symbol("shape", ref.name.text))
         return shape
     shape = built_in(ref, scope)
@@ -70,7 +70,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     """Returns `line(n)`, `fan(length, radius)`, `disc(r)`, `diamond(r)`, `square(r)` (these three also `(r, centre)`)."""
     name, arguments = ref.name.text, ref.arguments or ()
     if name not in BUILT_IN:
-        raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes", guesses.SHAPES)
+        raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes")
     centre = False
     if name in SEE_THROUGH and len(arguments) == 2 and isinstance(arguments[1], ast.Path) and arguments[1].name.text == "centre":
         arguments, centre = arguments[:1], True

@@ -1,6 +1,6 @@
 """Reads a text straight to its AST, several times as fast as by way of the grammar's own tree.
 
-Source -> ast.File; how far it was read, for a text with a mistake; None for wrong characters and texts beyond a limit of the compiler
+Source -> ast.File; how far it was read, for a text with a mistake; what is too large about it; None for wrong characters, numbers and brackets
 """
 
 import re
@@ -12,11 +12,12 @@ from typing import Any
 from lark import Lark
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
+from sjdsl.compiler.diagnostics.errors import TooDeep
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS
+from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS, too_much
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.recovery.automaton import END, Stack
-from sjdsl.compiler.syntax.recovery.idioms import FARTHEST
 from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, Part, unquote
 from sjdsl.compiler.syntax.soft_words import SOFT, can_come, names_in_place
 from sjdsl.compiler.syntax.tokens import BRACKETS, PREFIX, is_too_large
@@ -99,10 +100,11 @@ def _rule(rule: Any) -> Rule:
     return Rule(len(symbols), str(rule.origin.name), tuple(kept), str(name), passes, RULES.get(name))
 
 
-def read_directly(source: Source, parser: Lark) -> ast.File | ReadSoFar | None:
+def read_directly(source: Source, parser: Lark) -> ast.File | ReadSoFar | Diagnostic | None:
     """Returns the tree of a text whose version line is right; how far it was read if the words are not those of a game.
 
-    None: a character is wrong, or the text is beyond a limit of the compiler.
+    A diagnostic: it is nested too deeply, or has too many statements. None: a character is wrong, a number too large, or the text too long or
+    its brackets nested too deeply.
     """
     known = tables(parser)
     words = cut(source.text, known)
@@ -147,9 +149,10 @@ class Reader:
         self._words, self._file, self._known = words, source.name, known
         self._lines = [0, *(match.end() for match in re.finditer("\n", source.text))]
         self._statements = 0
+        self._too_large: Diagnostic | None = None
 
-    def file(self) -> ast.File | ReadSoFar | None:
-        """Returns the file that the words are, or how far they were read; None if it is nested too deeply or has too many statements."""
+    def file(self) -> ast.File | ReadSoFar | Diagnostic:
+        """Returns the file that the words are, how far they were read, or what is too large about it."""
         known, kinds = self._known, self._words.kinds
         states, rules, passed, end = known.states, known.rules, known.passed, known.end
         stack, values, firsts, heights = [known.start], list[Any](), list[int](), list[int]()
@@ -168,7 +171,7 @@ class Reader:
                     heights.append(0)
                     break
                 if to is None:
-                    at, before, words = kept if kept[0] <= max(0, number - FARTHEST) else earlier
+                    at, before, words = kept if kept[0] <= max(0, number - 1) else earlier
                     so_far = Stack(before[0], None)
                     for state, word in zip(before[1:], words, strict=True):  # the word with which each level begins
                         so_far = Stack(state, so_far, word)
@@ -187,8 +190,8 @@ class Reader:
                     below, state = stack[-2:]
                     stack[-1] = passed.get((below, state, kind)) or self._passed(below, state, kind)
                 if kind == END and stack[-1] == end:
-                    fits = heights[-1] <= MAX_TREE and self._statements <= MAX_STATEMENTS
-                    return values[-1] if fits and isinstance(values[-1], ast.File) else None
+                    file: ast.File = values[-1]
+                    return self._too_large or file
         raise AssertionError("the end of a text is read or refused")
 
     def _passed(self, below: int, state: int, kind: str) -> int:
@@ -223,6 +226,10 @@ class Reader:
                 signs += 1
         height += (signs or len(items) - 1) if name in CHAINS else 1
         self._statements += name in STATEMENTS
+        if self._too_large is None and (height > MAX_TREE or self._statements > MAX_STATEMENTS):
+            start = self._words.starts[first]
+            here, problem = self._span(start, start), "the file has more statements"
+            self._too_large = TooDeep(here, limit=MAX_TREE) if height > MAX_TREE else too_much(problem, MAX_STATEMENTS, here)
         if rule.build is None:
             return Part(name, tuple(items) if name == "names" else items[0] if items else None), height
         words = self._words

@@ -12,17 +12,16 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from lark import Lark, Token, Tree, UnexpectedCharacters
+from lark import Lark, Token, Tree
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix
-from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text, check_tree
+from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import CONTROL
 from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton, open_marks, read
-from sjdsl.compiler.syntax.recovery.idioms import Idiom, find_idiom, idiom_error
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
 from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names, can_come
@@ -51,7 +50,7 @@ def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
         found = None if wrong or CONTROL.search(source.text) else read_directly(source, parser())
         if isinstance(found, ast.File):
             return found
-        problems = mistakes(source, wrong, found)
+        problems = [found] if isinstance(found, Diagnostic) else mistakes(source, wrong, found)
     return CompileError(problems).diagnostics
 
 
@@ -67,9 +66,9 @@ def mistakes(source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None)
         for kind in ("SJ", "INT") if wrong else ():  # a version line that is not there
             stack = read(automaton(), stack, kind) or stack
         so_far = ReadSoFar(0, stack)
-    problems = ([wrong] if wrong else []) + found.problems
-    problems += _find_errors(found, so_far.at, so_far.stack) if found.complete else []
-    return problems or check_tree(tree_of(found.tokens)[1], source)
+    if found.problems:
+        return ([wrong] if wrong else []) + found.problems
+    return ([wrong] if wrong else []) + _find_errors(found, so_far.at, so_far.stack)
 
 
 def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
@@ -125,7 +124,6 @@ def _skip_to_game(found: Scan) -> bool:
     dropped = kinds.index("GAME")
     begin = found.tokens[dropped].start_pos or 0
     found.problems = [problem for problem in found.problems if problem.span.start >= begin]
-    found.mended = {number - dropped for number in found.mended}
     del found.tokens[:dropped]
     return True
 
@@ -147,7 +145,6 @@ def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
     closing = closing_braces(kinds)
     before: Stack | None = None
     search, repairs = Search(), 0
-    trail: dict[int, Stack] = {}
     while repairs < MAX_PROBLEMS:
         if kinds[at] in SOFT:
             found.tokens[at] = as_name(table, stack, found.tokens[at])
@@ -156,29 +153,18 @@ def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
         if after is not None and kinds[at] == END:
             break
         if after is not None:
-            trail[at] = stack
             before, stack, at = stack, after, at + 1
             continue
         trouble = Trouble(table, kinds, texts, closing, stack, before, at)
-        idiom = find_idiom(trouble, trail, found.tokens, found.source, _lex) if at >= search.quiet else None
-        repair = find_repair(trouble) if idiom is None else Repair("idiom", at, idiom.stack, idiom.end)
-        _report(search, trouble, repair, idiom, found)
+        repair = find_repair(trouble)
+        _report(search, trouble, repair, found)
         if repair is None:
             break
         before, stack, at, repairs = None, repair.stack, repair.resume, repairs + 1
-        trail.clear()
     return list(search.problems.values())
 
 
-def _lex(text: str) -> list[Token]:
-    """Returns the tokens of a text; none if it cannot be read."""
-    try:
-        return list(parser().parse_interactive(text).lexer_thread.lex(None))  # Lark.lex makes a lexer each time
-    except UnexpectedCharacters:
-        return []
-
-
-def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idiom | None, found: Scan) -> None:
+def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan) -> None:
     """Adds an error, unless it follows from one before."""
     change, forgiven = 0, False
     if repair is not None:
@@ -189,9 +175,8 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, idiom: Idio
     worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
     forgiven = forgiven or (not worse and change * search.owed < 0)
     search.owed += change if worse or forgiven else 0
-    if trouble.at >= search.quiet and not forgiven and not {trouble.at - 1, trouble.at} & found.mended:
+    if trouble.at >= search.quiet and not forgiven:
         problem = word_error(trouble, repair, found.tokens, found.source)
-        problem = problem if idiom is None else idiom_error(idiom, problem, found.tokens, found.source)
         # a reserved word used as a name is one mistake, however often the name is used
         identity = (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
         known = search.problems.setdefault(identity, problem)

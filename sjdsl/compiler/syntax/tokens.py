@@ -9,10 +9,10 @@ from functools import partial
 from lark import Lark, Token, UnexpectedCharacters
 
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.limits import MAX_DEPTH, MAX_DIGITS, MAX_INTEGER, MAX_PROBLEMS, MAX_TOKENS, too_much
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.syntax.characters import mend, without_controls
+from sjdsl.compiler.syntax.characters import CONTROL, bad_character, control_characters
 from sjdsl.compiler.syntax.soft_words import names_in_place
 
 OPENING, CLOSING, PREFIX = ("LBRACE", "LPAR", "LSQB"), ("RBRACE", "RPAR", "RSQB"), ("NOT", "SIGN")
@@ -22,48 +22,39 @@ LONG = len(str(MAX_INTEGER))
 
 @dataclass
 class Scan:
-    """`mended`: which tokens stand for something already reported; `complete`: whether the text was read to its end."""
+    """The tokens of a text, and what is wrong with its characters, its numbers and its size."""
 
     source: Source
     tokens: list[Token] = field(default_factory=list)
     problems: list[Diagnostic] = field(default_factory=list)
-    mended: set[int] = field(default_factory=set)
-    complete: bool = True
     brackets: int = 0
     prefixes: int = 0
 
 
 def scan(source: Source, parser: Lark) -> Scan:
-    """Returns the tokens of a text and what is wrong with its characters; stops at a limit of the compiler."""
-    text, problems = without_controls(source)
-    found = Scan(source, problems=problems)
-    keywords = {t.pattern.value: t.name for t in parser.terminals if t.pattern.value.isalpha()}
+    """Returns the tokens of a text and what is wrong with its characters; stops at a limit of the compiler.
+
+    What stands behind a wrong character in its line is left out.
+    """
+    found = Scan(source, problems=control_characters(source))
+    text = CONTROL.sub(" ", source.text) if found.problems else source.text
     thread = parser.parse_interactive(text).lexer_thread
     assert thread.state is not None, "a text was given"
-    while found.complete:
+    reading = True
+    while reading:
         try:
             for token in thread.lex(None):
                 found.tokens.append(token)
-                found.complete = _is_within_limits(found, token)
-                if not found.complete:
+                reading = _is_within_limits(found, token)
+                if not reading:
                     break
-                if _is_foreign_comment(found):
-                    line_end = (text + "\n").index("\n", token.end_pos)
-                    thread.state.line_ctr.feed(text[token.end_pos : line_end])
             else:
                 break
         except UnexpectedCharacters as error:
             at = error.pos_in_stream or 0
-            last = found.tokens[-1] if found.tokens else None
-            mended = mend(source, text, at, last, keywords)
-            found.problems.append(mended.problem)
-            if mended.token is not None:
-                if last is not None and mended.token.start_pos == last.start_pos:
-                    found.tokens.pop()
-                found.mended.add(len(found.tokens))
-                found.tokens.append(mended.token)
-            thread.state.line_ctr.feed(text[at : mended.end])
-            found.complete = len(found.problems) < MAX_PROBLEMS
+            found.problems.append(bad_character(source, text, at))
+            thread.state.line_ctr.feed(text[at:].split("\n", 1)[0])
+            reading = len(found.problems) < MAX_PROBLEMS
     for at in names_in_place([token.type for token in found.tokens]):
         found.tokens[at] = Token.new_borrow_pos("NAME", found.tokens[at], found.tokens[at])
     return found
@@ -91,18 +82,4 @@ def _is_within_limits(found: Scan, token: Token) -> bool:
     if len(found.tokens) > MAX_TOKENS:
         found.problems.append(too_much("the file has more words and signs", MAX_TOKENS, span()))
         return False
-    return True
-
-
-def _is_foreign_comment(found: Scan) -> bool:
-    """Takes back `//` and `/*`, which begin a comment elsewhere, and reports them."""
-    if len(found.tokens) < 2 or found.tokens[-1].type != "TIMES":
-        return False
-    first, second = found.tokens[-2:]
-    if first != "/" or second not in ("/", "*") or first.end_pos != second.start_pos:
-        return False
-    del found.tokens[-2:]
-    span = found.source.span(first.start_pos or 0, second.end_pos or 0)
-    help_ = "a comment begins with `#`"
-    found.problems.append(errors.Unexpected(span, found=f"`{first}{second}`", expected="`#`", help=help_, fix=Fix(span, "#")))
     return True

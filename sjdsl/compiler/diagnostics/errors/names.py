@@ -138,12 +138,6 @@ class DefineCycle(AboutName, code="SJ119", title="A define that uses itself"):
     hints = ("break the circle",)
 
 
-class UndoneByVariant(AboutName, code="SJ121", title="A change that a variant undoes", severity="warning"):
-    says = "variant `{variant}`, of the game that this extends, changes `{name}` too, and undoes this"
-    hints = ("give this game a variant `{variant}` of its own, with what is to hold then; `drop {variant}` takes it away",)
-    variant: str
-
-
 class NoPaint(AboutName, code="SJ120", title="No such sprite or colour"):
     says = "`{name}` is neither a sprite nor a colour"
     hints = (

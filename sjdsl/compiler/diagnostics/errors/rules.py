@@ -1,34 +1,31 @@
 """SJ4xx: write conflicts in a phase; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
 
-from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic, LazyFixes
+from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic
 
 
 class WriteConflict(AboutName, code="SJ401", title="Two writes in one phase"):
     says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
     hints = (
         "{lot}",
-        "{accepted}",
-        "write two phases; or pair them with `match`; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+        "let one of the two happen with `otherwise`, one of several with `pick 1`, or pair them with `match`; or write two phases; "
+        "or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
     )
     owner: str
     phase: str
-    accepted: LazyFixes | str = ""
     lot: str = ""
 
 
 class AddAndSet(AboutName, code="SJ402", title="Set and add in one phase"):
     says = "`{name}` is both set and added to in phase `{phase}`"
-    hints = ("{accepted}", "write two phases, or make the two exclude each other")
+    hints = ("write two phases, or let one of the two happen with `otherwise`",)
     phase: str
-    accepted: LazyFixes | str = ""
 
 
 class TwoDestinations(Diagnostic, code="SJ403", title="Two destinations"):
     says = "{who} can be sent to two places in phase `{phase}`"
-    hints = ("{accepted}", "make the two exclude each other, or send to one place")
+    hints = ("let one of the two happen with `otherwise`, or send to one place",)
     phase: str
     who: str = "an agent"
-    accepted: LazyFixes | str = ""
 
 
 class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):

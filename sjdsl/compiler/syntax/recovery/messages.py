@@ -8,10 +8,19 @@ from lark import Token
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
-from sjdsl.compiler.diagnostics.guesses import NAMES
+from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.recovery.automaton import END, accepted, open_braces, open_marks
-from sjdsl.compiler.syntax.recovery.repair import COMMITTED, SECTIONS, STATEMENTS, Repair, Trouble, near_keywords
+from sjdsl.compiler.syntax.recovery.repair import (
+    COMMITTED,
+    SECTIONS,
+    STATEMENTS,
+    Repair,
+    Trouble,
+    can_be_written,
+    near_keywords,
+    statement_slip,
+)
 
 PHRASES = {
     "NAME": "a name",
@@ -35,7 +44,7 @@ def word_error(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token],
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
     if repair is not None and repair.sort == "name":
         word = str(tokens[repair.place])
-        other = NAMES.get(word, f"{word}_")  # a name that the file does not have yet
+        other = f"{word}_"  # a name that the file does not have yet
         other = other if other not in tokens else next(name for number in count(2) if (name := f"{other}_{number}") not in tokens)
         return errors.ReservedWord(_refused_span(trouble, tokens, source), word=word, other=other)
     closing = repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert")
@@ -176,8 +185,8 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
 def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
     """Returns what may have been meant, whatever the repair: the sign for `=`, a near keyword, another place."""
     kind, text = trouble.kinds[trouble.at], trouble.texts[trouble.at]
-    if text == "=" and "CMP" in kinds:
-        return "numbers are compared with `==`, words with `is`"
+    if hint := statement_slip(trouble, kinds) or slip(text, can_be_written(trouble.automaton, kinds))[0]:
+        return hint
     if text == ":" and "LBRACE" in kinds:
         return "what belongs together stands in braces: `{ … }`"
     for group, other, help_ in MISPLACED:

@@ -9,10 +9,12 @@ from typing import Literal
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_DEPTH
+from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, accepted, levels, open_braces, reach, read
 from sjdsl.near_names import nearest
 
 AHEAD = 24  # tokens looked at behind an error
+STATEMENT = 10  # tokens that tell what a statement of another language is
 ENOUGH = 3  # tokens that must follow for a change to be believed
 
 STATEMENTS = frozenset((
@@ -29,17 +31,7 @@ ENTRIES = frozenset((
 ))  # fmt: skip
 RESUMING = STATEMENTS | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
 
-# Words and signs of other languages, with ours.
-FOREIGN = {
-    "=": "==", "==": "=", "<>": "!=", "=>": "->",
-    "if": "when", "else": "otherwise", "elif": "otherwise", "foreach": "each", "every": "each", "def": "define",
-    "function": "define", "rule": "phase", "const": "param", "constant": "param", "parameter": "param", "players": "agents",
-    "player": "agents", "agent": "agents", "object": "kind", "random": "chance", "probability": "chance", "var": "let",
-    "assign": "set", "import": "extends", "order": "schedule", "invariant": "always", "assert": "require", "teleport": "send",
-    "counter": "timer", "variable": "field", "stop": "end", "none": "nobody", "null": "nobody",
-}  # fmt: skip
-
-Sort = Literal["near", "name", "insert", "replace", "delete", "close", "unclose", "skip", "idiom"]
+Sort = Literal["near", "name", "insert", "replace", "delete", "close", "unclose", "skip"]
 BONUS = {"near": 6.0, "name": 2.0, "insert": 0.0, "close": 0.0, "unclose": 0.0, "delete": -1.0, "replace": -1.25}
 IMBALANCE = 2.0  # what each brace without a partner costs
 EARLIER = 0.5  # what a change before the last good token costs
@@ -82,12 +74,14 @@ class Repair(Record):
 
     @property
     def is_sure(self) -> bool:
-        return self.sort in ("near", "name", "idiom")
+        return self.sort in ("near", "name")
 
 
 def find_repair(trouble: Trouble) -> Repair | None:
     """Returns the change after which most can be read; to the next statement if no small one helps; None at the end."""
     found = []
+    if statement_slip(trouble, accepted(trouble.automaton, trouble.stack)):
+        return _skip(trouble)
     for change in _candidates(trouble):
         # few tokens must be read after a word that is nearly right for it to be believed
         needed = 1 if change.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
@@ -160,13 +154,22 @@ def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
     return after
 
 
+def can_be_written(automaton: Automaton, kinds: Sequence[str]) -> dict[str, str]:
+    """Returns the words and signs of these kinds, each with its kind."""
+    return {word: kind for kind, word in automaton.words.items() if kind in kinds} | ({"==": "CMP"} if "CMP" in kinds else {})
+
+
+def statement_slip(trouble: Trouble, kinds: Sequence[str]) -> str:
+    """Returns what to write instead of the statement of another language that begins with the refused token; empty if none does."""
+    return slip(" ".join(trouble.texts[trouble.at : trouble.at + STATEMENT]), can_be_written(trouble.automaton, kinds))[0]
+
+
 def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
     """Returns the kinds of the keywords, among `kinds`, that a misspelt word may stand for."""
     text = trouble.texts[at]
-    words = {word: kind for kind, word in trouble.automaton.words.items() if kind in kinds}
-    words |= {"==": "CMP", "!=": "CMP"} if "CMP" in kinds else {}
-    if FOREIGN.get(text) in words:
-        return [words[FOREIGN[text]]]
+    words = can_be_written(trouble.automaton, kinds)
+    if word := slip(text, words)[1]:
+        return [words[word]]
     if trouble.kinds[at] != "NAME":
         return []
     words = {word: kind for word, kind in words.items() if word.isalpha()}
