@@ -106,7 +106,6 @@ def _observable(s: ir.Observable, v: Vocabulary) -> Line:
     entry = "the"
     if s.word is not None:
         entry = f"the {f'{code(s.word.name)} entry' if s.word.level.sort == 'word' else f'entry for {s.word.name}'} of the"
-    entry = "the number of the agent in the" if s.type.words[:1] == ("nobody",) and not s.labels else entry
     relative = " as seen by the observer" if s.what == "mover" and s.field == "heading" and not s.labels else ""
     whose = whose.replace(",", f"{relative},") if relative else whose
     named = f"{entry} {code(s.field)} of {whose}" if s.value is None else value(s.value, v)

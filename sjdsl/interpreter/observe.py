@@ -155,7 +155,7 @@ def _word(observable: ir.Observable, here: Instance) -> str:
     value = evaluate(_read(observable, here.board), here)
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return "nobody" if value is None else str(value)
+    return str(value)
 
 
 def _is_hidden(observable: ir.Observable, here: Instance) -> bool:

@@ -42,7 +42,7 @@ game sight "What is seen depends on who looks, and from where" {
     hide other when other on bush and distance(agent, other) > 1
     hide content on agents
     show land.owner
-    show crate.store.index
+    show crate.store
     show plot.crop when distance(agent, plot) <= far or plot.row == agent.row
     show pile as { rich where pile.worth > 1 and distance(pile, agent) < 3, pile_of_all where nobody on pile, pile_taken }
     show agent.row
@@ -56,6 +56,6 @@ game sight "What is seen depends on who looks, and from where" {
     show everyone.col
     show everyone.bag as { gone where everyone.away, near where distance(agent, everyone) < 3, far_off }
     show weather when agent.bag > 0
-    show king.index
+    show king
   }
 }

@@ -143,7 +143,7 @@ def _observable(w: World, owner: str, f: Field, text: str) -> str:
     if small and w.is_now(0.5) and not (cell and f.type.by):
         return _perhaps_when(w, owner, f"show {text}")
     if f.type.kind == "agent" and not f.type.by and w.is_now(0.6):
-        return _perhaps_when(w, owner, f"show {text}{w.random.choice(('', '.index'))}")
+        return _perhaps_when(w, owner, f"show {text}")
     if f.type.by or f.timer:
         return f"show {text}" if f.timer and not cell else ""
     return _perhaps_when(w, owner, f"show {text} as {{ {_labels(w, owner, LABELS)} }}")

@@ -1,7 +1,6 @@
 """Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from math import inf
 from typing import Literal
 
@@ -36,14 +35,13 @@ FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide con
 
 
 class Seen(Record):
-    """What a path names: a field (None for cells as a whole, and for headings of others), and which agent of it by number.
+    """What a path names: a field (None for cells as a whole, and for headings of others).
 
     value: of `step` or a define, which is seen as a field of the world would be.
     """
 
     key: Key
     field: ir.VarField | None = None
-    numbered: bool = False
     value: ir.Expr | None = None
 
 
@@ -195,13 +193,11 @@ def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
     path, static = observable.what, scope.static
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
-    numbered = len(members) > 1 and members[-1].text == "index" and isinstance(observable, ast.Show) and not observable.labels
-    members = members[:-1] if numbered else members
-    if len(members) + numbered != len(path.steps) or len(members) > 1:
+    if len(members) != len(path.steps) or len(members) > 1 or (members and head in static.fields):
         wanted = "`agent.field`, `other.field`, `everyone.field` or `kind.field`"
         raise scope.fail(errors.WrongType(path.span, wanted=wanted, given="another path"))
-    if numbered or members:
-        return [replace(seen, numbered=numbered) for seen in _of_owner(path.name, members[0], scope)]
+    if members:
+        return _of_owner(path.name, members[0], scope)
     kinds = static.kinds_of(head)
     if head in static.movers or kinds:
         static.refer(path.name, Symbol("name", head))
@@ -242,9 +238,6 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
     if any(Symbol("field", name.text, each) in static.broken for each in owners):
         raise Poisoned
-    if head in static.fields and name.text == "index":
-        static.use(owner, Symbol("name", head))
-        return [Seen(("world", "", head), static.fields[head])]
     if head == "other" and name.text == "heading":
         return [Seen(("heading", "", ""))]
     if head in OWNERS:
@@ -341,13 +334,7 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.
     check_places(what, condition, (), scope)
     labels, type_ = _labels(show, what, observer.knowing(() if condition is None else (condition,))), field.type
     if not labels and type_.kind == "agent" and not type_.by:
-        if found.numbered:
-            type_ = words(("nobody", *map(str, range(scope.static.num_agents))))
-        else:
-            labels = _agent_labels(found.key, field)
-    elif found.numbered:
-        wanted = "a field that holds an agent before `.index`"
-        raise scope.fail(errors.WrongType(show.what.span, wanted=wanted, given="another field"))
+        labels = _agent_labels(found.key, field)
     elif not labels:
         _check_plain(show, what, type_, scope)
     if what == "mover" and name == "heading":

@@ -173,7 +173,7 @@ class Observable(Node):
     observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading. `shown_when`: where it does
     not hold, a word is `hidden`, a number 0.
     `value`: what is shown in place of a field of the world, `step` or a define, by the name `field`.
-    A field of agents may be an attribute (`row`, `heading`); one that holds an agent is seen as the words of `type`: `nobody`, `0`, `1`, …
+    A field of agents may be an attribute (`row`, `heading`).
     """
 
     what: Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]

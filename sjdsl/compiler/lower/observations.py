@@ -312,8 +312,6 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     stored = state_reads.field(read, who, w)
     if observable.word is not None:
         stored = taken(stored, w.module.entry(observable.word).node)
-    if declared.type.kind == "agent":  # one up, 0 is nobody
-        return as_dtype(binary("+", stored, literal(1, "i32"), "i32"), "u8")
     if stored.dtype == "u8":
         return stored
     if declared.type.kind != "int" or not state_reads.fits_byte(declared, w):

@@ -36,16 +36,16 @@ game seen "Who sees what, under every odd condition" {
     hide marks on agents
     show green.fruit as { mine where nobody on green and green.col == agent.col, here where distance(green, agent) == 0, other_fruit }
     hide den.fruit when count(agent as x in disc(1) of den) > 1
-    show den.owner.index when agent.bag > 0
+    show den.owner when agent.bag > 0
     hide marks on green when distance(agent, green) > 1
     show other.friend
     show other.row when other.heading is north
     show other.moved when agent.bag < 2
-    show everyone.friend.index when everyone is agent or everyone.tired == 0
+    show everyone.friend when everyone is agent or everyone.tired == 0
     show everyone.row
     show everyone.heading as { gone where everyone.away, near where distance(everyone, agent) < 2, far_off }
     show agent.index
-    show agent.friend.index
+    show agent.friend
     show agent.tired when night is light
     show night when agent.sharp is yes_
   }
