@@ -3,13 +3,16 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import can_be_away, heading_observable, marking_phases
+from sjdsl.compiler.ir.queries import can_be_away, marking_phases
 from sjdsl.compiler.lower.cell_appearance import shown_words
 from sjdsl.doc.phrases import condition, value
 from sjdsl.doc.vocabulary import Vocabulary
 from sjdsl.doc.wording import Line, bullets, code, codes, counted, joined
 
-OTHER = ' ("the agent" is the observer, agent *other* the one that is seen)'
+AGENTS = (
+    "whether no agent, it itself or another agent stands there, and which way another agent looks, as seen by the observer "
+    "(same direction, right, opposite, left)"
+)
 
 
 def observation(v: Vocabulary) -> list[str]:
@@ -26,7 +29,7 @@ def seen(v: Vocabulary) -> list[Line]:
     return [
         Line("the kind of every cell, or that it is outside the map" + (covered if is_covered else "")),
         *(_observable(s, v) if s.field else _look(s, v) for s in v.game.observables if s.what == "cell"),
-        _agents(v),
+        Line(AGENTS),
         *_marks(v),
         *(_observable(s, v) for s in v.game.observables if s.what not in ("cell", "heading")),
     ]
@@ -52,20 +55,6 @@ def views(v: Vocabulary) -> list[str]:
 
 def _sides(view: ir.View | ir.Window) -> str:
     return f"{view.ahead} ahead, {view.behind} behind, {view.left} to the left, {view.right} to the right"
-
-
-def _agents(v: Vocabulary) -> Line:
-    heading = heading_observable(v.game)
-    who = "whether no agent, it itself or another agent stands there"
-    others = [hidden for hidden in v.game.hidden if hidden.what == "others"]
-    if any(hidden.when is None for hidden in others):
-        return Line("whether it itself stands there; other agents are not seen")
-    unseen = "".join(f"; no other agent if {condition(h.when, v)}{OTHER}" for h in others if h.when is not None)
-    if heading is None:
-        return Line(f"{who}; not which way others look{unseen}")
-    text = f"{who}, and which way another agent looks, as seen by the observer (same direction, right, opposite, left)"
-    text = text if heading.hidden_when is None else f"{text}, unless {condition(heading.hidden_when, v)}{_readers(heading)}"
-    return Line(text + unseen)
 
 
 def _look(s: ir.Observable, v: Vocabulary) -> Line:

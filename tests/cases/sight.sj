@@ -39,7 +39,6 @@ game sight "What is seen depends on who looks, and from where" {
     window ahead 2, behind 1, left 1, right 1
     window ahead 4, right 3 when agent.role is scout
     window ahead 1, left 0 when weather is rain and agent.row == 2
-    hide other when other on bush and distance(agent, other) > 1
     hide content on agents
     show land.owner
     show crate.store
@@ -50,7 +49,7 @@ game sight "What is seen depends on who looks, and from where" {
     show agent.moved
     show agent.bag when weather is sun
     show agent.helper
-    show other.index
+    show other.index when not (other on bush and distance(agent, other) > 1)
     show other.role when distance(agent, other) < 3
     show everyone.away
     show everyone.col

@@ -35,7 +35,7 @@ FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide con
 
 
 class Seen(Record):
-    """What a path names: a field (None for cells as a whole, and for headings of others).
+    """What a path names: a field (None for cells as a whole).
 
     value: of `step` or a define, which is seen as a field of the world would be.
     """
@@ -85,7 +85,7 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
 
 
 def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tuple[ir.Observable, ...]:
-    """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
+    """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown."""
     static = scope.static
     step = ir.Step(type=integer(0, inf, "steps"))
     static.of_observed = () if episode is None else facts(ir.Compare(fn="<=", left=step, right=episode))
@@ -94,8 +94,7 @@ def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tup
         for f in fields.values():
             if f.type.kind == "word" and not f.type.by:
                 seen["cell", kind, f.name] = ir.Observable(what="cell", kind=kind, field=f.name, type=f.type, origin=f.origin)
-    if not any(isinstance(o, ast.Hide) and _hides_others(o) and o.condition is None for o in game.observables.values()):
-        seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
+    seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
     for sort, movers in static.movers.items():
         seen["mover", sort, ""] = ir.Observable(what="mover", kind=sort, type=words((sort,)), origin=movers.origin)
     shown: set[Key] = set()
@@ -152,7 +151,7 @@ def observer_scope(what: str, kind: str, named: str, scope: Scope) -> Scope:
             return observer.bind(kind, cell).bind(named, cell)
         case "mover":
             return observer.bind(kind, ir.Member(name=kind, sort=ir.Sort("mover", (kind,))))
-        case "other" | "heading":
+        case "other":
             return observer.bind("other", ir.Member(name="other", sort=AGENTS))
         case "everyone":
             return observer.bind("everyone", ir.Member(name="everyone", sort=AGENTS))
@@ -189,7 +188,7 @@ def _asks_place(node: ir.Node) -> bool:
 
 
 def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
-    """Returns what a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, a world field; of a group that of each kind."""
+    """Returns what a path names: `agent.f`, `other.f`, `everyone.f`, `kind.f`, a world field; of a group that of each kind."""
     path, static = observable.what, scope.static
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
@@ -239,7 +238,8 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     if any(Symbol("field", name.text, each) in static.broken for each in owners):
         raise Poisoned
     if head == "other" and name.text == "heading":
-        return [Seen(("heading", "", ""))]
+        what, wanted = "always seen, as the observer sees it", "a field of theirs, `index`, `row`, `col` or `moved`"
+        raise scope.fail(errors.WrongSort(name.span, name="other.heading", what=what, wanted=wanted))
     if head in OWNERS:
         if name.text in static.agent_fields:
             static.refer(name, Symbol("field", name.text, "agent"))
@@ -278,9 +278,7 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
     if name.text in WHO:
         fields = [f"`{verb} {name.text}.{field}`" for field in static.agent_fields]
         help_ = "agents are always seen; fields of theirs can be shown, if the game declares some"
-        if name.text == "other" and verb == "hide":
-            help_ = "agents are always seen; `hide other.heading` hides which way they face, `hide other.heading when c` while c holds"
-        elif fields:
+        if fields:
             help_ = f"say which field: {' or '.join(fields[:3])}"
         return scope.fail(errors.WrongSort(name.span, name=name.text, what=WHO[name.text], wanted="a field", help=help_))
     if name.text in static.groups:
@@ -318,12 +316,9 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], scope
         elif found.field is not None:
             scope.static.used.add(field_symbol(name, "agent" if what in OWNERS.values() else kind))
             seen[found.key] = _shown(show, found, found.field, scope)
-        elif what == "mover":
+        else:
             twice = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
             raise scope.fail(errors.WrittenTwice(show.span, what=twice))
-        elif show.condition is not None and found.key in seen:  # headings of others, which are seen anyway
-            shown_when = observer_scope(what, "", "", scope).condition(show.condition)
-            seen[found.key] = seen[found.key].model_copy(update={"hidden_when": ir.Not(value=shown_when, origin=show.span)})
 
 
 def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.Observable:
@@ -429,15 +424,10 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
         seen[found.key] = shown.model_copy(update={"hidden_when": test})
 
 
-def _hides_others(hide: ast.Hide) -> bool:
-    """Returns whether a `hide` is about other agents as a whole."""
-    return hide.what.name.text == "other" and not hide.what.steps and hide.on is None
-
-
 def _is_of_a_plane(hide: ast.Hide, static: Static) -> bool:
-    """Returns whether a `hide` is about marks, content or other agents, and not about a field."""
+    """Returns whether a `hide` is about marks or content, and not about a field."""
     name = hide.what.name.text
-    return _hides_others(hide) or hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
+    return hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
 
 
 def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
@@ -451,9 +441,6 @@ def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
 
 def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
     what, on, static = hide.what.name.text, hide.on, scope.static
-    if _hides_others(hide):
-        test = None if hide.condition is None else observer_scope("other", "", "", scope).condition(hide.condition)
-        return ir.Hidden(what="others", on="agents", when=test, origin=hide.span)
     if hide.what.steps or what not in PLANES:
         raise scope.fail(errors.WrongType(hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}"))
     if what == "content" and (on is None or on.text != "agents"):

@@ -59,7 +59,7 @@ game lanes "Lanes, groups and blocking" {
   }
   phase rest { each agent on home where agent.score > 3 { set agent.score = 0  give 0.25 to all but agent } }
   observe {
-    window ahead 4, behind 2, left 2, right 3  show agent.score  show other.team  hide other.heading when other.team is agent.team
+    window ahead 4, behind 2, left 2, right 3  show agent.score  show other.team when other.team is not agent.team
     show home as { floor }  show wall as { outside }
     show pond as { floor where pond.crop is none, sown where pond.crop is seed and agent.score > 2, pond_ }
     hide marks on door when door.state is shut  hide marks on plot when agent.score < 3 and plot.crop is not ripe  hide marks on home

@@ -32,13 +32,12 @@ game seen "Who sees what, under every odd condition" {
   observe {
     window ahead 0, behind 3 when night is dark and agent.sharp is no_
     window ahead 3, right 2 when agent.row < 1 or agent.friend is not nobody
-    hide other when other.tired > 0 and not (other is agent.friend) or night is dark and agent.heading is not other.heading
     hide marks on agents
     show green.fruit as { mine where nobody on green and green.col == agent.col, here where distance(green, agent) == 0, other_fruit }
     hide den.fruit when count(agent as x in disc(1) of den) > 1
     show den.owner when agent.bag > 0
     hide marks on green when distance(agent, green) > 1
-    show other.friend
+    show other.friend when not (other.tired > 0 and not (other is agent.friend) or night is dark and agent.heading is not other.heading)
     show other.row when other.heading is north
     show other.moved when agent.bag < 2
     show everyone.friend when everyone is agent or everyone.tired == 0
