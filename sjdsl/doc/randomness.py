@@ -65,7 +65,6 @@ def _inside(s: ir.Stmt, v: Vocabulary) -> Iterator[tuple[tuple[str, ...], tuple[
             yield ("no one to choose",), s.otherwise
         case ir.First():
             yield (f"the nearest {members(s.domain, v)}",), s.body
-            yield ("each lane without one",), s.otherwise
         case ir.Match():
             yield ("each pair",), s.body
         case ir.When():

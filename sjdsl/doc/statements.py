@@ -30,7 +30,7 @@ def lines(s: ir.Stmt, v: Vocabulary) -> list[Line]:
         case ir.First():
             noun, shape = nearest(s.domain, v)
             head = f"in each lane of {shape}, for the nearest {noun}"
-            return [Line(head, _body(s.body, v)), *_otherwise("for each lane without one", s.otherwise, v)]
+            return [Line(head, _body(s.body, v))]
         case ir.Match():
             head = f"make random pairs, each of {paired(s, v)}, so that nothing and nobody is in two pairs; for each pair"
             return [Line(head, _body(s.body, v))]

@@ -35,7 +35,7 @@ game lanes "Lanes, groups and blocking" {
     each agent as looker where looker chose peer {
       mark fork of looker
       first agent as seen in fork of looker where seen.team is not looker.team { add 1 to looker.score  tally sights for looker }
-      otherwise { tally blanks for looker }
+      when count(agent as seen in fork of looker where seen.team is not looker.team) == 0 { tally blanks for looker }
       first plot in sweep of looker where plot.crop is ripe { set plot.crop = none  add 2 to looker.score  tally cuts for looker }
     }
   }
