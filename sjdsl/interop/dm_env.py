@@ -28,7 +28,7 @@ with needs("dm_env"):
 
 Observation = dict[str, np.ndarray]
 ROLE = "default"
-OUTSIDE = NONE = 0  # in an observation: the look of what is off the map, and that no agent is seen on a cell
+OUTSIDE = 0  # in an observation: the look of what is off the map
 TILE = 8  # pixels of a cell's side, as in Melting Pot
 
 
@@ -151,16 +151,13 @@ class Substrate(Copied, dm_env.Environment):
         return {"READY_TO_SHOOT": ready.astype(np.float64)}
 
     def _windows(self, board: np.ndarray, snapshot: Snapshot) -> np.ndarray:
-        """Returns the window of each player on the board, without agents that are hidden from it."""
+        """Returns the window of each player on the board, black beyond its own window."""
         game = self.env.game
         windows = draw_windows(board, snapshot, game.window, self._look.tile)
-        if not game.window.views and all(hidden.what != "others" for hidden in game.hidden):
+        if not game.window.views:
             return windows
-        content, agents = np.asarray(self._sees(self._state, self.env.params))[:, :2].swapaxes(0, 1)
-        nowhere = np.full_like(snapshot.row, -1)
-        empty = draw_board(self._look, replace(snapshot, row=nowhere, col=nowhere))
-        windows = where_seen(agents != NONE, windows, draw_windows(empty, snapshot, game.window, self._look.tile))
-        return where_seen(content != OUTSIDE, windows, np.zeros_like(windows)) if game.window.views else windows
+        content = np.asarray(self._sees(self._state, self.env.params))[:, 0]
+        return where_seen(content != OUTSIDE, windows)
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,6 @@ from sjdsl.interpreter.members import agent_on, is_here
 from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import Cell, Mover, World
 
-_OTHER_HIDDEN = 6
-
 
 def observe(game: ir.Game, world: World) -> np.ndarray:
     """Returns uint8 `[agents, planes, rows, columns]`; who is away sees zeros."""
@@ -57,16 +55,16 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
     """Returns what one plane shows at one cell of the map."""
     match plane.what:
         case "content":
-            return _content(cell, agent, here)
+            return _content(cell, here)
         case "agent":
             return _agent(cell, agent, here)
         case "marks":
-            if _hides_marks(cell, agent, here):
+            if _hides_marks(cell, here):
                 return 0
             return sum(1 << bit for bit, phase in enumerate(here.board.marking) if (phase.name, *cell) in here.world.marks)
         case "other":
-            other = _other(cell, agent, here)
-            return 0 if other is None else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
+            other = _somebody(cell, here)
+            return 0 if other in (None, agent) else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
         case "mover":
             return _mover(_observable(plane), cell, agent, here)
         case "everyone" | "own" | "world":
@@ -75,9 +73,9 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
             assert_never(plane.what)
 
 
-def _content(cell: Cell, agent: int, here: Instance) -> int:
+def _content(cell: Cell, here: Instance) -> int:
     kind = here.board.kind_of[cell]
-    if _somebody(cell, agent, here) and any(hidden.what == "content" for hidden in here.board.game.hidden):
+    if _somebody(cell, here) is not None and any(hidden.what == "content" for hidden in here.board.game.hidden):
         return here.board.content_codes[planes.COVERED]
     whole = planes.look_of(here.board.game, kind)
     if whole is not None:
@@ -90,15 +88,16 @@ def _content(cell: Cell, agent: int, here: Instance) -> int:
     return here.board.content_codes[label]
 
 
-def _somebody(cell: Cell, agent: int, here: Instance) -> bool:
-    """Returns whether an agent is seen on a cell: the observer itself, or another that is not hidden from it."""
-    return cell == here.world.position[agent] or _other(cell, agent, here) is not None
+def _somebody(cell: Cell, here: Instance) -> int | None:
+    """Returns the agent that is seen on a cell."""
+    agent = agent_on(cell, here.world)
+    return agent if agent is not None and is_here(agent, here.world) else None
 
 
-def _hides_marks(cell: Cell, agent: int, here: Instance) -> bool:
+def _hides_marks(cell: Cell, here: Instance) -> bool:
     """Returns whether no marks are seen of a cell."""
     for hidden in here.board.game.hidden:
-        if hidden.what == "marks" and hidden.on == "agents" and _somebody(cell, agent, here):
+        if hidden.what == "marks" and hidden.on == "agents" and _somebody(cell, here) is not None:
             return True
         if hidden.on == "cells" and here.board.kind_of.get(cell) in hidden.kinds:
             if hidden.when is None or evaluate(hidden.when, here.binding({hidden.name: cell})):
@@ -107,16 +106,11 @@ def _hides_marks(cell: Cell, agent: int, here: Instance) -> bool:
 
 
 def _agent(cell: Cell, agent: int, here: Instance) -> int:
-    if cell == here.world.position[agent]:
-        return 1
-    other = _other(cell, agent, here)
+    other = _somebody(cell, here)
     if other is None:
         return 0
-    headings = [s for s in here.board.game.observables if s.what == "heading"]
-    if not headings:
-        return 2
-    if _is_hidden(headings[0], here.binding({"other": other})):
-        return _OTHER_HIDDEN
+    if other == agent:
+        return 1
     return 2 + (here.world.heading[other] - here.world.heading[agent]) % 4
 
 
@@ -155,7 +149,7 @@ def _word(observable: ir.Observable, here: Instance) -> str:
     value = evaluate(_read(observable, here.board), here)
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return "nobody" if value is None else str(value)
+    return str(value)
 
 
 def _is_hidden(observable: ir.Observable, here: Instance) -> bool:
@@ -185,15 +179,6 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
     inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
     key = ir.Word(type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name)
     return ir.At(type=inner, row=field, key=key)
-
-
-def _other(cell: Cell, agent: int, here: Instance) -> int | None:
-    other = agent_on(cell, here.world)
-    if other is None or other == agent or not is_here(other, here.world):
-        return None
-    inside = here.binding({"other": other})
-    hides = (hidden for hidden in here.board.game.hidden if hidden.what == "others")
-    return None if any(hidden.when is None or evaluate(hidden.when, inside) for hidden in hides) else other
 
 
 def _observable(plane: planes.Plane) -> ir.Observable:

@@ -49,8 +49,8 @@ def _statement(statement: ir.Stmt, here: Instance, writes: Writes) -> None:
         case ir.First():
             by_lane = nearest_members(statement.domain, here)
             for lane, nearest in enumerate(by_lane):
-                block, names = (statement.otherwise, {}) if nearest is None else (statement.body, nearest.names)
-                perform(block, here.inside(names, lane, len(by_lane)), writes)
+                if nearest is not None:
+                    perform(statement.body, here.inside(nearest.names, lane, len(by_lane)), writes)
         case ir.Match():
             for left, right, drawn in chances.matched(statement, here):
                 if _noted(drawn, writes).result:

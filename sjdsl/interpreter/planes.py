@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import heading_observable, marking_phases
+from sjdsl.compiler.ir.queries import marking_phases
 
 HIDDEN = "hidden"
 OUTSIDE = "outside"
@@ -33,7 +33,7 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
     """Returns the planes of a game in the order of the last axis of an observation."""
     result = [
         Plane("content", "word", content_labels(game), "content"),
-        Plane("agent", "word", _agent_labels(game), "agent"),
+        Plane("agent", "word", AGENT_WORDS, "agent"),
     ]
     if marking_phases(game) and not any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden):
         result.append(Plane("marks", "bits", tuple(phase.label for phase in marking_phases(game)), "marks"))
@@ -90,15 +90,6 @@ def look_of(game: ir.Game, kind: str) -> ir.Observable | None:
 def field_name(observable: ir.Observable) -> str:
     """Returns the field as an author writes it after its owner."""
     return observable.field if observable.word is None else f"{observable.field}[{observable.word.key}]"
-
-
-def _agent_labels(game: ir.Game) -> tuple[str, ...]:
-    headings = heading_observable(game)
-    if any(hidden.what == "others" and hidden.when is None for hidden in game.hidden):
-        return ("none", "self")
-    if headings is None:
-        return ("none", "self", "other")
-    return AGENT_WORDS if headings.hidden_when is None else (*AGENT_WORDS, "other")
 
 
 def _field_plane(observable: ir.Observable, agent: int | None) -> Plane:

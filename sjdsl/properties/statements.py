@@ -47,10 +47,8 @@ def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) ->
                 around = (*around, statement.value)
             case ir.Draw():
                 around = (*around, *ir.children(statement))
-            case ir.Each():
+            case ir.Each() | ir.First():
                 yield from _leaves(statement.body, label, (*around, statement.domain))
-            case ir.First():
-                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.domain))
             case ir.Pick():
                 yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.number, statement.domain))
             case ir.Match():

@@ -91,13 +91,13 @@ def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile:
     return np.stack(pictures)
 
 
-def where_seen(seen: np.ndarray, windows: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Returns the cells of `windows` that are seen, elsewhere those of `others`.
+def where_seen(seen: np.ndarray, windows: np.ndarray) -> np.ndarray:
+    """Returns the cells of `windows` that are seen, black elsewhere.
 
     Args:
       seen: `[N, rows, cols]` bool.
-      windows, others: `[N, rows * tile, cols * tile, 3]` uint8.
+      windows: `[N, rows * tile, cols * tile, 3]` uint8.
     """
     number, rows, cols = seen.shape
     cells = (number, rows, windows.shape[1] // rows, cols, windows.shape[2] // cols, 3)
-    return np.where(seen[:, :, None, :, None, None], windows.reshape(cells), others.reshape(cells)).reshape(windows.shape)
+    return np.where(seen[:, :, None, :, None, None], windows.reshape(cells), 0).reshape(windows.shape)

@@ -20,7 +20,8 @@ game beams "A drawn shape that walls stop: cells in it, the first of each lane, 
   phase work {
     each agent as digger where digger chose dig {
       mark beam of digger
-      first ore in beam of digger where ore.left is some { set ore.left = none  give 1 to digger } otherwise { tally missed for digger }
+      first ore in beam of digger where ore.left is some { set ore.left = none  give 1 to digger }
+      when count(ore in beam of digger where ore.left is some) == 0 { tally missed for digger }
     }
     each agent as one where one chose shout {
       each agent as two in beam of one { add 1 to two.heard }

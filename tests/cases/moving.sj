@@ -33,7 +33,7 @@ game moving "Movers: deer flee and are caught, a ball rolls, a cart rides a belt
   phase act {
     pick 1 agent where agent chose kick {
       first ball in line(1) of agent { set ball.rolls = yes  set ball.heading = agent.heading }
-      otherwise {
+      when count(ball in line(1) of agent) == 0 {
         first deer in line(1) of agent {
           set deer.owner = agent
           set deer.rest = 4

@@ -39,10 +39,9 @@ game sight "What is seen depends on who looks, and from where" {
     window ahead 2, behind 1, left 1, right 1
     window ahead 4, right 3 when agent.role is scout
     window ahead 1, left 0 when weather is rain and agent.row == 2
-    hide other when other on bush and distance(agent, other) > 1
     hide content on agents
     show land.owner
-    show crate.store.index
+    show crate.store
     show plot.crop when distance(agent, plot) <= far or plot.row == agent.row
     show pile as { rich where pile.worth > 1 and distance(pile, agent) < 3, pile_of_all where nobody on pile, pile_taken }
     show agent.row
@@ -50,12 +49,12 @@ game sight "What is seen depends on who looks, and from where" {
     show agent.moved
     show agent.bag when weather is sun
     show agent.helper
-    show other.index
+    show other.index when not (other on bush and distance(agent, other) > 1)
     show other.role when distance(agent, other) < 3
     show everyone.away
     show everyone.col
     show everyone.bag as { gone where everyone.away, near where distance(agent, everyone) < 3, far_off }
     show weather when agent.bag > 0
-    show king.index
+    show king
   }
 }

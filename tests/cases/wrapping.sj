@@ -45,7 +45,7 @@ game wrapping "A map whose edges are joined" {
   observe {
     window ahead 5, behind 1, left 2, right 2
     show tree.fruit when distance(agent, tree) <= 2
-    hide other when distance(agent, other) > 3
+    show other.index when distance(agent, other) <= 3
   }
   metrics { event caught  mean apart = max(max(distance(a, b) over agent as b) over agent as a) }
   policy hunter { aim ray at deer avoiding tree choose zap }

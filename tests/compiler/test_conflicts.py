@@ -71,9 +71,8 @@ SAFE = [
     "each agent as a { first tree in line(3) of a { pick 1 agent as b in disc(1) of tree { set a.last = b } } }",
     "pick 1 tree { pick 1 agent as b in disc(2) of tree { set b.bag = 1  set tree.taker = b  set king = b } }",
     "pick 1 agent as a { first agent as b in line(2) of a { set b.bag = a.index } }",
-    # one lane: one of the two ways
-    "each agent as a { first tree in line(2) of a { set a.bag = 1 } otherwise { set a.bag = 2 } }",
-    "each agent as a { first tree in line(2) of a { give 1 to a } otherwise { when a.bag < 9 { add 1 to a.bag } } }",
+    # one lane
+    "each agent as a { first tree in line(2) of a { set a.bag = 1 } }",
     "each agent as a { first tree in fan(2, 1) of a { set a.bag = 1  set tree.fruit = none } }",
     # one agent, by its number, or because the others may not
     "each agent as a where a.index == 1 { set king = a }",
@@ -117,8 +116,6 @@ REFUSED = [
     # one for each lane
     "each agent as a { first agent as b in fan(2, 1) of a { set a.last = b } }",
     "pick 1 agent as a { first agent as b in fan(2, 1) of a { set king = b } }",
-    # both ways, in different lanes
-    "each agent as a { first tree in fan(2, 1) of a { set a.bag = 1 } otherwise { set a.bag = 2 } }",
 ]
 
 
@@ -132,12 +129,11 @@ def test_refused(body: str) -> None:
     assert codes(body) in ({"SJ401"}, {"SJ402"})
 
 
-@pytest.mark.parametrize("way", ["{ add_it } otherwise { give 1 to a }", "{ give 1 to a } otherwise { add_it }"])
-def test_an_add_in_every_lane_may_leave_the_range(way: str) -> None:
+def test_an_add_in_every_lane_may_leave_the_range() -> None:
     """A guard holds for one add; a shape with several lanes makes several."""
     add = "when a.bag < 9 { add 1 to a.bag }"
     for shape, refused in (("line(2)", set()), ("fan(2, 1)", {"SJ204"})):
-        assert codes(f"each agent as a {{ first tree in {shape} of a {way} }}".replace("add_it", add)) == refused
+        assert codes(f"each agent as a {{ first tree in {shape} of a {{ {add} }} }}") == refused
 
 
 APART = {  # writes that cannot draw lots together -> the same as the message says to write it instead

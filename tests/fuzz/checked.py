@@ -92,9 +92,6 @@ def observe(w: World) -> list[Lines]:
         for f in kind.fields:
             made = _observable(w, kind.name, f, f"{kind.name}.{f.name}") if w.is_now(0.3) else ""
             lines += [made] if made else []
-    if w.is_now(0.3):
-        what = r.choice(("hide other.heading", "hide other", "show other.heading"))
-        lines.append(f"{what} when {_test(w, 'other')}" if w.is_now(0.7) or what.startswith("show") else what)
     lines += [f"hide {what}" for what in ("marks", "marks on agents", "content on agents") if w.is_now(0.1)]
     for name in w.kinds:
         if w.is_now(0.15):
@@ -143,7 +140,7 @@ def _observable(w: World, owner: str, f: Field, text: str) -> str:
     if small and w.is_now(0.5) and not (cell and f.type.by):
         return _perhaps_when(w, owner, f"show {text}")
     if f.type.kind == "agent" and not f.type.by and w.is_now(0.6):
-        return _perhaps_when(w, owner, f"show {text}{w.random.choice(('', '.index'))}")
+        return _perhaps_when(w, owner, f"show {text}")
     if f.type.by or f.timer:
         return f"show {text}" if f.timer and not cell else ""
     return _perhaps_when(w, owner, f"show {text} as {{ {_labels(w, owner, LABELS)} }}")

@@ -70,7 +70,7 @@ def statement(scope: Scope, phase: Phase, depth: int) -> Lines:
         case "first":
             text, inner, _ = domain(scope, 1, shape=True, single=False)
             inner = _first_frames(scope, inner, text)
-            return braces(f"first {text}", block(inner, phase, depth + 1)) + _otherwise(replace(scope, frames=inner.frames), phase, depth)
+            return braces(f"first {text}", block(inner, phase, depth + 1))
         case "match":
             return match_(scope, phase, depth)
         case "when":

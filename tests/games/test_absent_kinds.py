@@ -42,7 +42,7 @@ STATEMENTS = [
     ("each agent { each pond in ray of agent where pond.fish is some { give 1 to agent } }", [0, 0]),
     ("each agent as a { pick 1 pond in ray of a where pond.fish is some { give 1 to a } otherwise { give 2 to a } }", [2, 2]),
     ("each tree { when count(pond in disc(1) of tree where pond.fish is some) == 0 { give 1 to all } }", [2, 2]),
-    ("each agent { first pond in ray of agent where pond.fish is some { give 1 to agent } otherwise { give 2 to agent } }", [2, 2]),
+    ("each agent { first pond in ray of agent where pond.fish is some { give 1 to agent } }", [0, 0]),
     ("each agent { when count(pond in ray of agent where pond.fish is some) == 0 { give 1 to agent } }", [1, 1]),
     ("when count(agent on pond where pond.fish is some) == 0 { give 1 to all }", [1, 1]),
     ("match pond with agent in disc(1) of pond { give 1 to agent }", [0, 0]),

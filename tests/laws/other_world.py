@@ -12,7 +12,7 @@ from sjdsl.interpreter.state import Herd, Outcome, Value, World
 from tests.laws.symmetry import Symmetry
 
 CLOSE = {"rtol": 1e-5, "atol": 1e-5}  # sums of reals are added in another order
-MIRRORED = np.array([0, 1, 2, 5, 4, 3, 6], np.uint8)  # of the plane of agents: who is turned right is turned left
+MIRRORED = np.array([0, 1, 2, 5, 4, 3], np.uint8)  # of the plane of agents: who is turned right is turned left
 MIRRORED_MOVER = np.array([0, 1, 4, 3, 2, 5], np.uint8)  # of a plane of the headings of movers; the last is hidden
 
 
@@ -73,9 +73,8 @@ def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
         if plane.what == "mover" and (of := plane.observable) is not None and of.field == "heading" and not of.labels:
             seen[:, number] = MIRRORED_MOVER[seen[:, number]]
     seen = seen[..., ::-1].copy()
-    if any(observable.what == "heading" for observable in game.observables):
-        number = names.index("agent")
-        seen[:, number] = MIRRORED[seen[:, number]]
+    number = names.index("agent")
+    seen[:, number] = MIRRORED[seen[:, number]]
     return seen
 
 

@@ -82,7 +82,7 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
         for name in ("body", "otherwise"):
             _block(
                 getattr(statement, name, ()),
-                around if name == "otherwise" and not isinstance(statement, ir.First) else inside,
+                around if name == "otherwise" else inside,
                 board,
                 found,
             )

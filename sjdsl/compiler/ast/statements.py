@@ -38,7 +38,6 @@ class Pick(Node):
 class First(Node):
     domain: Domain
     block: Block
-    otherwise: Otherwise | None
 
 
 class Match(Node):

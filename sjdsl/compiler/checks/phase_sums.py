@@ -156,13 +156,8 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
     if isinstance(s, ir.First):
         assert isinstance(s.domain.restriction, ir.Near)
         number, members = len(lanes_of(s.domain.restriction, here.played.game)), ()  # two lanes can reach one member
-    sums = block(s.body, inside(s.domain, here))
-    if isinstance(s, ir.Each):
-        return _often(sums, number, members)
-    other = block(s.otherwise, here)  # of a `pick` once, of `first` in each lane without a member
-    either = [sums if isinstance(s, ir.First) else _often(sums, number, members), other]
-    found = merged(either, all_happen=False)
-    return _often(found, number) if isinstance(s, ir.First) else found
+    sums = _often(block(s.body, inside(s.domain, here)), number, members)
+    return merged([sums, block(s.otherwise, here)], all_happen=False) if isinstance(s, ir.Pick) else sums
 
 
 def _set(s: ir.Set, here: Here) -> None:

@@ -170,7 +170,7 @@ def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
                 where = s.domain.where if _is_of(s.domain.var, agent) else None
                 if where is None or _decide(where, agent) is not False or _has_quantifier(s.body):
                     found += _possible_sends(s.body, agent)
-                found += () if isinstance(s, ir.Each) else _possible_sends(s.otherwise, agent)
+                found += _possible_sends(s.otherwise, agent) if isinstance(s, ir.Pick) else ()
             case ir.Match():
                 found += _possible_sends(s.body, agent)
             case ir.When():

@@ -191,13 +191,11 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Wri
     else:
         single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
     inner = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single))).knowing(known)
-    if isinstance(s, ir.First) and not single:  # both ways can be taken, each in some lanes
-        other = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, (), single)))
+    if isinstance(s, ir.Pick):
+        yield from _writes(s.body, replace(inner, branches=around.in_branch(s, 0).branches))
+        yield from _writes(s.otherwise, around.in_branch(s, 1))
     else:
-        inner, other = replace(inner, branches=around.in_branch(s, 0).branches), around.in_branch(s, 1)
-    yield from _writes(s.body, inner)
-    if not isinstance(s, ir.Each):
-        yield from _writes(s.otherwise, other)
+        yield from _writes(s.body, inner)
 
 
 def _names(e: ir.Node, around: Around) -> frozenset[str]:

@@ -1,7 +1,6 @@
 """Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from math import inf
 from typing import Literal
 
@@ -36,14 +35,13 @@ FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide con
 
 
 class Seen(Record):
-    """What a path names: a field (None for cells as a whole, and for headings of others), and which agent of it by number.
+    """What a path names: a field (None for cells as a whole).
 
     value: of `step` or a define, which is seen as a field of the world would be.
     """
 
     key: Key
     field: ir.VarField | None = None
-    numbered: bool = False
     value: ir.Expr | None = None
 
 
@@ -87,7 +85,7 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
 
 
 def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tuple[ir.Observable, ...]:
-    """Returns what is seen: word fields of cells and others' headings unless hidden, and all that is shown."""
+    """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown."""
     static = scope.static
     step = ir.Step(type=integer(0, inf, "steps"))
     static.of_observed = () if episode is None else facts(ir.Compare(fn="<=", left=step, right=episode))
@@ -96,8 +94,7 @@ def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tup
         for f in fields.values():
             if f.type.kind == "word" and not f.type.by:
                 seen["cell", kind, f.name] = ir.Observable(what="cell", kind=kind, field=f.name, type=f.type, origin=f.origin)
-    if not any(isinstance(o, ast.Hide) and _hides_others(o) and o.condition is None for o in game.observables.values()):
-        seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
+    seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
     for sort, movers in static.movers.items():
         seen["mover", sort, ""] = ir.Observable(what="mover", kind=sort, type=words((sort,)), origin=movers.origin)
     shown: set[Key] = set()
@@ -154,7 +151,7 @@ def observer_scope(what: str, kind: str, named: str, scope: Scope) -> Scope:
             return observer.bind(kind, cell).bind(named, cell)
         case "mover":
             return observer.bind(kind, ir.Member(name=kind, sort=ir.Sort("mover", (kind,))))
-        case "other" | "heading":
+        case "other":
             return observer.bind("other", ir.Member(name="other", sort=AGENTS))
         case "everyone":
             return observer.bind("everyone", ir.Member(name="everyone", sort=AGENTS))
@@ -191,17 +188,15 @@ def _asks_place(node: ir.Node) -> bool:
 
 
 def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
-    """Returns what a path names: `agent.f`, `other.f`, `everyone.f`, `other.heading`, `kind.f`, a world field; of a group that of each kind."""
+    """Returns what a path names: `agent.f`, `other.f`, `everyone.f`, `kind.f`, a world field; of a group that of each kind."""
     path, static = observable.what, scope.static
     head = path.name.text
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
-    numbered = len(members) > 1 and members[-1].text == "index" and isinstance(observable, ast.Show) and not observable.labels
-    members = members[:-1] if numbered else members
-    if len(members) + numbered != len(path.steps) or len(members) > 1:
+    if len(members) != len(path.steps) or len(members) > 1 or (members and head in static.fields):
         wanted = "`agent.field`, `other.field`, `everyone.field` or `kind.field`"
         raise scope.fail(errors.WrongType(path.span, wanted=wanted, given="another path"))
-    if numbered or members:
-        return [replace(seen, numbered=numbered) for seen in _of_owner(path.name, members[0], scope)]
+    if members:
+        return _of_owner(path.name, members[0], scope)
     kinds = static.kinds_of(head)
     if head in static.movers or kinds:
         static.refer(path.name, Symbol("name", head))
@@ -242,11 +237,9 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
     if any(Symbol("field", name.text, each) in static.broken for each in owners):
         raise Poisoned
-    if head in static.fields and name.text == "index":
-        static.use(owner, Symbol("name", head))
-        return [Seen(("world", "", head), static.fields[head])]
     if head == "other" and name.text == "heading":
-        return [Seen(("heading", "", ""))]
+        what, wanted = "always seen, as the observer sees it", "a field of theirs, `index`, `row`, `col` or `moved`"
+        raise scope.fail(errors.WrongSort(name.span, name="other.heading", what=what, wanted=wanted))
     if head in OWNERS:
         if name.text in static.agent_fields:
             static.refer(name, Symbol("field", name.text, "agent"))
@@ -285,9 +278,7 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
     if name.text in WHO:
         fields = [f"`{verb} {name.text}.{field}`" for field in static.agent_fields]
         help_ = "agents are always seen; fields of theirs can be shown, if the game declares some"
-        if name.text == "other" and verb == "hide":
-            help_ = "agents are always seen; `hide other.heading` hides which way they face, `hide other.heading when c` while c holds"
-        elif fields:
+        if fields:
             help_ = f"say which field: {' or '.join(fields[:3])}"
         return scope.fail(errors.WrongSort(name.span, name=name.text, what=WHO[name.text], wanted="a field", help=help_))
     if name.text in static.groups:
@@ -325,12 +316,9 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], scope
         elif found.field is not None:
             scope.static.used.add(field_symbol(name, "agent" if what in OWNERS.values() else kind))
             seen[found.key] = _shown(show, found, found.field, scope)
-        elif what == "mover":
+        else:
             twice = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
             raise scope.fail(errors.WrittenTwice(show.span, what=twice))
-        elif show.condition is not None and found.key in seen:  # headings of others, which are seen anyway
-            shown_when = observer_scope(what, "", "", scope).condition(show.condition)
-            seen[found.key] = seen[found.key].model_copy(update={"hidden_when": ir.Not(value=shown_when, origin=show.span)})
 
 
 def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.Observable:
@@ -341,13 +329,7 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.
     check_places(what, condition, (), scope)
     labels, type_ = _labels(show, what, observer.knowing(() if condition is None else (condition,))), field.type
     if not labels and type_.kind == "agent" and not type_.by:
-        if found.numbered:
-            type_ = words(("nobody", *map(str, range(scope.static.num_agents))))
-        else:
-            labels = _agent_labels(found.key, field)
-    elif found.numbered:
-        wanted = "a field that holds an agent before `.index`"
-        raise scope.fail(errors.WrongType(show.what.span, wanted=wanted, given="another field"))
+        labels = _agent_labels(found.key, field)
     elif not labels:
         _check_plain(show, what, type_, scope)
     if what == "mover" and name == "heading":
@@ -442,15 +424,10 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
         seen[found.key] = shown.model_copy(update={"hidden_when": test})
 
 
-def _hides_others(hide: ast.Hide) -> bool:
-    """Returns whether a `hide` is about other agents as a whole."""
-    return hide.what.name.text == "other" and not hide.what.steps and hide.on is None
-
-
 def _is_of_a_plane(hide: ast.Hide, static: Static) -> bool:
-    """Returns whether a `hide` is about marks, content or other agents, and not about a field."""
+    """Returns whether a `hide` is about marks or content, and not about a field."""
     name = hide.what.name.text
-    return _hides_others(hide) or hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
+    return hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
 
 
 def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
@@ -464,9 +441,6 @@ def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
 
 def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
     what, on, static = hide.what.name.text, hide.on, scope.static
-    if _hides_others(hide):
-        test = None if hide.condition is None else observer_scope("other", "", "", scope).condition(hide.condition)
-        return ir.Hidden(what="others", on="agents", when=test, origin=hide.span)
     if hide.what.steps or what not in PLANES:
         raise scope.fail(errors.WrongType(hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}"))
     if what == "content" and (on is None or on.text != "agents"):

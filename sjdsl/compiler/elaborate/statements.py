@@ -199,16 +199,14 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
         raise scope.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
     body = inside(s.block, header, inner, use)
-    otherwise: tuple[ir.Stmt, ...] = ()
-    if not isinstance(s, ast.Each) and s.otherwise is not None:
-        otherwise = other_branch(s.otherwise, header, scope, use)
     match s:
         case ast.Each():
             return ir.Each(domain=built, body=body, origin=s.span)
         case ast.First():
-            return ir.First(domain=built, body=body, otherwise=otherwise, origin=s.span)
+            return ir.First(domain=built, body=body, origin=s.span)
         case ast.Pick():
             assert how_many is not None
+            otherwise = () if s.otherwise is None else other_branch(s.otherwise, header, scope, use)
             most = int(min(max(how_many.type.high, 0), limits.MAX_DRAWN))
             return ir.Pick(number=how_many, most=most, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
 

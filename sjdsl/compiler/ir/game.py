@@ -170,10 +170,10 @@ class Observable(Node):
     A `cell` without a field is the whole look of the kind: its labels are looks, those of other kinds by their names.
     `everyone`: the field of each agent, one plane an agent in the order of their numbers, the same in the whole window.
     `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
-    observer) and the kind's cell or `other`; hidden shows as the kind alone, 0 for a number, or no heading. `shown_when`: where it does
+    observer) and the kind's cell or `other`; hidden shows as the kind alone, or 0 for a number. `shown_when`: where it does
     not hold, a word is `hidden`, a number 0.
     `value`: what is shown in place of a field of the world, `step` or a define, by the name `field`.
-    A field of agents may be an attribute (`row`, `heading`); one that holds an agent is seen as the words of `type`: `nobody`, `0`, `1`, …
+    A field of agents may be an attribute (`row`, `heading`).
     """
 
     what: Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
@@ -226,13 +226,12 @@ class Look(Node):
 
 
 class Hidden(Node):
-    """What is not seen of some cells: their marks, what they are (then they look `covered`), or other agents.
+    """What is not seen of some cells: their marks, what they are (then they look `covered`).
 
     `on`: on the whole map, on cells of `kinds` (while `when` holds of agent, the observer, and the cell `name`), or where an agent stands.
-    Other agents are not seen while `when` holds of agent, the observer, and `other`; without a condition never.
     """
 
-    what: Literal["marks", "content", "others"]
+    what: Literal["marks", "content"]
     on: Literal["map", "cells", "agents"]
     name: str = ""
     kinds: tuple[str, ...] = ()

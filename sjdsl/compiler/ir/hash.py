@@ -70,7 +70,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Draw: "draw name low high words numbers weights stream",
     ir.Each: "each domain body",
     ir.Pick: "pick number most domain body otherwise stream",
-    ir.First: "first domain body otherwise",
+    ir.First: "first domain body",
     ir.Match: "match left right first body stream",
     ir.When: "when branches otherwise",
     ir.Chance: "chance branches otherwise stream",

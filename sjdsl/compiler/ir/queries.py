@@ -115,11 +115,6 @@ def blocks_always(kind: Kind, what: str = "agents") -> bool:
     return any(block.what == what and block.condition is None for block in kind.blocks)
 
 
-def heading_observable(game: Game) -> Observable | None:
-    """Returns what is seen of the headings of others, if anything is."""
-    return next((observable for observable in game.observables if observable.what == "heading"), None)
-
-
 def movers_named(game: Game, name: str) -> Movers:
     """Returns the declaration of a sort of movers."""
     return next(sort for sort in game.movers if sort.name == name)

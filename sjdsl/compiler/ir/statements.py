@@ -53,11 +53,10 @@ class Pick(Statement):
 
 
 class First(Statement):
-    """In each lane of the domain's shape the nearest member, if any; `otherwise` for each lane without one."""
+    """In each lane of the domain's shape the nearest member, if any."""
 
     domain: Domain
     body: tuple[Stmt, ...]
-    otherwise: tuple[Stmt, ...] = ()
 
 
 class Match(Statement):

@@ -5,14 +5,14 @@ from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.queries import can_be, heading_observable, kinds_by_glyph, marking_phases, shown_field, shows_attribute
+from sjdsl.compiler.ir.queries import can_be, kinds_by_glyph, marking_phases, shown_field, shows_attribute
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
 from sjdsl.compiler.program import expressions as array
 from sjdsl.runtime.planes import TokenPlane
 
-OTHER_FACING, OTHER_HIDDEN = 2, 6  # numbers of the agent plane: the first heading of another, and one whose heading is hidden
-HEADING_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
+OTHER_FACING = 2  # number of the agent plane: the first heading of another
+AGENT_LABELS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
 
 
 COVERED = "covered"  # how a cell looks on which an agent stands, if agents hide what they stand on
@@ -164,14 +164,7 @@ def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
 def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     """Returns what each plane of a `tokens` observation means, in order."""
     planes = [TokenPlane("content", "word", content_labels(game), len(content_labels(game)) - 1)]
-    heading = heading_observable(game)
-    if any(hidden.what == "others" and hidden.when is None for hidden in game.hidden):
-        labels: tuple[str, ...] = ("none", "self")
-    elif heading is None:
-        labels = ("none", "self", "other")
-    else:
-        labels = HEADING_LABELS if heading.hidden_when is None else (*HEADING_LABELS, "other")
-    planes.append(TokenPlane("agent", "word", labels, len(labels) - 1))
+    planes.append(TokenPlane("agent", "word", AGENT_LABELS, len(AGENT_LABELS) - 1))
     marking = seen_marks(game)
     if marking:
         planes.append(TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1))

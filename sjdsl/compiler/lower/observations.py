@@ -4,14 +4,12 @@ from dataclasses import replace
 from math import prod
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import heading_observable, shown_field, shows_attribute, view_size
+from sjdsl.compiler.ir.queries import shown_field, shows_attribute, view_size
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, binary, both, invert, iota, literal, select, spread, taken
 from sjdsl.compiler.lower.cell_appearance import (
     COVERED,
-    OTHER_FACING,
-    OTHER_HIDDEN,
     Look,
     content_labels,
     looks,
@@ -85,8 +83,7 @@ def _seen_by(axes: tuple[Axis, ...], **others: Variable) -> IterationScope:
 def observe(w: Writer) -> array.Expression:
     """Writes the statements of `observe`; returns the observation."""
     game = w.module.game
-    by_id = any(s.what == "other" or (s.what == "heading" and s.hidden_when is not None) for s in game.observables)
-    by_id = by_id or any(hidden.what == "others" and hidden.when is not None for hidden in game.hidden)
+    by_id = any(s.what == "other" for s in game.observables)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
     observer, size = w.axis("observer", w.module.agents), w.module.number("num_view_cells", prod(view_size(game)), "cells of a window")
@@ -102,18 +99,6 @@ def observe(w: Writer) -> array.Expression:
         seen.append(w.bind(f"seen_{number}", array.Call(array.Name("windows"), (frame, POSITION, HEADING), cut)))
     seen = _own_windows(seen, axes, w)
     planes = {part.name: _part_of(part, parts, seen[part.plane], axes, w) for part in parts}
-    agent = planes["agent"]
-    for hidden in w.module.game.hidden:
-        if hidden.what == "others":
-            w.origin = hidden.origin
-            agent = w.keep("agent", agent)
-            if hidden.when is None:
-                agent = w.keep("agent", select(Value(_myself(w), "bool", axes), agent, literal(0, "u8")))
-                continue
-            place = _seen_by(axes, other=_standing(agent, "who", AGENTS, w))
-            unseen = both(Value(array.Unary("~", _myself(w)), "bool", axes), _asked(hidden.when, place, w))
-            agent = w.keep("agent", select(unseen, literal(0, "u8"), agent))
-    planes["agent"] = agent
     columns = [w.keep("content", _content(planes["content"], axes, w)), *_agents(planes["agent"], axes, by_id, w)]
     if any(hidden.what == "content" for hidden in game.hidden):
         columns[0] = select(somebody_seen(planes, w), literal(content_labels(game).index(COVERED), "u8"), columns[0])
@@ -242,26 +227,18 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     game = w.module.game
     self_ = _myself(w)
     agent = w.keep("agent", agent)
-    heading = heading_observable(game)
     somebody = binary("!=", agent, literal(0, "u8"), "bool").node
     if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its own window
         self_ = array.Binary("&", self_, somebody)
     if not by_id:
-        other: array.Expression = array.scalar(array.Literal(OTHER_FACING), "u8")
-        if heading is not None:
-            mine = array.Index(array.Cast(HEADING, "u8"), (array.ALL, array.NEW_AXIS))
-            difference = array.Binary("-", array.Binary("-", agent.node, array.Literal(1)), mine)
-            other = w.keep("others", Value(relative_heading(difference), "u8", axes)).node
+        mine = array.Index(array.Cast(HEADING, "u8"), (array.ALL, array.NEW_AXIS))
+        difference = array.Binary("-", array.Binary("-", agent.node, array.Literal(1)), mine)
+        other = w.keep("others", Value(relative_heading(difference), "u8", axes)).node
         return [_agent_plane(self_, somebody, other, axes, w)]
     standing = _standing(agent, "who", AGENTS, w)
     place = _seen_by(axes, other=standing)
-    facing: Value = literal(OTHER_FACING, "u8")
-    if heading is not None:
-        turned = array.Binary("-", array.Index(HEADING, (standing.index.node,)), array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
-        facing = Value(array.Cast(relative_heading(turned), "u8"), "u8", axes)
-        if heading.hidden_when is not None:
-            facing = select(w.value(heading.hidden_when, place), literal(OTHER_HIDDEN, "u8"), facing)
-    columns = [_agent_plane(self_, somebody, facing.node, axes, w)]
+    turned = array.Binary("-", array.Index(HEADING, (standing.index.node,)), array.Index(HEADING, (array.ALL, array.NEW_AXIS)))
+    columns = [_agent_plane(self_, somebody, array.Cast(relative_heading(turned), "u8"), axes, w)]
     theirs = w.keep("theirs", Value(array.Binary("&", somebody, array.Unary("~", self_)), "bool", axes))
     for observable in game.observables:
         if observable.what == "other":
@@ -312,8 +289,6 @@ def _field_observable(observable: ir.Observable, who: AgentVar | None, place: It
     stored = state_reads.field(read, who, w)
     if observable.word is not None:
         stored = taken(stored, w.module.entry(observable.word).node)
-    if declared.type.kind == "agent":  # one up, 0 is nobody
-        return as_dtype(binary("+", stored, literal(1, "i32"), "i32"), "u8")
     if stored.dtype == "u8":
         return stored
     if declared.type.kind != "int" or not state_reads.fits_byte(declared, w):

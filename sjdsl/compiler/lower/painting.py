@@ -90,7 +90,7 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
         w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
         if by_id if is_agent else place.bits > 1:  # who it is, one up
             shown = binary("+", Value(Arange(extent, "u8"), "u8"), literal(1, "u8"), "u8")
-        elif is_agent and any(s.what == "heading" for s in game.observables):
+        elif is_agent:
             shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), literal(1, "u8"), "u8")
         else:
             shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")

@@ -132,23 +132,6 @@ def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
     return {d.on.name: CellVar(site, d.on.kinds)}
 
 
-def first(s: ir.First, scope: IterationScope, w: Writer) -> tuple[IterationScope, IterationScope]:
-    """Returns the scope inside a `first` (one more axis: the lanes), and the scope of its `otherwise`."""
-    if is_empty(s.domain, w):
-        return scope.when(FALSE), _in_lanes(scope, _lanes(s.domain, w))
-    inner, lanes, found = nearest(s.domain, scope, w)
-    return inner.when(scope.mask).when(found), _in_lanes(scope, lanes).when(invert(found))
-
-
-def _lanes(d: ir.Domain, w: Writer) -> Axis:
-    assert isinstance(d.restriction, ir.Near)
-    return w.axis("lane", len(w.module.shape(d.restriction.shape).lanes))
-
-
-def _in_lanes(scope: IterationScope, lanes: Axis) -> IterationScope:
-    return replace(scope, axes=(*scope.axes, lanes), digits=(*scope.digits, (iota(lanes), lanes.extent)))
-
-
 def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Axis, Value]:
     """Returns the scope of the nearest member in each lane (unmasked), the lanes' axis, and where there is one."""
     assert isinstance(d.restriction, ir.Near)
@@ -164,7 +147,7 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
     rest = union(*(tuple(a for a in v.axes if a != axis) for v in (ok, candidate.number)))
     axes = (*rest, axis)
     ok = w.keep("eligible", Value(spread(ok, axes), "bool", axes))
-    lanes = _lanes(d, w)
+    lanes = w.axis("lane", len(shape.lanes))
     found, numbers = ok.node, spread(candidate.number, axes)
     if max(map(len, shape.lanes)) == 1:  # every cell is a lane
         number = w.keep(d.var.name, Value(numbers, "i32")).node
@@ -173,7 +156,8 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
         number, found = w.keep_parts((d.var.name, "found"), array.call("nearest_in_lanes", ok.node, numbers, sizes))
     chosen = Value(number, "i32", (*rest, lanes))
     variable = AgentVar(chosen, sort=candidate.sort) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
-    inner = _in_lanes(scope, lanes).always().binding(**{d.var.name: variable}, **under(d, variable, w))
+    inner = replace(scope, axes=(*scope.axes, lanes), digits=(*scope.digits, (iota(lanes), lanes.extent)))
+    inner = inner.always().binding(**{d.var.name: variable}, **under(d, variable, w))
     return inner, lanes, Value(found, "bool", (*rest, lanes))
 
 

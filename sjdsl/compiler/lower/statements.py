@@ -15,7 +15,7 @@ from sjdsl.compiler.lower.movement import move, move_on_course, nobody_moves
 from sjdsl.compiler.lower.relocation import Sends
 from sjdsl.compiler.lower.rewards_and_events import give, tally
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
-from sjdsl.compiler.lower.selection import first, pick
+from sjdsl.compiler.lower.selection import nearest, pick
 from sjdsl.compiler.lower.state_reads import nowhere
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import Attribute, Call, Literal, Name
@@ -44,13 +44,12 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             inner, nobody = pick(s, scope, w)
             _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
             _inside(s.otherwise, scope.when(nobody), w, sends)
-        case ir.First():
-            inner, without = first(s, scope, w)
-            _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
-            _inside(s.otherwise, without, w, sends)
+        case ir.First() if not is_empty(s.domain, w):
+            inner, _, found = nearest(s.domain, scope, w)
+            _inside(s.body, inner.when(scope.mask).when(found), w, sends, f"{s.domain.var.name}_found")
         case ir.Match() if not is_empty(s.left, w) and not is_empty(s.right, w):
             _inside(s.body, match_(s, scope, w), w, sends)
-        case ir.Each() | ir.Match():
+        case ir.Each() | ir.First() | ir.Match():
             pass
         case ir.When():
             when(s, scope, w, sends)

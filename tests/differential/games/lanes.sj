@@ -35,7 +35,7 @@ game lanes "Lanes, groups and blocking" {
     each agent as looker where looker chose peer {
       mark fork of looker
       first agent as seen in fork of looker where seen.team is not looker.team { add 1 to looker.score  tally sights for looker }
-      otherwise { tally blanks for looker }
+      when count(agent as seen in fork of looker where seen.team is not looker.team) == 0 { tally blanks for looker }
       first plot in sweep of looker where plot.crop is ripe { set plot.crop = none  add 2 to looker.score  tally cuts for looker }
     }
   }
@@ -59,7 +59,7 @@ game lanes "Lanes, groups and blocking" {
   }
   phase rest { each agent on home where agent.score > 3 { set agent.score = 0  give 0.25 to all but agent } }
   observe {
-    window ahead 4, behind 2, left 2, right 3  show agent.score  show other.team  hide other.heading when other.team is agent.team
+    window ahead 4, behind 2, left 2, right 3  show agent.score  show other.team when other.team is not agent.team
     show home as { floor }  show wall as { outside }
     show pond as { floor where pond.crop is none, sown where pond.crop is seed and agent.score > 2, pond_ }
     hide marks on door when door.state is shut  hide marks on plot when agent.score < 3 and plot.crop is not ripe  hide marks on home

@@ -54,7 +54,7 @@ game movers "Movers of several sorts: fleeing, hunting, rolling, drifting, ridin
   phase act {
     pick 1 agent as a where a chose kick {
       first ball in ray of a { set ball.rolling = yes  set ball.heading = a.heading }
-      otherwise { first deer in ray of a { set deer.fear = scared  set deer.owner = a  tally hit for a } }
+      when count(ball in ray of a) == 0 { first deer in ray of a { set deer.fear = scared  set deer.owner = a  tally hit for a } }
     }
     each wolf on ground as here where wolf.hungry < 5 {
       add 1 to wolf.hungry
@@ -70,7 +70,8 @@ game movers "Movers of several sorts: fleeing, hunting, rolling, drifting, ridin
       first ball in line(1) of a {
         send ball by 1 a.heading facing north otherwise stay
         send a by 1 ahead otherwise stay
-      } otherwise { pick 1 cart in disc(2) of a { send cart by 2 away from a otherwise stay } }
+      }
+      when count(ball in line(1) of a) == 0 { pick 1 cart in disc(2) of a { send cart by 2 away from a otherwise stay } }
     }
     each wolf where wolf.hungry > 4 { send wolf by 1 back facing south otherwise stay }
   }

@@ -32,7 +32,7 @@ game own "Writes that are one instance's own" {
   }
   phase peer {
     each agent as a where a chose peer {
-      first agent as b in ray of a { set a.last = b  set a.score = b.index + 1 } otherwise { set a.last = nobody }
+      first agent as b in ray of a { set a.last = b  set a.score = b.index + 1 }
     }
     each agent as a where not a chose peer {
       pick 1 agent as b in disc(2) of a { set a.last = b } otherwise { set a.score = 7 }

@@ -32,20 +32,19 @@ game seen "Who sees what, under every odd condition" {
   observe {
     window ahead 0, behind 3 when night is dark and agent.sharp is no_
     window ahead 3, right 2 when agent.row < 1 or agent.friend is not nobody
-    hide other when other.tired > 0 and not (other is agent.friend) or night is dark and agent.heading is not other.heading
     hide marks on agents
     show green.fruit as { mine where nobody on green and green.col == agent.col, here where distance(green, agent) == 0, other_fruit }
     hide den.fruit when count(agent as x in disc(1) of den) > 1
-    show den.owner.index when agent.bag > 0
+    show den.owner when agent.bag > 0
     hide marks on green when distance(agent, green) > 1
-    show other.friend
+    show other.friend when not (other.tired > 0 and not (other is agent.friend) or night is dark and agent.heading is not other.heading)
     show other.row when other.heading is north
     show other.moved when agent.bag < 2
-    show everyone.friend.index when everyone is agent or everyone.tired == 0
+    show everyone.friend when everyone is agent or everyone.tired == 0
     show everyone.row
     show everyone.heading as { gone where everyone.away, near where distance(everyone, agent) < 2, far_off }
     show agent.index
-    show agent.friend.index
+    show agent.friend
     show agent.tired when night is light
     show night when agent.sharp is yes_
   }

@@ -13,7 +13,7 @@ game found {
       when count(pond as other in disc(1) of pond) > 1 and nobody on pond { give 1 to a }
     }
     match pond as a with agent as b { when nobody on a { give 0.5 * pond_like(a) to b } }
-    each agent as a { first pond in line(2) of a { give 1.5 * pond.depth to a } otherwise { give 0.5 to a } }
+    each agent as a { first pond in line(2) of a { give 1.5 * pond.depth to a } }
     pick 2 pond { give 1.5 * pond.depth to all } otherwise { give 0.25 to all }
     give 1.0 * sum(pond.depth over pond) to all
   }
