@@ -46,4 +46,4 @@ def test_its_game_is_found_where_it_is_installed(sjdsl: Sjdsl, folder: Path, mon
     register(source, "river-games", name, value, "0.1.0")
     monkeypatch.syspath_prepend(source)
     assert find_game("river") == source / "river_games/river.sj"
-    assert "  from     river-games 0.1.0\n" in sjdsl("list", "river").out
+    assert "of river-games 0.1.0\n" in sjdsl("list").out

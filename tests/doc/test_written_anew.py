@@ -25,7 +25,7 @@ shape ray = line(reach)
 | `cap` | 15 | count | 0 or more | before compiling | paper: tokens of one level an agent can hold |
 | `becomes` | `raw`: `cut`, `cut`: `fine`, `fine`: `fine` | word | one of `raw`, `cut`, `fine` | at any time | paper: at most two refinements |
 | `yields` | `raw`: 3, `cut`: 3, `fine`: 1 | count | 0 to 5 | at any time | paper: tripled; released code: the finest stays one |
-define offered(who)             = lowest(who.bag)      # released code
+define offered(who)     = lowest(who.bag)      # released code
 phase offer {
   each agent as giver where giver chose gift { mark ray of giver }  # released code: also with nothing to give
   each agent as giver where giver chose gift and sum(giver.bag) > 0 {

@@ -71,7 +71,7 @@ def test_the_name_of_a_file_becomes_no_code(name: str, tmp_path: Path, monkeypat
     assert run(["compile", "--standalone", str(path), "-o", str(alone)]) == 0
     assert shape(module.read_text("utf-8")) == plain
     assert plain[len("Module(body=[") : -400].split("Assign(", 1)[1] in shape(alone.read_text("utf-8"))
-    for command in ("check", "doc", "list"):
+    for command in ("check", "doc"):
         assert run([command, str(path)]) == 0
     assert sjdsl.make(path).name == "tiny"
     assert not (tmp_path / "PWNED").exists()

@@ -26,7 +26,6 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{READING}::test_commands_that_read_run_nothing",
         f"{READING}::test_the_language_server_runs_nothing",
     ),
-    "An editor plays a game only": (f"{READING}::test_the_language_server_runs_nothing", f"{SERVER}::test_a_check_is_run_from_the_text"),
     "A game names other files": ("compiler/test_error_cases.py::test_case",),  # errors/SJ112_file_outside.sj
     "Sizes are limited": (f"{LIMITS}::test_one_message",),
     "**Compiled games** are": (f"{TEXT}::test_the_texts_of_a_game_become_no_code",),

@@ -167,7 +167,7 @@ REFUSED: list[tuple[Any, str]] = [
         SweepSpec([GAME], [Axis("svo_weight", (0.5,))], settings={**TINY, "reward": "svo"}, episodes=3),
         "its axes differ",
     ),
-    (SweepSpec([GAME], (), "exchange", settings=TINY, episodes=3), "its axes differ"),
+    (SweepSpec([GAME], (), "exchange", settings=TINY, episodes=3), "protocol None there, exchange here"),
     (
         SweepSpec([GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}),
         "episodes 3 there, 30 here",
