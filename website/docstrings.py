@@ -51,6 +51,11 @@ class Docstrings(griffe.Extension):
         if obj.docstring is not None:
             obj.docstring.value = one_name_a_line(obj.docstring.value)
 
+    def on_module_members(self, *, mod: griffe.Module, **_more: Any) -> None:
+        """The public names of a package that imports lazily (`lazy_names`) are those that type checkers see it import."""
+        if mod.exports is None and "lazy_names" in mod.members:
+            mod.exports = [name for name, member in mod.members.items() if member.is_alias and not member.runtime]
+
     def on_class_members(self, *, cls: griffe.Class, **_more: Any) -> None:
         """Gives an attribute that is a compiled method the docstring of that method."""
         for member in cls.members.values():
