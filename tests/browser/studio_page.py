@@ -88,7 +88,9 @@ def open_game(page: Page, path: str) -> None:
 
 
 def type_over(page: Page, text: str) -> None:
-    """Replaces the whole text, as a person who pastes does."""
+    """Replaces the whole text, as a person who pastes does, and waits until the studio has read it."""
+    before = page.evaluate("Number(document.body.dataset.version)")
     page.locator(".text .cm-content").click()
     page.keyboard.press("Control+a")
     page.keyboard.insert_text(text)
+    page.wait_for_function("before => Number(document.body.dataset.version) > before", arg=before)

@@ -28,6 +28,7 @@ export function fill(place, name, about) {
 function rules({ answer }) {
   const sheet = element("div", { class: "sheet" });
   sheet.innerHTML = DOMPurify.sanitize(marked.parse(answer.markdown), { FORBID_TAGS: ["img", "style", "form"], FORBID_ATTR: ["style"] });
+  for (const block of sheet.querySelectorAll("pre")) block.tabIndex = 0; // long lines are scrolled to by keys, too
   return sheet;
 }
 
