@@ -249,7 +249,7 @@ def _apply(game: Composition, sections: Sections) -> None:
                 name = "" if section.name is None else section.name.text
                 game.checks[name] = section.checks if name else game.checks.get(name, ()) + section.checks
             case ast.Override():
-                _override(game, section)
+                _override_constant(game, section)
             case ast.Drop():
                 _drop(game, section.name)
             case _:
@@ -296,7 +296,8 @@ def _observable_key(observable: ast.Show | ast.Hide) -> str:
     return path_text(observable.what) + on
 
 
-def _override(game: Composition, change: ast.Override) -> None:
+def _override_constant(game: Composition, change: ast.Override) -> None:
+    """Gives a constant of the game another value, or entries of its table others."""
     name = change.path.name.text
     constant = game.constants.get(name)
     if constant is None:

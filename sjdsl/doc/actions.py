@@ -54,8 +54,9 @@ def _meaning(name: str, action: int | str, game: ir.Game) -> str:
     said = []
     if name in RELATIVE and any(isinstance(node, ir.Move) and node.course is None for node in ir.walk(game)):
         said.append((RELATIVE if game.agents.relative else COMPASS)[name])
-    asks = (t for t in game.schedule if any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in ir.walk(t)))
-    asking = dict.fromkeys(code(turn.label.partition("(")[0]) for turn in asks)
+    phases = (turn for turn in game.schedule if isinstance(turn, ir.Phase))
+    asks = (p for p in phases if any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in ir.walk(p)))
+    asking = dict.fromkeys(code(phase.label.partition("(")[0]) for phase in asks)
     if asking:
         said.append(f"what {joined(asking)} {'says' if len(asking) == 1 else 'say'}")
     return "; ".join(said) or "nothing"

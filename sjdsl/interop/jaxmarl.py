@@ -149,6 +149,7 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         return {agent: values[index] for index, agent in enumerate(self.agents)}
 
     def _windows(self, observation: Array) -> Array:
+        """Returns windows `[N, V, V, P]` float32, or `[N, V * V * P]` if they are flat."""
         windows = jnp.moveaxis(observation, -3, -1).astype(jnp.float32)
         return windows.reshape(self.num_agents, -1) if self._flat else windows
 

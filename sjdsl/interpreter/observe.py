@@ -139,14 +139,14 @@ def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
         return first + words.index(_word(observable, here))
     if observable.what == "everyone" and observable.field in ("row", "col") and not is_here(here.names["everyone"], here.world):
         return 0
-    return min(max(int(evaluate(_read(observable, here.board), here)), 0), 255)
+    return min(max(int(evaluate(_expression_of(observable, here.board), here)), 0), 255)
 
 
 def _word(observable: ir.Observable, here: Instance) -> str:
     for label in observable.labels:
         if label.condition is None or evaluate(label.condition, here):
             return label.name
-    value = evaluate(_read(observable, here.board), here)
+    value = evaluate(_expression_of(observable, here.board), here)
     if isinstance(value, bool):
         return "yes" if value else "no"
     return str(value)
@@ -158,7 +158,7 @@ def _is_hidden(observable: ir.Observable, here: Instance) -> bool:
     return observable.hidden_when is not None and evaluate(observable.hidden_when, here)
 
 
-def _read(observable: ir.Observable, board: Board) -> ir.Expr:
+def _expression_of(observable: ir.Observable, board: Board) -> ir.Expr:
     """Returns the expression an observable shows. The board keeps it: making one takes longer than reading a cell."""
     if id(observable) not in board.read:
         board.read[id(observable)] = (observable, _make_read(observable, board))

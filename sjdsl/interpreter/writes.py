@@ -157,11 +157,11 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
     sets: dict[Slot, Value] = {}
     drawn = [(slot, lot.value) for slot, lot in winners(writes.lots).items()]
     for slot, value in (*writes.sets, *drawn):
-        value = _fitting(declaration(slot, board), value)
+        value = _as_held(declaration(slot, board), value)
         assert sets.setdefault(slot, value) == value, f"{slot} is set to {sets[slot]} and to {value}"
     adds: dict[Slot, list[Value]] = {}
     for slot, value in writes.adds:
-        adds.setdefault(slot, []).append(_fitting(declaration(slot, board), value))
+        adds.setdefault(slot, []).append(_as_held(declaration(slot, board), value))
     for slot, value in sets.items():
         _put(slot, value, board, world)
     for slot, values in adds.items():
@@ -172,7 +172,7 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
         _check(declaration(slot, board), _get(slot, board, world), board)
 
 
-def _fitting(declared: ir.VarField, value: Value) -> Value:
+def _as_held(declared: ir.VarField, value: Value) -> Value:
     """Returns a value as a field of this type holds it."""
     kind = declared.type.kind
     return frozenset(agents_in(value)) if kind == "agents" else np.float32(value) if kind == "real" else value

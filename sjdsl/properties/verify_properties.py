@@ -69,7 +69,9 @@ class Verification:
                 self._progress(f"{check.episodes} episodes of `{self.family.text_of(check)}`")
                 verdict = self._expectation(number)
             else:
-                verdict = self._passed(number) if number not in self._played.found else self._failed(self._played.found[number])
+                verdict = (
+                    self._passed(number) if number not in self._finished_search.found else self._failed(self._finished_search.found[number])
+                )
             self._known[number] = replace(verdict, untested=self._untested(number)) if verdict.passed else verdict
         return self._known[number]
 
@@ -91,7 +93,7 @@ class Verification:
         return tuple([*([] if found is None else [self._failed(found)]), *self._faults][:1])
 
     @cached_property
-    def _played(self) -> Search:
+    def _finished_search(self) -> Search:
         """The search, when all is played."""
         if self._needed:
             self.has_played = True
@@ -99,7 +101,7 @@ class Verification:
         return self._search
 
     def _passed(self, number: int) -> Verdict:
-        check, search = self.family.own.checks[number], self._played
+        check, search = self.family.own.checks[number], self._finished_search
         never = "; its first condition never held" if check.sort == "once" and number not in search.triggered else ""
         return make_verdict(self.family, check, True, "examples", f"{search.steps:,} steps of random play{never}")
 
@@ -119,14 +121,14 @@ class Verification:
     def _untested(self, number: int) -> tuple[str, ...]:
         """Returns the lines that a check depends on and that never ran, with their text; in which use, if their phase is used several times."""
         check, rules, leaves = self.family.own.checks[number], Rules(self.family.composition.sources), leaf_statements(self.family.own)
-        uses, never = Counter(leaf.statement_id[1:] for leaf in leaves), self._needed[number] - self._played.ran
+        uses, never = Counter(leaf.statement_id[1:] for leaf in leaves), self._needed[number] - self._finished_search.ran
         lines = [
             f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}"
             + f"  (in {leaf.statement_id[0]})" * (uses[leaf.statement_id[1:]] > 1)
             for leaf in leaves
             if leaf.statement_id in never
         ]
-        if check.sort == "once" and number not in self._played.triggered:
+        if check.sort == "once" and number not in self._finished_search.triggered:
             lines.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
         return tuple(dict.fromkeys(lines))
 

@@ -176,7 +176,7 @@ class WorldSearch:
                     self.triggered |= {number} if holds.any() else set()
                     triggered[:, i], bad = holds[:, -1], holds & (values[:, :, 1] == 0)
                 case _:
-                    bad = _turns(np.concatenate([first, values], 1), check.words[0] == "rising")
+                    bad = _wrong_ways(np.concatenate([first, values], 1), check.words[0] == "rising")
             wrong.append((number, live & bad & played.finite.cumprod(1, dtype=bool)))
         return wrong, triggered
 
@@ -346,8 +346,11 @@ def _put(into: Worlds, places: np.ndarray, worlds: Worlds, which: np.ndarray) ->
         old[places] = new[which]
 
 
-def _turns(pairs: np.ndarray, rising: bool) -> np.ndarray:
-    """Returns the steps `[B, STEPS]` in which the first value went the wrong way since the first state or an earlier step of the segment."""
+def _wrong_ways(pairs: np.ndarray, rising: bool) -> np.ndarray:
+    """Returns the steps `[B, STEPS]` in which the value went the wrong way since an earlier state of the segment.
+
+    pairs: `[B, STEPS + 1, 2]`, value and argument. rising: whether it is wrong that the value moves against the argument, or with it.
+    """
     value, argument = (pairs[:, :, i] for i in (0, 1))
     more, less = ((x[:, 1:, None] - x[:, None]) for x in (value, argument))
     apart = [~np.isclose(x[:, 1:, None], x[:, None], REAL, REAL) for x in (value, argument)]

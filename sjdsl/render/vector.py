@@ -125,6 +125,7 @@ def _inside(name: str, colour: str) -> str:
 
 
 def _placed(picture: Picture, share: float, centre: tuple[float, float], size: int) -> str:
+    """Returns a picture whose side is `share` of a cell's, around `centre` (down and right, as shares of the cell) as far as it fits."""
     side = max(1, round(size * share))
     top, left = (min(max(0, round(size * c - side / 2)), size - side) for c in centre)
     return _sprite(picture.sprite, picture.colour, left, top, side)

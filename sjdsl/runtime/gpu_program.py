@@ -69,7 +69,7 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any]
         constant = [partial(np.asarray, of.val) if isinstance(of, core.Literal) else known.get(of) for of in equation.invars]
         if None not in constant:
             computed = cache(partial(_computed, equation, constant))
-            known |= {of: partial(_entry, computed, place) for place, of in enumerate(equation.outvars)}
+            known |= {of: partial(_output, computed, place) for place, of in enumerate(equation.outvars)}
             if name in IDENTITIES or name in COMPUTED:
                 values |= zip(equation.outvars, computed(), strict=True)
                 continue
@@ -95,7 +95,7 @@ def _has_numbers(value: Any) -> bool:
     return value is not None and not isinstance(value, jax.core.Tracer) and not jnp.issubdtype(value.dtype, jax.dtypes.extended)
 
 
-def _entry(computed: Callable[[], list[Any]], place: int) -> Any:
+def _output(computed: Callable[[], list[Any]], place: int) -> Any:
     return computed()[place]
 
 

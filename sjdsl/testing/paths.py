@@ -103,14 +103,14 @@ def write_field(path: FieldPath, given: Any, board: Board, world: World) -> None
     """
     values, owners = held_values(path.declared, world), owners_of(path, board)
     if owners is None:
-        world.fields[path.declared.name] = _changed(path, path.text, given, values, board)
+        world.fields[path.declared.name] = _with_given(path, path.text, given, values, board)
         return
     for owner, value in by_owner(path.text, given, owners).items():
         number = owners.index(owner)
-        values[number] = _changed(path, f"{path.text} of {owner}", value, values[number], board)
+        values[number] = _with_given(path, f"{path.text} of {owner}", value, values[number], board)
 
 
-def _changed(path: FieldPath, name: str, given: Any, before: Any, board: Board) -> Any:
+def _with_given(path: FieldPath, name: str, given: Any, before: Any, board: Board) -> Any:
     return _replaced(before, path.keys, held(name, given, path.entry_type, board.agents, _entry(before, path.keys)))
 
 

@@ -52,7 +52,7 @@ class Effect:
 
 def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[Effect]:
     """Returns everything a turn changed, in the order of its statements. `numbers`: the random numbers taken in it."""
-    found = [*_fields(account, board), *_agents(account, board, numbers), *_said(account, board)]
+    found = [*_fields(account, board), *_of_bodies(account, board, numbers), *_said(account, board)]
     order = {id(done): number for number, done in enumerate(account.done)}
     return sorted(found, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
 
@@ -109,7 +109,8 @@ def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[
 # ---- agents and movers
 
 
-def _agents(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[Effect]:
+def _of_bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[Effect]:
+    """Yields what changed of the places, absence, movement and headings of agents and movers."""
     written = {slot for done in account.done for slot, _ in done.written.get("sets", ())}
     written |= {lot.slot for done in account.done for lot in done.written.get("lots", ())}
     for body in bodies(account.before):

@@ -148,7 +148,7 @@ def test_spans_of_chains_and_brackets() -> None:
         ("each agent in { a, b } { }", "Each(Domain(agent, -, -, Members([a, b]), -), Block([]))"),
         ("each agent in rock.miners { }", "Each(Domain(agent, -, -, Path(rock, [Member(miners)]), -), Block([]))"),
         ("pick 2 a { } otherwise { end }", "Pick(2, Domain(a, -, -, -, -), Block([]), Block([End()]))"),
-        ("first a in s of b { }", "First(Domain(a, -, -, Near(ShapeRef(s, -), b), -), Block([]), -)"),
+        ("first a in s of b { }", "First(Domain(a, -, -, Near(ShapeRef(s, -), b), -), Block([]))"),
         ("match a with first b { }", "Match(Domain(a, -, -, -, -), True, Domain(b, -, -, -, -), Block([]))"),
         (
             "when a { } otherwise when b { } otherwise chance 0.5 { } otherwise { end }",

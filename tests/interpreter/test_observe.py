@@ -117,12 +117,6 @@ def test_a_hidden_field_is_a_state_of_its_own():
     assert plane(game, world, "content")[1][1][2] == 4
 
 
-def test_agents_without_headings():
-    game = small()
-    assert planes(game)[1].labels == ("none", "self", "other")
-    assert plane(game, g.world_of(game, (1, 1), (0, 0)), "agent")[0] == [[2, 0, 0], [0, 1, 0], [0, 0, 0]]
-
-
 @pytest.mark.parametrize("turn", range(4))
 @pytest.mark.parametrize("own", range(4))
 def test_headings_of_others_are_relative_to_ones_own(own, turn):
@@ -131,13 +125,6 @@ def test_headings_of_others_are_relative_to_ones_own(own, turn):
     world = g.world_of(game, (1, 1), (0, 1), headings=(own, (own + turn) % 4))
     values = plane(game, world, "agent")[0]
     assert sorted(v for row in values for v in row if v) == [1, 2 + turn]
-
-
-def test_a_heading_can_be_hidden():
-    game = small(HEADING.model_copy(update={"hidden_when": g.is_agent(1, "other")}), number=3)
-    assert planes(game)[1].labels[-1] == "other"
-    world = g.world_of(game, (1, 1), (0, 1), (2, 1), headings=(0, 0, 0))
-    assert plane(game, world, "agent")[0] == [[0, 6, 0], [0, 1, 0], [0, 2, 0]]
 
 
 def test_marks_have_one_bit_for_each_marking_phase():

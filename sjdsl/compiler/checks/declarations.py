@@ -42,12 +42,12 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
         problems.add(errors.TickTwice(game.schedule[ticks[1]].origin or span))
     if len(ticks) == 1:
         for timer in timers:
-            before, after = (_sets(part, timer) for part in (game.schedule[: ticks[0]], game.schedule[ticks[0] + 1 :]))
+            before, after = (_starts_of(part, timer) for part in (game.schedule[: ticks[0]], game.schedule[ticks[0] + 1 :]))
             if before and after:
                 problems.add(errors.TimerBothSides(before[0].origin or timer.span, name=timer.name))
 
 
-def _sets(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
+def _starts_of(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
     """Returns the statements that set a timer to something that can be above 0."""
     sets = [node for turn in turns for node in ir.walk(turn) if isinstance(node, ir.Set)]
     return [s for s in sets if isinstance(s.target, ir.FieldRead) and can_be(s.target, timer) and s.value.type.high > 0]

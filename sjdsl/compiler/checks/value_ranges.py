@@ -146,17 +146,17 @@ def _field(e: ir.FieldRead, here: Here) -> Interval:
 
 def _entry(e: ir.At, here: Here) -> Interval:
     visit(e.key, here)
-    value = _table(e, here.played.params)
+    value = _known_entry(e, here.played.params)
     return interval_of(e.row, here) if value is None else _ends(value)
 
 
-def _table(e: ir.Expr, params: Mapping[str, Any]) -> Any:
-    """Returns what stands in a table of parameters under written keys; None for anything else."""
+def _known_entry(e: ir.Expr, params: Mapping[str, Any]) -> Any:
+    """Returns the value of a parameter, or of its entry under written keys; None where a key is computed."""
     match e:
         case ir.ParamRef():
             return params[e.name]
         case ir.At(row=row, key=ir.Word() | ir.Number() as key):
-            table = _table(row, params)
+            table = _known_entry(row, params)
             return None if table is None else table[row.type.by[0].place_of(key.value)]  # type: ignore[arg-type]
         case _:
             return None

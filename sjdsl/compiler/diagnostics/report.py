@@ -49,6 +49,7 @@ def to_json(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source] | N
 
 
 def _place(span: Span, sources: Mapping[str, Source]) -> dict[str, Any]:
+    """Returns a span as JSON."""
     line, column = span.line, span.column + span.end - span.start
     if span.file in sources:
         end = sources[span.file].span(span.end, span.end)

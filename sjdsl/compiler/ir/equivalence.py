@@ -33,15 +33,15 @@ def form(e: Node, names: Names = NONE) -> Form:
             return ("sum", domain, form(e.value, inner))
         case Extreme():
             domain, inner = _domain(e.domain, names)
-            return (e.fn, domain, form(e.value, inner), _part(e.otherwise, names))
+            return (e.fn, domain, form(e.value, inner), _form_of_part(e.otherwise, names))
         case _:
-            return (type(e), *(_part(getattr(e, name), names) for name in _compared(type(e))))
+            return (type(e), *(_form_of_part(getattr(e, name), names) for name in _compared(type(e))))
 
 
-def _part(value: object, names: Names) -> object:
+def _form_of_part(value: object, names: Names) -> object:
     if isinstance(value, Node):
         return form(value, names)
-    return tuple(_part(v, names) for v in value) if isinstance(value, tuple) else value
+    return tuple(_form_of_part(v, names) for v in value) if isinstance(value, tuple) else value
 
 
 def _domain(d: Domain, names: Names) -> tuple[Form, Names]:

@@ -207,7 +207,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
 
 
 def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
-    """Returns a value or key without the axes of the statements inside the target's.
+    """Returns a value or key without `over`, the axes of the scope that the target lacks: that of the one instance that writes.
 
     It differs along them only if one instance at most reaches each target (else the write is refused): they are lanes of shapes
     with one lane, or `mask` holds for one instance at most.
