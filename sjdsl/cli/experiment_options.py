@@ -20,7 +20,7 @@ Command = Callable[..., Any]
 
 def experiment_options(command: Command) -> Command:
     """Adds --episodes, --seed, -o (as `output`) and --allow-code, and the options of an environment."""
-    output = click.option("-o", "output", metavar="DIR", help="Folder of the results; by default GAME_COMMAND.")
+    output = click.option("-o", "output", metavar="DIR", help="Folder of the results; by default GAME_ and the command's name.")
     seed = click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
     episodes = click.option(
         "--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each line-up."

@@ -20,7 +20,7 @@ PORT = 8421
 @click.option("--port", type=click.IntRange(0, 65535), metavar="N", help=f"The port; by default {PORT}, or any if that is taken.")
 @click.option("--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]")
 def command(game: str | None, port: int | None, browser: bool) -> None:
-    """Opens the games of this folder in the browser: text, board, rules in words, generated code.
+    """Opens the games of this folder in the browser: text, board, rules on a page, generated code.
 
     GAME is the `.sj` file to open first, or a bundled or installed game as an example. The page is served to this machine only, needs no
     internet, and writes a file only when you save it. It needs the extra `sjdsl[studio]`.

@@ -52,7 +52,7 @@ def test_the_code_of_a_dilemma_runs(capsys: pytest.CaptureFixture[str]) -> None:
     before, after = (_numbers(line) for line in said.out.splitlines() if line.startswith("keepers, then idlers:"))
     assert max(before[:2]) < min(before[2:])
     assert min(after[:2]) > 1.5 * max(before[:2])
-    assert "The agent receives a reward of 6" in said.out
+    assert "+     tally fed for agent  give 6 to agent" in said.out
 
 
 @pytest.mark.thorough
@@ -66,7 +66,7 @@ def test_a_dilemma_is_written_and_changed() -> None:
     assert max(before[:2]) < min(before[2:])
     assert min(after[:2]) > 1.5 * max(before[:2])
     assert after[2:] == before[2:]  # the idlers' walks and draws are the same
-    assert "The agent receives a reward of 6" in printed(notebook, "thankful =")
+    assert "+     tally fed for agent  give 6 to agent" in printed(notebook, "thankful =")
     pages = shown(notebook, "text/html")
     assert len(pages) == 2 and all(page.startswith("<iframe") for page in pages)
     assert len(shown(notebook, "image/png")) == 1
