@@ -21,10 +21,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from paper import published  # bench/paper, beside this script
 from playwright.sync_api import Page, sync_playwright
 
-PAUSE = 0.25  # seconds between an answer and the next key
+GAMES = [
+    "coins",
+    "harvest_open",
+    "harvest_closed",
+    "harvest_partnership",
+    "clean_up",
+    "coop_mining",
+    "mushrooms",
+    "gift_refinement",
+    "pd_arena",
+]
 LOADED = 4.0  # seconds that a server has before its first page
 WATCH = """() => {
   window.answers = [];
@@ -63,7 +72,7 @@ def first_page(page: Page, address: str) -> float:
     return time.perf_counter() - began
 
 
-def keystrokes(page: Page, count: int) -> list[float]:
+def keystrokes(page: Page, count: int, pause: float) -> list[float]:
     """Returns the milliseconds until the response to each letter typed into a comment at the top."""
     page.locator(".cm-line").first.click()
     page.keyboard.press("End")
@@ -73,14 +82,16 @@ def keystrokes(page: Page, count: int) -> list[float]:
     for number in range(count):
         page.keyboard.press("abcdefghij"[number % 10])
         page.wait_for_function("wanted => window.answers.length >= wanted", arg=number + 1, timeout=60_000)
-        page.wait_for_timeout(1000 * PAUSE)
+        page.wait_for_timeout(1000 * pause)
     return list(page.evaluate("window.answers"))
 
 
 def main() -> None:
     """Prints a row of a Markdown table for each game."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--games", default=",".join(GAMES))
     parser.add_argument("--keystrokes", type=int, default=40)
+    parser.add_argument("--pause", type=float, default=0.25, help="seconds between an answer and the next key")
     given = parser.parse_args()
     path = next(found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name)))
     print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f} at the start\n")
@@ -88,12 +99,12 @@ def main() -> None:
     medians = []
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        for game in published.suite():
+        for game in given.games.split(","):
             with served(game) as address:
                 time.sleep(LOADED)
                 page = browser.new_page(viewport={"width": 1400, "height": 900})
                 opened = first_page(page, address)
-                answers = keystrokes(page, given.keystrokes)
+                answers = keystrokes(page, given.keystrokes, given.pause)
                 page.close()
             medians.append(statistics.median(answers))
             tenth = statistics.quantiles(answers, n=10)[-1]

@@ -13,7 +13,7 @@ from sjdsl.doc.wording import code, counted, fenced, joined, number, plain, tabl
 from sjdsl.doc.written import Written
 from sjdsl.runtime.planes import TokenPlane
 
-READING = "They are quoted as they are written, with their comments; the manual of the language says what each word means."
+READING = "They are quoted as written, with their comments; the manual of the language says what each word means."
 
 
 def rule_sheet(w: Written) -> str:
@@ -53,7 +53,7 @@ def purpose(w: Written) -> list[str]:
 
 
 def entities(w: Written) -> list[str]:
-    """Returns who acts, what stands on the map, what all of them keep, and the shapes of what they reach."""
+    """Returns the agents, movers, kinds of cell and the map, their fields and the world's, and the shapes."""
     c, game = w.composition, w.game
     own = [*c.agent_fields.values(), *c.agent_blocks.values(), *c.forbids.values()]
     text = "".join(game.rows)
@@ -93,8 +93,8 @@ def overview(w: Written) -> list[str]:
     """Returns the schedule and the length of an episode, and which phases draw at random."""
     c = w.composition
     drawing = {p.label.partition("(")[0]: None for p in phases_of(w.game) if any(map(is_random, ir.walk(p)))}
-    told = f"Random draws are made in {joined(map(code, drawing))}." if drawing else "Nothing is drawn at random."
-    return [*quoted(c, (c.schedule, c.episode)), told, ""]
+    drawn = f"Random draws are made in {joined(map(code, drawing))}." if drawing else "Nothing is drawn at random."
+    return [*quoted(c, (c.schedule, c.episode)), drawn, ""]
 
 
 def is_random(node: ir.Node) -> bool:
@@ -139,7 +139,7 @@ def _values(plane: TokenPlane) -> str:
 
 
 def _labels(entries: list[tuple[int, str]]) -> str:
-    """Returns a value of a plane and what it means; of all states of a kind the first and the last value, and each field once."""
+    """Returns a value of a plane and what it means; for all states of a kind, the first and last value, and each field once."""
     (first, label), (last, _) = entries[0], entries[-1]
     if first == last:
         return f"{first} {plain(label)}"
@@ -189,5 +189,5 @@ def variants(w: Written) -> list[str]:
     if not w.variants:
         return []
     rows = [(code(name), plain(title)) for name, title in w.variants]
-    say = f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes."
-    return [*table(("variant", "what it is"), rows), "", say, ""]
+    hint = f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes."
+    return [*table(("variant", "what it is"), rows), "", hint, ""]

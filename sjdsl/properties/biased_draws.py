@@ -74,14 +74,3 @@ def biased(draw: "Callable[..., Array]") -> "Callable[..., Array]":
         return found
 
     return drawn
-
-
-@dataclass(frozen=True)
-class SameForAll:
-    """Random draws that do not depend on the statement: two statements that say the same of two agents draw alike."""
-
-    source: Draws
-
-    def word(self, stream: int, number: int) -> int:
-        del stream
-        return self.source.word(0, number)
