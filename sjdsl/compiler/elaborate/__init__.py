@@ -81,7 +81,6 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
         params=tuple(static.params.values()),
         episode=episode,
         kinds=kinds,
-        groups=tuple(static.groups.items()),
         rows=rows,
         edges="joined" if static.wraps else "",
         glyphs=tuple(glyph for _, glyph in static.glyphs),

@@ -345,7 +345,6 @@ class Game(Node):
     params: tuple[Param, ...] = ()
     episode: Expr
     kinds: tuple[Kind, ...]
-    groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     rows: tuple[str, ...]
     edges: Literal["", "joined"] = ""
     glyphs: tuple[GlyphMeaning, ...]
