@@ -35,7 +35,7 @@ Algorithm = Literal["ippo", "mappo", "vdn"]
 RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
 NetworkKind = Literal["mlp", "cnn"]
 # The built-in names of each kind of hook, which a configuration may replace by custom code.
-BUNDLED: Mapping[Kind, tuple[str, ...]] = {
+BUILT_IN: Mapping[Kind, tuple[str, ...]] = {
     "algorithm": get_args(Algorithm),
     "loss": ("ppo",),
     "network": get_args(NetworkKind),
@@ -169,7 +169,7 @@ class Config(BaseModel):
     init_from: Annotated[str, BeforeValidator(_policy_name)] = ""  # the policy whose parameters the run starts with; "": random ones
     partners: Partners = ()  # (agent, policy): agents that act by a fixed policy and don't learn
 
-    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUNDLED["reward"]))] = "individual"  # or a custom one, of a `Step`
+    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUILT_IN["reward"]))] = "individual"  # or a custom one, of a `Step`
     common_reward: Annotated[Literal["sum", "mean"], COMMON] = "sum"
     reward_smoothing: Annotated[Fraction, TRACES] = 0.0  # decay per step of the reward traces that svo compares; 0: this step's rewards
     svo_angle: Annotated[Angles, SVO] = (90.0,)  # target angle in degrees; one for all agents or one each
@@ -187,7 +187,7 @@ class Config(BaseModel):
     agent_id: bool = False  # networks also read the agent's number, so that agents who share one can differ
     mask_actions: bool = True  # exclude forbidden actions from drawing, values and learning
 
-    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUNDLED["network"]))] = "cnn"  # or a custom one, of tokens
+    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUILT_IN["network"]))] = "cnn"  # or a custom one, of tokens
     network_width: Count = 64  # units of each hidden dense layer
     convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)  # kernel side of each convolution in cells, in order
     convolution_channels: Annotated[Count, CNN] = 32  # output channels of each convolution
@@ -247,8 +247,8 @@ class Config(BaseModel):
     @property
     def hooks(self) -> dict[Kind, str]:
         """The names of the custom algorithm, loss, network and reward."""
-        named = {kind: getattr(self, kind, bundled[0]) for kind, bundled in BUNDLED.items()}
-        return {kind: name for kind, name in named.items() if name not in BUNDLED[kind]}
+        named = {kind: getattr(self, kind, bundled[0]) for kind, bundled in BUILT_IN.items()}
+        return {kind: name for kind, name in named.items() if name not in BUILT_IN[kind]}
 
     def record(self) -> dict[str, Any]:
         """Returns all settings as JSON values, as in manifests and policies, with unused ones at their defaults."""
@@ -280,7 +280,7 @@ class PPOConfig(Config):
     """Proximal policy optimisation with local critics (ippo) or a central critic (mappo)."""
 
     algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo")))] = "ippo"  # or a custom one
-    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUNDLED["loss"]))] = "ppo"  # or a custom one, of a minibatch
+    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUILT_IN["loss"]))] = "ppo"  # or a custom one, of a minibatch
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8

@@ -35,7 +35,14 @@ def register(kind: Kind, name: str, thing: object) -> None:
         float32; `loss`: `(parameters, apply, batch, config) -> (loss, metrics)`, as `ppo_loss`; `algorithm`: `(env, config) -> Train`;
         `policy`: `(key, observation [N, P, V, V]) -> actions [N]`; `callback`: `Update -> None`.
       name: if it is taken, the new object replaces the old one.
+    Raises:
+      TypeError: the object can't be called.
+      ValueError: the name is that of a built-in algorithm, loss, network or reward.
     """
+    from .config import BUILT_IN  # which imports this module
+
+    if name in BUILT_IN.get(kind, ()):
+        raise ValueError(f"`{name}` is a built-in {kind}; register yours under another name")
     if not callable(thing) and not hasattr(thing, "act"):
         raise TypeError(f"{a(kind)} is a function, not {thing!r}")
     _REGISTERED[kind, name] = thing

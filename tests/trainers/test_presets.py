@@ -9,7 +9,7 @@ import jax
 import pytest
 
 from bench.paper import published
-from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config
+from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config, register
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.ppo import check_minibatches
 from tests.games.environments import NINE, environment
@@ -274,3 +274,9 @@ def test_networks_have_the_released_sizes(algorithm: str, game: str, channels: i
         assert found == released + 9 * 16 * more * (1 + env.num_agents) + 17 * (env.num_agents - 1)
     else:
         assert found == released + 25 * 32 * more
+
+
+@pytest.mark.parametrize(("kind", "name"), [("loss", "ppo"), ("reward", "common"), ("network", "mlp"), ("algorithm", "vdn")])
+def test_built_in_names_are_not_taken(kind: Any, name: str) -> None:
+    with pytest.raises(ValueError, match=f"`{name}` is a built-in {kind}"):
+        register(kind, name, lambda *_: None)
