@@ -22,55 +22,37 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
 
     With --from, NAME.sj is a copy of another game, such as `--from clean_up`, for your own game to extend.
     """
-    if copied is not None:
-        _copy(copied, name, Path(folder))
-        return
-    if name is None:
+    if name is None and copied is None:
         raise click.UsageError("Missing argument 'NAME'.")
+    origin = None if copied is None else game_path(copied)
     try:
-        texts = starting_files(name)
+        texts = starting_files(str(name)) if origin is None else copied_files(origin, name or origin.stem)
     except ValueError as error:
         raise click.ClickException(str(error)) from None
-    _new_game(name, Path(folder), texts)
-
-
-def _copy(copied: str, name: str | None, folder: Path) -> None:
-    path = game_path(copied)
-    name = name or path.stem
-    try:
-        texts = copied_files(path, name)
-    except ValueError as error:
-        raise click.ClickException(str(error)) from None
-    game, *_ = _write(folder, texts)
-    print_next(
-        (f"  sjdsl check {game}", "after each change: what is wrong with it"),
-        (f"  sjdsl play {game}", "control an agent; needs a terminal"),
-        (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change"),
-    )
-
-
-def _new_game(name: str, folder: Path, texts: Mapping[str, str]) -> None:
-    game, _, tests = _write(folder, texts)
-    if name in bundled():
+    game, *_, last = _write(Path(folder), texts)
+    if origin is None and name in bundled():
         click.echo(
             f"note: there is a bundled game {name} as well. In commands, `{name}` means that one, and `{name}.sj` means yours; "
             "another name would keep them apart"
         )
-    print_next(
-        (f"  sjdsl play {game}", "control an agent; needs a terminal"),
-        (f"  sjdsl check {game}", "after each change: what is wrong with it"),
-        (f"  sjdsl test {game}", "test its checks"),
-        (f"  pytest {tests}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
-        (f"  sjdsl train {game} --preset two_cores", "agents that learn in it; takes minutes on two cores"),
-        (
-            f"  sjdsl schelling {game} --cooperators cooperator --defectors defector -o schelling",
-            "is it a dilemma for the file's own policies?",
-        ),
-    )
-
-
-def print_next(*steps: tuple[str, str]) -> None:
-    """Prints the commands to run next, each with its purpose."""
+    if origin is None:
+        steps = [
+            (f"  sjdsl play {game}", "control an agent; needs a terminal"),
+            (f"  sjdsl check {game}", "after each change: what is wrong with it"),
+            (f"  sjdsl test {game}", "test its checks"),
+            (f"  pytest {last}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
+            (f"  sjdsl train {game} --preset two_cores", "agents that learn in it; takes minutes on two cores"),
+            (
+                f"  sjdsl schelling {game} --cooperators cooperator --defectors defector -o schelling",
+                "is it a dilemma for the file's own policies?",
+            ),
+        ]
+    else:
+        steps = [
+            (f"  sjdsl check {game}", "after each change: what is wrong with it"),
+            (f"  sjdsl play {game}", "control an agent; needs a terminal"),
+            (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change"),
+        ]
     click.echo("\n".join(align([("next:", ""), *steps])))
 
 
