@@ -1,6 +1,9 @@
-"""Suggests known names that are close to a misspelt one; imports nothing, so that it is fast."""
+"""Suggests known names that are close to a misspelt one."""
 
 from collections.abc import Iterable
+from difflib import get_close_matches
+
+ALIKE = 0.66  # the least share of letters that two names must have in common: two of three
 
 
 def meant(name: str, known: Iterable[str], those: str = "there are") -> str:
@@ -17,24 +20,5 @@ def meant(name: str, known: Iterable[str], those: str = "there are") -> str:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """Returns the other candidate closest to `name` by edit distance, or `""` if none is close enough to be meant."""
-    best, best_distance = "", max(1, len(name) // 3) + 1
-    for candidate in sorted(set(candidates) - {name}):
-        distance = _distance(name, candidate)
-        if distance < best_distance:
-            best, best_distance = candidate, distance
-    return best
-
-
-def _distance(a: str, b: str) -> int:
-    """Returns the optimal string alignment distance: insert, delete, replace, swap neighbours."""
-    rows = [list(range(len(b) + 1))]
-    for i, x in enumerate(a, 1):
-        row = [i]
-        for j, y in enumerate(b, 1):
-            cost = min(rows[-1][j] + 1, row[j - 1] + 1, rows[-1][j - 1] + (x != y))
-            if i > 1 and j > 1 and x == b[j - 2] and a[i - 2] == y:
-                cost = min(cost, rows[-2][j - 2] + 1)
-            row.append(cost)
-        rows.append(row)
-    return rows[-1][-1]
+    """Returns the other candidate that is most like `name`, or `""` if none is close enough to be meant."""
+    return next(iter(get_close_matches(name, sorted(set(candidates) - {name}), 1, ALIKE)), "")

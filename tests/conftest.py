@@ -10,7 +10,6 @@ from pathlib import Path
 import hypothesis
 import jax
 import pytest
-from _pytest.assertion.rewrite import AssertionRewritingHook
 from jax.experimental.compilation_cache import compilation_cache
 
 # Half the seconds of compiling, and the programs run as fast: two of XLA's ways to make fast programs that tests do not need.
@@ -39,19 +38,11 @@ LONGEST = (
     "statistics/test_independence.py",
     "trainers/test_train_run.py",
     "trainers/test_vdn.py",
-    "properties/test_plugin.py",
     "render/test_episodes.py",
     "notebooks/test_notebooks.py",
     "fuzz/test_found.py",
 )
 MUCH_MEMORY = 1_400_000_000  # bytes of a worker, beyond which it gives back what it can between files: a second, and all is compiled anew
-
-
-# pytest takes a package that is installed for editing and brings a plugin for a plugin throughout, and would look through each of its
-# modules for an `assert` to write anew: seconds of each worker.
-for _finder in sys.meta_path:
-    if isinstance(_finder, AssertionRewritingHook):
-        getattr(_finder, "_must_rewrite", set()).discard("sjdsl")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -61,6 +52,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--thorough", action="store_true", help="the tests marked thorough, and no others: long ones of what other tests see in parts"
     )
+    parser.addoption("--play-seed", type=int, default=0, help="of the play that looks for deliberate faults in games")
     parser.addoption("--gpu-forms", action="store_true", help="programs as a GPU would have them, on this machine: the same values, slowly")
     parser.addoption("--all", action="store_true", help="also the tests marked slow and thorough, and everything compiled as users have it")
 

@@ -21,7 +21,7 @@ Found = dict[tuple[str, ...], list[Diagnostic]]
 @click.option("--strict", is_flag=True, help="Exit with 1 if there is a warning.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnostics as JSON.")
 def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: bool) -> int:
-    """Reports all mistakes in games: FILE is a `.sj` file or the name of a bundled or installed game.
+    """Reports all mistakes in games: FILE is a `.sj` file or the name of a bundled game.
 
     Without --variant, the game itself and each of its variants are checked. The exit status is 1 if there is an error; warnings
     count only with --strict.

@@ -51,7 +51,7 @@ def command(
 ) -> int:
     """Writes each game as a Python module: generated/NAME.py, a variant as generated/NAME_VARIANT.py.
 
-    FILE is a `.sj` file or the name of a bundled or installed game. The same game gives the same bytes everywhere.
+    FILE is a `.sj` file or the name of a bundled game. The same game gives the same bytes everywhere.
     """
     if output and only_check:
         raise click.UsageError("--check writes nothing: leave out -o")

@@ -21,7 +21,7 @@ DEFAULT = "default"
 def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: bool) -> int:
     """Prints the numbers and declarations that differ between two variants of GAME, or between GAME and OTHER.
 
-    A game is a `.sj` file or the name of a bundled or installed one. Layout, comments and the order of declarations
+    A game is a `.sj` file or the name of a bundled one. Layout, comments and the order of declarations
     don't count as differences.
     """
     if len(games) > 2 or (len(games) == 1 and variants is None):

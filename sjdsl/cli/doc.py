@@ -19,7 +19,7 @@ def command(game: str, variant: str | None, output: str | None) -> None:
     """Prints all the rules of GAME on a page, in the order of ODD, a standard for describing agent-based models:
     tables of actions, numbers, sources and what agents see, and each rule as written, with its comments.
 
-    GAME is a `.sj` file or a bundled or installed game.
+    GAME is a `.sj` file or a bundled game.
     """
     if output is not None:
         require_folder_of(Path(output))

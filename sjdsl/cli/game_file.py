@@ -1,4 +1,4 @@
-"""Opens the game that a command line names: a bundled one, one of an installed package, or any `.sj` file."""
+"""Opens the game that a command line names: a bundled one, or any `.sj` file."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import click
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.library.games_folder import GamesClash, find_game
+from sjdsl.library.games_folder import find_game
 
 
 def open_game(name: str) -> Source:
@@ -18,7 +18,7 @@ def game_path(name: str) -> Path:
     """Returns the file of a game, relative to this folder if it is inside it."""
     try:
         path = find_game(name)
-    except (FileNotFoundError, GamesClash) as error:
+    except FileNotFoundError as error:
         raise click.ClickException(str(error)) from None
     return path.relative_to(Path.cwd()) if path.is_absolute() and path.is_relative_to(Path.cwd()) else path
 

@@ -26,7 +26,7 @@ from sjdsl.extras import require
 def command(
     game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, options: EnvironmentOptions
 ) -> None:
-    """Plays GAME, a bundled or installed one or a `.sj` file, and draws what happens: by default cooperators beside defectors."""
+    """Plays GAME, a bundled one or a `.sj` file, and draws what happens: by default cooperators beside defectors."""
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix == ".png":
         require("pictures", "PIL", "resvg_py")

@@ -22,7 +22,7 @@ PORT = 8421
 def command(game: str | None, port: int | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules on a page, generated code.
 
-    GAME is the `.sj` file to open first, or a bundled or installed game as an example. The page is served to this machine only, needs no
+    GAME is the `.sj` file to open first, or a bundled game as an example. The page is served to this machine only, needs no
     internet, and writes a file only when you save it. It needs the extra `sjdsl[studio]`.
     """
     require("studio", "starlette", "uvicorn", "websockets", "pygls")

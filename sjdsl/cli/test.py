@@ -35,7 +35,7 @@ INDENT = " " * 14
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
 def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, as_json: bool) -> int:
-    """Tests the checks of games: FILE is a `.sj` file or the name of a bundled or installed game.
+    """Tests the checks of games: FILE is a `.sj` file or the name of a bundled game.
 
     A check is proved if possible. Otherwise the game is played with random actions and parameters on its own map, in thousands of worlds at
     once. A check that fails is shown with a counterexample. A check that depends on a line that never ran is untested, and the line is named. The

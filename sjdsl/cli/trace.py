@@ -1,6 +1,5 @@
 """`sjdsl trace`: prints what happens in a game step by step: every change, its rule and why it happened."""
 
-import json
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,6 @@ from sjdsl.near_names import meant
 from sjdsl.trace.actions import RANDOM, policy_actions, read_actions
 from sjdsl.trace.episode import play
 from sjdsl.trace.lines import make_teller, moment_lines
-from sjdsl.trace.report import moment_report
 from sjdsl.trace.rules import Rules
 
 if TYPE_CHECKING:
@@ -29,7 +27,6 @@ STEPS = 10
 @click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`.")
 @click.option("--actions", metavar="A", help="What agents do: random (the default), or 'forward, stay; zap, stay'.")
 @click.option("--policy", metavar="P", help="All agents follow this policy of the game's file.")
-@click.option("--json", "as_json", is_flag=True, help="Print the trace as JSON.")
 @environment_options
 def command(
     game: str,
@@ -38,7 +35,6 @@ def command(
     phases: tuple[str, ...],
     actions: str | None,
     policy: str | None,
-    as_json: bool,
     options: EnvironmentOptions,
 ) -> None:
     """Plays GAME on the reference interpreter and prints what each rule did, in the order of the schedule.
@@ -55,9 +51,6 @@ def command(
         raise click.ClickException(str(error)) from None
     teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game))
     try:
-        if as_json:
-            click.echo(json.dumps({"game": made.game.name, "seed": seed, "steps": [moment_report(m, teller) for m in moments]}, indent=2))
-            return
         click.echo(f"{made.game.title or made.game.name}, seed {seed}")
         click.echo(f"  {'   '.join(teller.looks.legend())}   ^>v< agents\n")
         for moment in moments:

@@ -50,7 +50,7 @@ def command(
     keys: bool,
     options: EnvironmentOptions,
 ) -> None:
-    """Trains agents in GAME, a bundled or installed game or a `.sj` file, and evaluates them.
+    """Trains agents in GAME, a bundled game or a `.sj` file, and evaluates them.
 
     The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation: docs/training.md.
     """

@@ -2,14 +2,13 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import PurePath
 
 from sjdsl.compiler import ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate.streams import layout_free
-from sjdsl.library.agent_range import agent_range
 
 _COMMENT = re.compile(r'^(?:[^"#]|"[^"]*")*#\s*(.*?)\s*$')
 
@@ -19,7 +18,7 @@ class WrittenNumber:
     """A size or parameter as its file has it.
 
     formulas: how values are computed that are not plainly written: (words of the entry, text); low, high: limits as written,
-    empty without, of the number of agents as far as the map holds so many; source: the comments beside the value.
+    empty without; source: the comments beside the value.
     """
 
     formulas: tuple[tuple[tuple[str, ...], str], ...]
@@ -50,17 +49,8 @@ def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
         file=PurePath(source.name).name,
         chosen=tuple(variants),
         variants=tuple((v.name.text, v.title.text if v.title else "") for v in composed.variants.values()),
-        numbers=_numbers(composed, game.agents.number),
+        numbers={name: _number(constant, composed) for name, constant in composed.constants.items()},
     )
-
-
-def _numbers(game: Composition, agents: int) -> dict[str, WrittenNumber]:
-    found = {name: _number(constant, game) for name, constant in game.constants.items()}
-    accepted = agent_range(game, agents)
-    if accepted is not None:
-        name, low, high = accepted
-        found[name] = replace(found[name], low=str(low), high=str(high))
-    return found
 
 
 def _number(constant: ast.Constant, game: Composition) -> WrittenNumber:

@@ -11,7 +11,7 @@ from sjdsl.interop.calls import action_masks, by_name, checked_seed, numbers_of_
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.spaces import window_high
 from sjdsl.library.factory import make
-from sjdsl.library.games_folder import game_names
+from sjdsl.library.games_folder import bundled
 from sjdsl.runtime.env import Encoding
 
 with needs("gymnasium"):
@@ -147,6 +147,6 @@ def environment_id(game: str) -> str:
     return f"sjdsl/{''.join(word.capitalize() for word in game.split('_'))}-v0"
 
 
-for _name in game_names():  # `gymnasium.make("sjdsl/CleanUp-v0")`, once this module is imported
+for _name in bundled():  # `gymnasium.make("sjdsl/CleanUp-v0")`, once this module is imported
     if environment_id(_name) not in gymnasium.registry:
         gymnasium.register(environment_id(_name), "sjdsl.interop.gymnasium_agent:AgentGame", kwargs={"game": _name})

@@ -14,7 +14,7 @@ from sjdsl.interop.calls import by_name
 from sjdsl.interop.copies import Copied
 from sjdsl.interop.spaces import channel_bounds
 from sjdsl.library.factory import make as make_environment
-from sjdsl.library.games_folder import game_names
+from sjdsl.library.games_folder import bundled
 from sjdsl.runtime.env import Encoding
 
 with needs("jaxmarl"):
@@ -187,11 +187,11 @@ def _game(state: GameState) -> Any:
 def register() -> None:
     """Makes `jaxmarl.make` know `sjdsl_NAME`, with the arguments of `JaxMARLGame`; calling it again changes nothing.
 
-    NAME is a bundled or installed game, as listed in `jaxmarl.registered_envs`, or the path of a `.sj` file. `sjdsl/NAME` is the same
+    NAME is a bundled game, as listed in `jaxmarl.registered_envs`, or the path of a `.sj` file. `sjdsl/NAME` is the same
     game, but JaxMARL's scripts put the name of the environment into file names.
     """
     known = registration.registered_envs
-    known.extend(name for name in (f"{prefix}{game}" for prefix in PREFIXES for game in game_names()) if name not in known)
+    known.extend(name for name in (f"{prefix}{game}" for prefix in PREFIXES for game in bundled()) if name not in known)
     theirs = registration.make
     if getattr(theirs, "makes_compiled_games", False):
         return

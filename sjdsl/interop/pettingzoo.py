@@ -12,7 +12,7 @@ from sjdsl.interop.copies import Copied
 from sjdsl.interop.drawing import RENDER_MODES, Drawing
 from sjdsl.interop.spaces import window_high
 from sjdsl.library.factory import make
-from sjdsl.library.games_folder import game_names
+from sjdsl.library.games_folder import bundled
 from sjdsl.runtime.env import Encoding
 
 with needs("pettingzoo"):
@@ -134,7 +134,7 @@ def parallel_env(game: str, **arguments: Any) -> ParallelGame:
     return ParallelGame(game, **arguments)
 
 
-for _name in game_names():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
+for _name in bundled():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
     register("parallel", f"sjdsl/{_name}-v0", f"{__name__}:parallel_env", kwargs={"game": _name})
 
 

@@ -1,1 +1,1 @@
-"""Games by name: bundled, of installed packages and of files, read once, with their parameters, and the environment made of one."""
+"""Games by name: bundled ones and those of files, read once, with their parameters, and the environment made of one."""

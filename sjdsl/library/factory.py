@@ -30,16 +30,15 @@ def make(
     """Returns the environment of a game.
 
     Args:
-      game: the name of a bundled game or of one of an installed package (as `package:game` where several have the name), or a path to
-        any `.sj` file.
+      game: the name of a bundled game, or a path to any `.sj` file.
       variant: a variant of the file; several, applied left to right, as `"a+b"`.
       num_agents: instead of the file's number; compile-time.
       params: numbers of the game by name. A `param` changes the environment's default `Params`; a `size` is compile-time.
       map: another map for the game's legend: a text file, or its rows.
       observation: `tokens` or `onehot`, uint8 both.
     Raises:
-      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError, TypeError: the arguments, a
-        name that several games have among them. RuntimeError: the process was forked from one that had made an environment.
+      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError, TypeError: the
+        arguments. RuntimeError: the process was forked from one that had made an environment.
     """
     return environment_of(*build_game(game, variant, num_agents, params, map), observation)
 

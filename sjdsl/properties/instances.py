@@ -1,5 +1,6 @@
 """A game under test, and its instances in other sizes, which proofs are made for."""
 
+from bisect import bisect
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,6 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
-from sjdsl.library.agent_range import agent_range
 from sjdsl.properties.statements import StatementId, count_statements
 from sjdsl.trace.rules import Rules
 
@@ -62,9 +62,14 @@ class GameFamily:
 
     @cached_property
     def crowded(self) -> ir.Game:
-        """The game on its own map with as many agents as the file allows there."""
-        allowed = agent_range(self.composition, self.own.agents.number)
-        return (None if allowed is None else self._build(self.own.rows, allowed[2])) or self.own
+        """The game on its own map with as many agents as the file allows there; perhaps with fewer if a `require` refuses some numbers."""
+        number = self.composition.number
+        size = self.composition.constants.get(number.name.text) if isinstance(number, ast.Path) and not number.steps else None
+        if size is None or not isinstance(size.high, ast.Int):
+            return self.own
+        more = range(self.own.agents.number + 1, size.high.value + 1)
+        accepted = bisect(more, False, key=lambda agents: self._build(self.own.rows, agents) is None)
+        return (self._build(self.own.rows, more[accepted - 1]) if accepted else None) or self.own
 
     @cached_property
     def compiled(self) -> "tuple[Environment, Mapping[str, StatementId]]":

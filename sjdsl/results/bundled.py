@@ -9,17 +9,12 @@ import numpy as np
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
-from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.library.games_folder import OURS, bundled, find_game
+from sjdsl.library.games_folder import bundled, find_game
 
 ROUNDING = 1e-5  # tolerance for numbers that were stored as float32
-
-
-def _file(name: str) -> Source:
-    return read_source(find_game(f"{OURS}:{name}"))  # an installed package may have a game of the same name
 
 
 @cache
@@ -28,7 +23,7 @@ def _game(name: str, variant: str) -> ir.Game | None:
     if name not in bundled():
         return None
     try:
-        return build(_file(name), tuple(variant.split("+")) if variant else ()).game
+        return build(read_source(find_game(name)), tuple(variant.split("+")) if variant else ()).game
     except CompileError:
         return None
 
@@ -44,7 +39,7 @@ def variant_now(name: str, rules: str) -> str | None:
     """Returns the variant of a bundled game with this hash, `""` for the game itself; None for other rules, or another game."""
     if name not in bundled():
         return None
-    variants = ["", *compose(_file(name)).variants]
+    variants = ["", *compose(read_source(find_game(name))).variants]
     return next((variant for variant in variants if (rules_now(name, variant) or ("",))[0] == rules), None)
 
 

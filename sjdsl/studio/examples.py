@@ -1,22 +1,19 @@
-"""Bundled games and those of installed packages as examples: read where they are, and copied into the folder of whoever wants to change one."""
+"""Bundled games as examples: read where they are, and copied into the folder of whoever wants to change one."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.syntax.parse import parse
-from sjdsl.library.game_packages import GamePackage, offered
 from sjdsl.library.games_folder import games_folder
 from sjdsl.library.starter import copied_files, starting_files
 from sjdsl.studio import tour
 from sjdsl.studio.folder import FileRefused, Folder
 
 PREFIX = "example:"  # of the path of a bundled game, as the page has it
-PACKAGE = "package:"  # of one of an installed package: its name and the path inside follow, `package:river_games/river.sj`
 
 
 def examples() -> list[str]:
@@ -24,51 +21,18 @@ def examples() -> list[str]:
     return [PREFIX + name for name in Folder(games_folder().resolve()).games()]
 
 
-def packages() -> list[dict[str, Any]]:
-    """Returns the installed packages with games: `release`, such as `river-games 0.1.0`, and `games`, their paths with the prefix."""
-    return [{"release": p.release, "games": [_packaged(p, file) for file in p.games.values()]} for p in offered().packages]
-
-
 def example_of(file: Path) -> str | None:
-    """Returns the path, as the page has it, of a bundled game or one of an installed package; None for any other file."""
+    """Returns the path, as the page has it, of a bundled game; None for any other file."""
     file, home = file.resolve(), games_folder().resolve()
-    if file.is_relative_to(home):
-        return PREFIX + file.relative_to(home).as_posix()
-    return next((_packaged(p, game) for p in offered().packages for game in p.games.values() if game.resolve() == file), None)
+    return PREFIX + file.relative_to(home).as_posix() if file.is_relative_to(home) else None
 
 
 def place_of(path: str, folder: Path) -> tuple[Path, str]:
-    """Returns the folder that a path of the page is in, and the path there: an example, a game of the tour, or of somebody's own.
-
-    Raises FileRefused: a package that is not installed.
-    """
+    """Returns the folder that a path of the page is in, and the path there: an example, a game of the tour, or of somebody's own."""
     for prefix, home in ((PREFIX, games_folder()), (tour.PREFIX, tour.tour_folder())):
         if path.startswith(prefix):
             return home.resolve(), path.removeprefix(prefix)
-    if path.startswith(PACKAGE):
-        name, _, inside = path.removeprefix(PACKAGE).partition("/")
-        homes = _homes(name)
-        return next((home for home in homes if _has(home, inside)), homes[0]), inside
     return folder, path
-
-
-def _has(home: Path, inside: str) -> bool:
-    try:
-        return Folder(home).inside(inside).is_file()
-    except FileRefused:
-        return False
-
-
-def _packaged(package: GamePackage, file: Path) -> str:
-    return f"{PACKAGE}{package.name}/{file.name}"
-
-
-def _homes(package: str) -> list[Path]:
-    """Returns the folders in which a package has its games: one, but for packages that are installed in parts."""
-    games = next((found.games for found in offered().packages if found.name == package), None)
-    if games is None:
-        raise FileRefused(f"no installed package `{package}` has games")
-    return list(dict.fromkeys(file.parent.resolve() for file in games.values()))
 
 
 def copy_beside(example: str, folder: Folder) -> list[str]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sjdsl.studio import tour
-from sjdsl.studio.examples import copy_beside, examples, new_game, packages, place_of
+from sjdsl.studio.examples import copy_beside, examples, new_game, place_of
 from sjdsl.studio.folder import Changed, FileRefused, Folder
 from sjdsl.studio.runs import stored_policies
 
@@ -35,8 +35,8 @@ def answered(folder: Folder, method: str, address: str, query: Mapping[str, str]
 def _done(folder: Folder, method: str, address: str, query: Mapping[str, str], given: Answer) -> Answer:
     """Returns the answer. Raises FileRefused, KeyError for a field that is missing, and UnicodeEncodeError."""
     match method, address:
-        case "GET", "/games":  # those that can be opened: the folder's own, the bundled ones, those of installed packages, and of the tour
-            return {"games": folder.games(), "examples": examples(), "packages": packages(), "tour": tour.games()}
+        case "GET", "/games":  # those that can be opened: the folder's own, the bundled ones, and those of the tour
+            return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
         case "GET", "/tour":
             return {"steps": tour.steps()}
         case "GET", "/policies":

@@ -18,8 +18,7 @@ from sjdsl.studio.opened import Opened
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
 from sjdsl.trace.lines import rules_with_effects
-from sjdsl.trace.reasons import Explainer, explainer_of
-from sjdsl.trace.report import reason_report
+from sjdsl.trace.reasons import Explainer, Reason, explainer_of
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_effect, say_value
 
@@ -120,8 +119,13 @@ def _effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any
     return {
         "said": say_effect(effect, explainer.here.board),
         "cells": [list(cell) for cell in dict.fromkeys(place for place in concerned if isinstance(place, Cell))],
-        "because": [reason_report(reason) for reason in explainer.effect(effect)],
+        "because": [_reason(reason) for reason in explainer.effect(effect)],
     }
+
+
+def _reason(reason: Reason) -> dict[str, Any]:
+    """Returns why something happened: a sentence, its random bits in words, or nothing, and the reasons behind it."""
+    return {"text": reason.text, "bits": reason.bits, "because": [_reason(behind) for behind in reason.because]}
 
 
 def curves_panel(episode: Episode) -> dict[str, Any]:

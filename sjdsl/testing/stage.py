@@ -31,7 +31,7 @@ class Stage:
     """A game, as a rule on a small map.
 
     Attributes:
-      game: a path to any `.sj` file, or the name of a bundled or installed game.
+      game: a path to any `.sj` file, or the name of a bundled game.
       map: rows of the map's glyphs, or a file of them; None: the game's own. It needs no cells to start on.
       agents: how many; None: as the game says.
       variant: a variant of the file, several as `"a+b"`.

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account, Done
@@ -11,7 +11,7 @@ from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, sort_of_body, where_is
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.state import Away, Cell, Mover, Value
+from sjdsl.interpreter.state import Cell, Mover, Value
 from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot, winners
@@ -193,22 +193,3 @@ def _said(account: Account, board: Board) -> Iterator[Effect]:
 
 def _instance(done: Done, account: Account, board: Board) -> Instance:
     return Instance(board, account.before, names=done.names)
-
-
-def plain(value: Value) -> Any:
-    """Returns a value as JSON has it: nobody null, a set of agents a list, a cell `[row, col]`, a mover `[sort, number]`, who is away its ticks (0: for ever)."""
-    match value:
-        case frozenset():
-            return sorted(value)
-        case Away():
-            return value.ticks
-        case Cell():
-            return [value.row, value.col]
-        case Mover():
-            return [value.sort, value.number]
-        case tuple():
-            return [plain(entry) for entry in value]
-        case None | bool() | str() | int():
-            return value
-        case _:
-            return value.item() if hasattr(value, "item") else value

@@ -40,7 +40,7 @@ class Rules:
         """Returns the header of one branch: `chance 0.5`, `otherwise chance 0.2`."""
         branch = statement.branches[number]
         opening = self.text(statement) if number == 0 else ""
-        if opening or branch.origin is None or branch.test.origin is None:
+        if opening or branch.origin is None or branch.test.origin is None or branch.origin.file not in self.sources:
             return opening or f"branch {number + 1} of {self.text(statement)}"
         return f"otherwise {self._words(branch.origin, branch.test.origin.end)}"
 

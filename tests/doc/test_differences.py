@@ -133,7 +133,7 @@ PAIRS = {
     ),
     "new kind": (
         [("  group ground", '  kind pond "~" { field fish : 0 .. 3 = 1 }\n  group ground'), ('"..T#"', '".~T#"')],
-        "Numbers | players, may be: 1 to 4 -> 1 to 3 | Map | cells of grass: 4 -> 3 | cells of pond (`fish` = 1): added, 1"
+        "Map | cells of grass: 4 -> 3 | cells of pond (`fish` = 1): added, 1"
         ' | cells of the same kind and state: 8 -> 7 | Kinds of cell | pond | + kind pond "~" { field fish : 0 .. 3 = 1 }',
     ),
     "group": (

@@ -23,7 +23,6 @@ NEEDED = (
     "sjdsl/studio/page/studio.html",
     "sjdsl/studio/page/studio.js",
     "sjdsl/library/starter/game.sj.txt",
-    "sjdsl/library/starter/package_tests.yml.txt",
     "sjdsl/compiler/diagnostics/explain/SJ001.md",
     "sjdsl/trainers/presets/quick.toml",
 )

@@ -1,7 +1,7 @@
 """The checks of all bundled games: each passes, and each fails after a deliberate fault (`mutations.py`).
 
 On few examples, and `expect` over few short episodes on a small map; the whole test is `sjdsl test` on each game. The faults are looked for
-with other trajectories by `pytest tests/properties/test_games.py -k fault --sj-seed N`.
+with other trajectories by `pytest tests/properties/test_games.py -k fault --play-seed N`.
 """
 
 import re
@@ -136,7 +136,7 @@ def test_a_fault_fails_its_check(mutation: Mutation, tmp_path: Path, request: py
         return
     short = mutation.check.startswith("expect") or in_each_run(mutation)
     family = shortened(folder, mutation.game) if short else GameFamily(source)
-    effort = Effort(seed=request.config.getoption("sj_seed"), compiled=not in_each_run(mutation))
+    effort = Effort(seed=request.config.getoption("--play-seed"), compiled=not in_each_run(mutation))
     (verdict,) = verify_properties(family, effort, [number_of(family, mutation.check)]).verdicts
     assert verdict.passed is False
     assert verdict.trace or verdict.how == "decided"

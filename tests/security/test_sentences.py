@@ -11,8 +11,7 @@ from tests.test_prose import paragraphs
 ROOT = Path(__file__).parents[2]
 TEXT, FILES, REPLAYS, READING = (f"security/test_{name}.py" for name in ("generated_text", "files", "replays", "reading"))
 POLICIES, ACCESS, CHILD = "trainers/test_policy_safety.py", "studio/test_access.py", "studio/test_child.py"
-PACKAGES, LIMITS, PAGE, SERVER = (
-    "cli/test_cli_game_packages.py",
+LIMITS, PAGE, SERVER = (
     "compiler/test_limits.py",
     "render/test_episode_page.py",
     "editor/test_server.py",
@@ -32,8 +31,6 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     "Only names, numbers": (f"{TEXT}::test_the_texts_of_a_game_become_no_code", f"{TEXT}::test_the_name_of_a_file_becomes_no_code"),
     "The cache of compiled games": (f"{TEXT}::test_what_is_cached_does_not_depend_on_the_file",),
     "A game may still take": WARNS,
-    "**Games of installed packages**": (f"{PACKAGES}::test_a_game_is_found_by_name",),
-    "Installing a package": WARNS,
     "**The studio** listens": (f"{READING}::test_the_studio_listens_on_this_machine_alone",),
     "It answers only its own page": (
         f"{ACCESS}::test_the_page_wants_the_token",

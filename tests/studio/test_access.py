@@ -6,9 +6,11 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pytest
+from click import ClickException
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
+from sjdsl.cli.studio import _inside
 from sjdsl.compiler import check
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.studio.access import Access, kept_token
@@ -79,6 +81,13 @@ def test_only_games_and_maps_inside_the_folder_are_read(client: TestClient, path
     assert answer.status_code == 404
     assert "not yours" not in answer.text
     assert "mine" not in answer.text
+
+
+def test_the_command_opens_bundled_games_as_examples_and_others_in_its_folder(folder: Path) -> None:
+    assert _inside("coins", folder) == "example:coins.sj"
+    assert _inside(str(folder / "yard.sj"), folder) == "yard.sj"
+    with pytest.raises(ClickException, match="is outside this folder"):
+        _inside(str(folder.parent / "outside.sj"), folder)
 
 
 @pytest.mark.parametrize("path", ["../new.sj", "/tmp/new.sj", "new.py", "link.sj"])

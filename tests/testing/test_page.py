@@ -46,6 +46,20 @@ def test_its_tests_pass_under_plain_pytest_and_its_failure_is_shown(tmp_path: Pa
     assert failure.splitlines() == blocks("text")[0].splitlines()
 
 
+def test_its_test_of_checks_passes_and_fails_as_the_checks_do(tmp_path: Path) -> None:
+    (tmp_path / "games").mkdir()
+    for name, check in (("good", "always count(agent) == 2"), ("bad", "require nap > 3")):
+        text = blocks("sj")[0].replace("  metrics { event eaten }", f"  metrics {{ event eaten }}\n  checks {{ {check} }}")
+        (tmp_path / "games" / f"{name}.sj").write_text(text, encoding="utf-8")
+    names = {"__file__": str(tmp_path / "test_checks.py")}
+    exec(blocks("python")[-1], names)
+    ((_, games),) = (mark.args for mark in names["test_checks"].pytestmark)
+    bad, good = games
+    names["test_checks"](good)
+    with pytest.raises(AssertionError, match="require nap > 3"):
+        names["test_checks"](bad)
+
+
 def test_its_table_names_what_there_is() -> None:
     """Every method and argument of a stage and of a scene is on the page."""
     import inspect

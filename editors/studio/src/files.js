@@ -5,7 +5,7 @@ import { call } from "./transport.js";
 const send = async (method, path, given) => (await call(path, { method, body: JSON.stringify(given), headers: { "content-type": "application/json" } })).json();
 
 export class Files {
-  // Resolves to { games, examples, tour }, the paths of each, and packages, each { release, games }.
+  // Resolves to { games, examples, tour }, the paths of each.
   async games() {
     return (await call("/games")).json();
   }

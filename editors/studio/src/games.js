@@ -2,8 +2,8 @@
 
 import { element, find } from "./dom.js";
 
-// What stands before the path of a game that is only read: bundled, of the tour, of an installed package, whose name follows.
-export const prefixOf = (path) => path.match(/^(example:|tour:|package:[^/]*\/)/)?.[0] ?? "";
+// What stands before the path of a game that is only read: bundled, or of the tour.
+export const prefixOf = (path) => path.match(/^(example:|tour:)/)?.[0] ?? "";
 export const nameOf = (path) => path.slice(prefixOf(path).length);
 
 export class Games {
@@ -17,8 +17,8 @@ export class Games {
 
   // Asks which games there are; resolves to the path of the one to begin with.
   async list() {
-    const { games, examples, packages, tour } = await this.files.games();
-    this.groups = [["In this folder", games], ["Tour", tour], ["Bundled games", examples], ...packages.map((p) => [p.release, p.games])].filter(([, paths]) => paths.length);
+    const { games, examples, tour } = await this.files.games();
+    this.groups = [["In this folder", games], ["Tour", tour], ["Bundled games", examples]].filter(([, paths]) => paths.length);
     return games[0] || tour[0];
   }
 

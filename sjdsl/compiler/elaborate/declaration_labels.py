@@ -3,7 +3,6 @@
 Often the mistake is there: the declaration is misspelt, and the use is right.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 from sjdsl.compiler import ast, ir
@@ -64,36 +63,3 @@ def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:
     places = {name: static.params[name].origin for name in names}
     labels = tuple(Label(span, f"`{name}`") for name, span in places.items() if span is not None)
     return labels if len(labels) <= MANY else ()
-
-
-def numbers_read(test: ir.Expr, game: Composition) -> tuple[Label, ...]:
-    """Returns the places of the parameters that a condition reads, of a table the entries; none if there are too many."""
-    places: dict[Span, str] = {}
-    for node in _reads(test):
-        name, keys = _entry(node)
-        value: ast.Expr | ast.Table = game.constants[name].value
-        for key in keys:
-            value = next((e.value for e in value.entries if e.key.text == key), value) if isinstance(value, ast.Table) else value
-        places.setdefault(value.span, "".join([name, *(f"[{key}]" for key in keys)]))
-    return tuple(Label(span, f"`{name}`") for span, name in places.items()) if len(places) <= MANY else ()
-
-
-def _reads(e: ir.Node) -> Iterator[ir.ParamRef | ir.At]:
-    """Yields the numbers a condition reads: parameters, and entries of tables by words."""
-    if isinstance(e, ir.ParamRef) or (isinstance(e, ir.At) and _entry(e)[0]):
-        yield e
-        return
-    for child in ir.children(e):
-        yield from _reads(child)
-
-
-def _entry(e: ir.Expr) -> tuple[str, tuple[str, ...]]:
-    """Returns the table and the keys of `table[word][word]`; no name for anything else."""
-    match e:
-        case ir.ParamRef():
-            return e.name, ()
-        case ir.At(key=ir.Word(value=word)):
-            name, keys = _entry(e.row)
-            return name, (*keys, word)
-        case _:
-            return "", ()

@@ -12,7 +12,7 @@ from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.elaborate.actions import action_numbers
-from sjdsl.compiler.elaborate.declaration_labels import numbers_read
+from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.lookup import use_define
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
@@ -110,7 +110,7 @@ def check_requires(game: Composition, scope: Scope) -> None:
             read = sorted({n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)})
             shown = ", ".join(f"{n} is {values[n]}" for n in read if not isinstance(values[n], tuple))
             problem = text(test) + (f" ({shown})" if shown else "")
-            scope.problems.add(errors.RequireFalse(test.origin or game.span, labels=numbers_read(test, game), problem=problem))
+            scope.problems.add(errors.RequireFalse(test.origin or game.span, labels=parameters_read(scope.static, test), problem=problem))
 
 
 def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
