@@ -54,7 +54,7 @@ def _copy(copied: str, name: str | None, as_package: bool, folder: Path) -> None
     game, *_ = _write(folder, texts)
     print_next(
         (f"  sjdsl check {game}", "after each change: what is wrong with it"),
-        (f"  sjdsl play {game}", "control an agent; needs a terminal"),
+        (f"  sjdsl play {game}", "control an agent"),
         (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change"),
     )
 
@@ -67,7 +67,7 @@ def _new_game(name: str, folder: Path, texts: Mapping[str, str]) -> None:
             "another name would keep them apart"
         )
     print_next(
-        (f"  sjdsl play {game}", "control an agent; needs a terminal"),
+        (f"  sjdsl play {game}", "control an agent"),
         (f"  sjdsl check {game}", "after each change: what is wrong with it"),
         (f"  sjdsl test {game}", "test its checks"),
         (f"  pytest {tests}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
