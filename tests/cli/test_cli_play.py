@@ -187,7 +187,7 @@ def test_the_interpreter_plays_the_episode_of_the_compiled_game(game: str | Path
     """Draw by draw, the others' draws too, and one agent steered."""
     env = package.make(game)
     policy = random_policy(env) if others == "random" else scripted_policy(env, others)
-    steering = [{0: env.num_actions - 1}, {}, *repeat({}, 10)]
+    steering = [{0: env.num_actions - 1}, {}, *repeat({}, 20)]  # longer than Orchard
     ours = list(interpreted(env.game, default_params(env.game), SEED, chooser(env.game, others, SEED), steering))
     theirs = list(compiled(env, policy, SEED, steering))
     assert len(ours) == len(theirs) > 8
