@@ -107,11 +107,11 @@ def moment_lines(moment: Moment, letters: Letters, board: Board, own: int | None
     if not moment.actions:
         return
     width = max(map(len, names))
-    yield f"  agent  {'action':{width}}  reward  return"
+    yield f"  agent   {'action':{width}}  reward  return"
     for agent, action in enumerate(moment.actions):
         who = f"{agent} you" if agent == own else str(agent)
         state = "  away" if snapshot.row[agent] < 0 else "  can only stay" if snapshot.held[agent] else ""
-        yield f"  {who:5}  {names[action]:{width}}  {moment.reward[agent]:6.4g}  {snapshot.returns[agent]:6.4g}{state}"
+        yield f"  {who:6}  {names[action]:{width}}  {moment.reward[agent]:6.4g}  {snapshot.returns[agent]:6.4g}{state}"
     if moment.events:
         yield "  " + ", ".join(f"{name} {np.sum(count)}" for name, count in moment.events.items())
     if moment.done:

@@ -84,9 +84,9 @@ def test_what_a_player_sees(typed: Typed) -> None:
         "  #>.AA..#  1",
         "  #.AAA<.#  0",
         "  ########",
-        "  agent  action      reward  return",
-        "  0 you  forward          1       1",
-        "  1      stay             0       0",
+        "  agent   action      reward  return",
+        "  0 you   forward          1       1",
+        "  1       stay             0       0",
         "  eaten 1",
     ]
     assert third[5].endswith("  can only stay")
