@@ -22,7 +22,7 @@ TABLES = {
 HEAVY = {
     *("dm_env", "gymnasium", "jaxmarl", "pettingzoo"),
     *("flax", "hypothesis", "jax", "jinja2", "lark", "matplotlib", "numpy", "orbax", "PIL", "psutil", "pydantic", "pygls"),
-    *("resvg_py", "rich", "textual"),
+    *("resvg_py", "rich"),
 }
 
 

@@ -23,8 +23,8 @@ from sjdsl.render.episode_page import make_page
 from sjdsl.render.film import save_gif
 from sjdsl.render.look import make_look
 from sjdsl.render.moment import Moment
-from sjdsl.studio.episode import begun, chooser
-from sjdsl.trace.choices import Chosen
+from sjdsl.studio.episode import begun
+from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import fold_in, key_of
 
 ROOT = Path(__file__).resolve().parents[1]

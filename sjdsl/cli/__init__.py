@@ -10,9 +10,8 @@ from typing import NoReturn
 import click
 
 from sjdsl.cli.examples import below
-from sjdsl.cli.faults import report_fault
+from sjdsl.cli.faults import INTERRUPTED, report_fault
 from sjdsl.cli.pointer import pointed
-from sjdsl.cli.terminal import INTERRUPTED, leave_at_once_if_compiling
 from sjdsl.library.cache import keep_programs
 from sjdsl.near_names import meant
 
@@ -132,5 +131,8 @@ def main() -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1
     gc.freeze()
-    leave_at_once_if_compiling(status)
+    if status == INTERRUPTED:  # XLA may still be compiling: it can't be stopped, and crashes when Python ends
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
     sys.exit(status)

@@ -1,13 +1,10 @@
 """`sjdsl diff`: prints what differs between two variants of a game, or between two games."""
 
-import json
-
 import click
 
 from sjdsl.cli.game_file import open_game
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import Written, read_written, report
-from sjdsl.doc.differences import as_json
 from sjdsl.library.checked_game import split_variants
 from sjdsl.near_names import nearest
 
@@ -17,8 +14,7 @@ DEFAULT = "default"
 @click.command("diff")
 @click.argument("games", nargs=-1, required=True, metavar="GAME [OTHER]")
 @click.option("--variants", nargs=2, metavar="A B", help="The variants to compare; `default` is the game without one.")
-@click.option("--json", "in_json", is_flag=True, help="Print the differences as JSON.")
-def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: bool) -> int:
+def command(games: tuple[str, ...], variants: tuple[str, str] | None) -> None:
     """Prints the numbers and declarations that differ between two variants of GAME, or between GAME and OTHER.
 
     A game is a `.sj` file or the name of a bundled one. Layout, comments and the order of declarations
@@ -28,8 +24,7 @@ def command(games: tuple[str, ...], variants: tuple[str, str] | None, in_json: b
         raise click.UsageError("name two games, or one game and two variants (--variants A B)")
     sources = [open_game(name) for name in (games[0], games[-1])]
     old, new = (read_variant(source, name) for source, name in zip(sources, variants or (DEFAULT, DEFAULT), strict=True))
-    click.echo(json.dumps(as_json(old, new), indent=2, ensure_ascii=False) if in_json else report(old, new), nl=in_json)
-    return 0
+    click.echo(report(old, new), nl=False)
 
 
 def read_variant(source: Source, name: str) -> Written:

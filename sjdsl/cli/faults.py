@@ -4,9 +4,9 @@ import sys
 
 import click
 
-from sjdsl.cli.terminal import INTERRUPTED
 from sjdsl.extras import MissingExtra
 
+INTERRUPTED = 130  # the exit status of a command that Ctrl-C ended
 FAULTS_OF_RUNS = {
     "sjdsl.trainers.config_errors": "ConfigError",
     "sjdsl.trainers.policy_file": "PolicyError",

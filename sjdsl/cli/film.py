@@ -28,13 +28,11 @@ def check_film(path: Path) -> None:
         require("pictures", "PIL", "resvg_py")
 
 
-def save_film(
-    env: "Environment", policy: Any, path: Path, steps: int, seed: int, every: int = 1, speed: float = SPEED, say: Say = lambda _: None
-) -> str:
+def save_film(env: "Environment", policy: Any, path: Path, steps: int, seed: int, speed: float = SPEED, say: Say = lambda _: None) -> str:
     """Plays an episode and writes it as a film or a page; returns a line about the file. `say` announces the stages."""
     from sjdsl.render import play_moments
 
-    return write_film(env, announced(play_moments(env, policy, steps, seed), env, say), path, speed, say, every)
+    return write_film(env, announced(play_moments(env, policy, steps, seed), env, say), path, speed, say)
 
 
 def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
@@ -46,22 +44,19 @@ def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Ite
         yield moment
 
 
-def write_film(
-    env: "Environment", moments: "Iterable[Moment]", path: Path, speed: float = SPEED, say: Say = lambda _: None, every: int = 1
-) -> str:
-    """Writes moments as a film or a page; returns a line about the file. `every`: the number of steps from one frame to the next."""
+def write_film(env: "Environment", moments: "Iterable[Moment]", path: Path, speed: float = SPEED, say: Say = lambda _: None) -> str:
+    """Writes moments as a film or a page; returns a line about the file."""
+    whole = list(moments)
     if path.suffix == PAGE:
         from sjdsl.render import make_page
 
-        whole = list(moments)
         say(f"writing {path}")
         make_page(env.game, whole, speed).save(path)
         return f"{path}  {len(whole)} moments to look at in a browser, {path.stat().st_size / 1000:.0f} kB"
     from sjdsl.render import draw_film, save_gif, save_mp4
 
-    whole = list(moments)
     say("drawing the pictures")
-    frames = list(draw_film(env, whole, every))
+    frames = list(draw_film(env, whole))
     say(f"writing {path}")
     save = save_mp4 if path.suffix == ".mp4" else save_gif
     save(frames, path, round(1000 / speed))

@@ -37,7 +37,7 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
         )
     if origin is None:
         steps = [
-            (f"  sjdsl play {game}", "control an agent; needs a terminal"),
+            (f"  sjdsl play {game}", "control an agent"),
             (f"  sjdsl check {game}", "after each change: what is wrong with it"),
             (f"  sjdsl test {game}", "test its checks"),
             (f"  pytest {last}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
@@ -50,7 +50,7 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
     else:
         steps = [
             (f"  sjdsl check {game}", "after each change: what is wrong with it"),
-            (f"  sjdsl play {game}", "control an agent; needs a terminal"),
+            (f"  sjdsl play {game}", "control an agent"),
             (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change"),
         ]
     click.echo("\n".join(align([("next:", ""), *steps])))

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options
-from sjdsl.cli.film import PAGE, announced, check_film, save_film
+from sjdsl.cli.film import announced, check_film, save_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, stages
@@ -17,23 +17,18 @@ from sjdsl.extras import require
 @click.argument("game")
 @click.option("-o", "output", metavar="FILE", help="A .gif, .mp4 or .html, or a .png of the last step; by default GAME.gif.")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", default=100, show_default=True, help="Steps to play.")
-@click.option("--every", type=click.IntRange(min=1), metavar="N", default=1, show_default=True, help="Draw one step of every N of a film.")
 @policy_option
 @code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), metavar="N", default=8.0, show_default=True, help="Frames a second.")
 @environment_options
-def command(
-    game: str, output: str | None, steps: int, every: int, policy: str, seed: int, speed: float, options: EnvironmentOptions
-) -> None:
+def command(game: str, output: str | None, steps: int, policy: str, seed: int, speed: float, options: EnvironmentOptions) -> None:
     """Plays GAME, a bundled one or a `.sj` file, and draws what happens: by default cooperators beside defectors."""
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix == ".png":
         require("pictures", "PIL", "resvg_py")
     else:
         check_film(path)
-    if path.suffix == PAGE and every > 1:
-        raise click.UsageError("an .html page holds every step: leave out --every")
     check_policy(policy, options.check(game))
     require_folder_of(path)
     with stages(LOADING) as say:
@@ -47,5 +42,5 @@ def command(
             save_png(painter.draw(last.snapshot, last.actions, *(moment.snapshot for moment in before)), path)
             done = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:
-            done = save_film(env, chosen, path, steps, seed, every, speed, say)
+            done = save_film(env, chosen, path, steps, seed, speed, say)
     click.echo(done)

@@ -52,13 +52,12 @@ def command(
     teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game))
     try:
         click.echo(f"{made.game.title or made.game.name}, seed {seed}")
-        click.echo(f"  {'   '.join(teller.looks.legend())}   ^>v< agents\n")
+        click.echo(f"  {teller.looks.legend_line()}\n")
         for moment in moments:
             for line in moment_lines(moment, teller):
                 click.echo(line)
     except LeavesFloat32 as left:
-        rules = Rules(made.sources)
-        raise click.ClickException(f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}") from None
+        raise click.ClickException(Rules(made.sources).overflow(left)) from None
 
 
 def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None, actions: str, policy: str | None = None) -> Iterator[Any]:

@@ -3,7 +3,6 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from difflib import unified_diff
 from typing import Any
 
@@ -16,61 +15,50 @@ from sjdsl.doc.sheet import starts
 from sjdsl.doc.wording import number
 from sjdsl.doc.written import Written
 
-Marked = tuple[str, str]  # `-`, `+` or a blank, and a line
 Declared = Mapping[str, tuple[Node | None, ...]]
 WORD = re.compile(r'"[^"]*"|\w+|[^\w\s]')
 
 
-@dataclass(frozen=True)
-class Change:
-    """One thing that differs.
+def differences(old: Written, new: Written) -> dict[str, list[str]]:
+    """Returns the parts of the rules in which two games differ, each with what it says; layout, comments and order don't count.
 
-    old, new: its values, None where there is none; of a declaration its lines, and `lines` has those that are gone and those that are
-    new, with their neighbours.
+    A number that differs is a line (`apple: 1 -> 2`). A declaration is its name, and below it the lines that are gone and new, with
+    their neighbours.
     """
-
-    what: str
-    old: Any = None
-    new: Any = None
-    unit: str = ""
-    lines: tuple[Marked, ...] = ()
-
-
-@dataclass(frozen=True)
-class Section:
-    """The changes in one part of the rules."""
-
-    title: str
-    changes: tuple[Change, ...]
-
-
-def differences(old: Written, new: Written) -> tuple[Section, ...]:
-    """Returns the parts of the rules in which two games differ. Layout, comments and the order of declarations don't count."""
-    sections = [("Description", _description(old.game, new.game)), ("Numbers", _numbers(old, new)), ("Map", _map(old.game, new.game))]
+    found = {"Description": _description(old.game, new.game), "Numbers": _numbers(old, new), "Map": _map(old.game, new.game)}
     theirs = _declarations(new.composition)
     for title, (block, declared) in _declarations(old.composition).items():
         counted = by_name({"number of agents": w.game.agents.number} for w in (old, new)) if title == "Agents" else []
-        sections.append((title, counted + _texts(block, (old.composition, declared), (new.composition, theirs[title][1]))))
-    return tuple(Section(title, tuple(changes)) for title, changes in sections if changes)
+        found[title] = counted + _texts(block, (old.composition, declared), (new.composition, theirs[title][1]))
+    return {title: lines for title, lines in found.items() if lines}
 
 
-def by_name(sides: Iterable[Mapping[str, Any]], unit: str = "") -> list[Change]:
-    """Returns what is added, removed and different of an old and a new mapping, in the order of the old names, then the new ones."""
+def by_name(sides: Iterable[Mapping[str, Any]], unit: str = "") -> list[str]:
+    """Returns a line for each value that differs between an old and a new mapping, in the order of the old names, then the new ones."""
     old, new = sides
-    names = dict.fromkeys([*old, *new])
-    return [Change(name, old.get(name), new.get(name), unit) for name in names if old.get(name) != new.get(name)]
+    behind = f" ({unit})" if unit else ""
+    found = []
+    for name in dict.fromkeys([*old, *new]):
+        before, after = (number(value) if isinstance(value, int | float) else value for value in (old.get(name), new.get(name)))
+        if before is None and after is not None:
+            found.append(f"{name}: added, {after}{behind}")
+        elif after is None and before is not None:
+            found.append(f"{name}: removed, was {before}{behind}")
+        elif old.get(name) != new.get(name):
+            found.append(f"{name}: {before} -> {after}{behind}")
+    return found
 
 
-def _description(old: ir.Game, new: ir.Game) -> list[Change]:
+def _description(old: ir.Game, new: ir.Game) -> list[str]:
     about = [{"name": g.name, "title": g.title, **dict(g.about)} for g in (old, new)]
     cites = [{f"source {i}": text for i, text in enumerate(g.cites, 1)} for g in (old, new)]
     return [*by_name(about), *by_name(cites)]
 
 
-def _numbers(old: Written, new: Written) -> list[Change]:
+def _numbers(old: Written, new: Written) -> list[str]:
     """Returns numbers with another default, entry by entry; other units, limits, and whether they are fixed when compiled."""
     mine, theirs = (_named(w.game) for w in (old, new))
-    found: list[Change] = []
+    found: list[str] = []
     for name in mine | theirs:
         sides = [(side.get(name), w) for side, w in ((mine, old), (theirs, new))]
         both = [(declared, w) for declared, w in sides if declared is not None]
@@ -101,7 +89,7 @@ def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str,
     return [pair for key, v in zip(by[0].keys, value, strict=True) for pair in _entries(f"{name}[{key}]", v, by[1:])]
 
 
-def _map(old: ir.Game, new: ir.Game) -> list[Change]:
+def _map(old: ir.Game, new: ir.Game) -> list[str]:
     sizes = [f"{len(g.rows)} rows of {len(g.rows[0])} cells" for g in (old, new)]
     cells = [_cells(g) for g in (old, new)]
     found = by_name({"size": size} for size in sizes)
@@ -146,16 +134,14 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
     }
 
 
-def _texts(block: str, old: tuple[Composition, Declared], new: tuple[Composition, Declared]) -> list[Change]:
-    """Returns the declarations whose words differ, with their lines as `sjdsl fmt` lays them out."""
-    found = []
+def _texts(block: str, old: tuple[Composition, Declared], new: tuple[Composition, Declared]) -> list[str]:
+    """Returns the declarations whose words differ: the name, and the lines that do as `sjdsl fmt` lays them out, marked `-` and `+`."""
+    found: list[str] = []
     for name in {**old[1], **new[1]}:
         before, after = (written_text(composition, declared.get(name, ())) for composition, declared in (old, new))
         if WORD.findall(before) != WORD.findall(after):
-            gone, new_lines = laid_out(before, block), laid_out(after, block)
-            _, _, *lines = unified_diff(gone, new_lines, n=1, lineterm="")
-            marked = [(" ", "…") if line.startswith("@@") else (line[0], line[1:]) for line in lines]
-            found.append(Change(name, gone, new_lines, lines=tuple(marked[1:])))
+            _, _, _, *lines = unified_diff(laid_out(before, block), laid_out(after, block), n=1, lineterm="")
+            found += [name, *("    …" if line.startswith("@@") else f"  {line[0]} {line[1:]}" for line in lines)]
     return found
 
 
@@ -166,39 +152,8 @@ def name_of(w: Written) -> str:
 
 def report(old: Written, new: Written) -> str:
     """Returns the differences as text."""
-    found = [f"{name_of(old)}  ->  {name_of(new)}"]
     sections = differences(old, new)
-    for section in sections:
-        found += ["", section.title]
-        for change in section.changes:
-            found.append(f"  {change.what if change.lines else _sentence(change)}")
-            found += [f"    {sign} {line}" for sign, line in change.lines]
+    found = [f"{name_of(old)}  ->  {name_of(new)}"]
+    for title, lines in sections.items():
+        found += ["", title, *(f"  {line}" for line in lines)]
     return "\n".join([*found, *([] if sections else ["nothing differs"]), ""])
-
-
-def _sentence(change: Change) -> str:
-    old, new = (number(value) if isinstance(value, int | float) else str(value) for value in (change.old, change.new))
-    unit = f" ({change.unit})" if change.unit else ""
-    if change.old is None:
-        return f"{change.what}: added, {new}{unit}"
-    if change.new is None:
-        return f"{change.what}: removed, was {old}{unit}"
-    return f"{change.what}: {old} -> {new}{unit}"
-
-
-def as_json(old: Written, new: Written) -> dict[str, Any]:
-    """Returns the differences as plain values: of declarations the lines that are gone and new, else the old and new value."""
-    games = {
-        side: {"game": w.game.name, "file": w.file, "variants": list(w.chosen), "title": w.game.title}
-        for side, w in (("old", old), ("new", new))
-    }
-    found = [{"section": s.title, "changes": [_change(c) for c in s.changes]} for s in differences(old, new)]
-    return {**games, "differs": bool(found), "sections": found}
-
-
-def _change(change: Change) -> dict[str, Any]:
-    if change.lines:
-        marked = {name: [line.strip() for sign, line in change.lines if sign == mark] for name, mark in (("removed", "-"), ("added", "+"))}
-        return {"what": change.what, **marked}
-    unit = {"unit": change.unit} if change.unit else {}
-    return {"what": change.what, "old": change.old, "new": change.new, **unit}

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from sjdsl.interpreter.board import board_of
 from sjdsl.render import make_painter, take_snapshot
+from sjdsl.render.letters import board_rows, make_letters
 from sjdsl.runtime.env import Environment
-from sjdsl.screen.board import board_letters, make_screen_looks
 
 RENDER_MODES = ("human", "ansi", "rgb_array")
 
@@ -20,7 +21,7 @@ class Drawing:
             raise ValueError(f"render_mode is None, {', '.join(RENDER_MODES)}, not {mode!r}")
         self._env, self._mode = env, mode
         self._painter: Any = None
-        self._looks: Any = None
+        self._letters: Any = None
 
     def draw(self, state: Any, returns: np.ndarray) -> np.ndarray | str | None:
         """Returns a picture `[height, width, 3]` uint8 or a text; in mode `human` shows it and returns None.
@@ -36,8 +37,8 @@ class Drawing:
         if self._mode == "rgb_array":
             self._painter = self._painter or make_painter(self._env)
             return np.asarray(self._painter.draw(snapshot))
-        self._looks = self._looks or make_screen_looks(self._env.game)
-        text = board_letters(self._looks, snapshot)
+        self._letters = self._letters or make_letters(self._env.game)
+        text = "".join(f"{row}\n" for row in board_rows(self._letters, board_of(self._env.game), snapshot))
         if self._mode == "ansi":
             return text
         print(text, flush=True)

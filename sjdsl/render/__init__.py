@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from sjdsl.render.moment import Moment as Moment
     from sjdsl.render.moment import Snapshot as Snapshot
     from sjdsl.render.moment import take_snapshot as take_snapshot
-    from sjdsl.render.playing import one_of as one_of
     from sjdsl.render.playing import play as play
     from sjdsl.render.playing import play_moments as play_moments
     from sjdsl.render.playing import random_policy as random_policy
@@ -28,6 +27,6 @@ __getattr__ = lazy_names(
         "episode_page": ("EpisodePage", "make_page"),
         "film": ("Painter", "draw_film", "make_painter", "save_gif", "save_mp4", "save_png"),
         "moment": ("Moment", "Snapshot", "take_snapshot"),
-        "playing": ("one_of", "play", "play_moments", "random_policy", "stay_policy"),
+        "playing": ("play", "play_moments", "random_policy", "stay_policy"),
     },
 )

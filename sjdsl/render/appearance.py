@@ -88,7 +88,8 @@ def appearance_of(look: Look, snapshot: Snapshot, actions: Sequence[int] = (), b
     beams = tuple(_beams(look, snapshot, actions))
     flash = Figure(None, FLASH, "flash")
     struck = () if before is None or before.step + 1 != snapshot.step else _struck(look, ground, snapshot, before)
-    standing = ((figure, row, col) for _, figure, row, col in standing_figures(look, snapshot))
+    figures = draw_figures(look, snapshot)
+    standing = ((figures[sort][number], row, col) for sort, number, row, col in snapshot.standing())
     return Appearance(ground.drawings, ground.cells, (*beams, *((flash, row, col) for row, col in sorted(struck)), *standing))
 
 
@@ -230,15 +231,6 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
     return Drawing(ground, body, tuple(objects), badges, edge, tuple(bars))
 
 
-def main_colour(drawing: Drawing) -> tuple[Colour, bool]:
-    """Returns the colour that says most about a cell, and whether anything stands there: for where a cell has but one colour."""
-    things = (*drawing.objects, *drawing.badges)
-    if drawing.body is not None and drawing.body.sprite != "floor":
-        things = (*things, drawing.body)
-    stands = bool(things) and things[0].sprite not in FILLING
-    return (things[0].colour if things else drawing.ground), stands
-
-
 def draw_figures(look: Look, snapshot: Snapshot) -> dict[str, list[Figure]]:
     """Returns how each agent is drawn, and, by their sorts, each mover; those that are away among them."""
     values = snapshot.values
@@ -256,13 +248,6 @@ def held_entries(look: Look, snapshot: Snapshot, agent: int) -> list[tuple[Pictu
     if look.held is None:
         return []
     return list(zip(look.held.pictures, snapshot.values[look.held.attribute][agent].tolist(), strict=True))
-
-
-def standing_figures(look: Look, snapshot: Snapshot) -> Iterator[tuple[str, Figure, int, int]]:
-    """Yields who is on the map, each over those before: `agent` or the sort of the mover, its figure, row, column."""
-    figures = draw_figures(look, snapshot)
-    for sort, number, row, col in snapshot.standing():
-        yield sort, figures[sort][number], row, col
 
 
 def _looking(prefix: str, plain: list[Figure], rules: tuple[Rule, ...], carried: tuple[FieldLook, ...], values: Values) -> list[Figure]:

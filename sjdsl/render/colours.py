@@ -26,7 +26,7 @@ def mixed(first: Colour, second: Colour, share: float) -> Colour:
 
 
 def hexadecimal(colour: Colour) -> str:
-    """Returns a colour as SVG, browsers and terminals read it: `#rrggbb`."""
+    """Returns a colour as SVG and browsers read it: `#rrggbb`."""
     return "#{:02x}{:02x}{:02x}".format(*colour)
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,6 @@ from sjdsl.render.colours import INK, OUTSIDE, PAPER
 from sjdsl.render.legend import legend_entries
 from sjdsl.render.look import Look, make_look
 from sjdsl.render.moment import Moment, Snapshot
-from sjdsl.render.playing import one_of
 from sjdsl.runtime.env import Environment
 
 with needs("pictures"):
@@ -63,14 +61,12 @@ def make_painter(env: Environment, shown: Sequence[Snapshot] | None = None) -> P
     return Painter(look, width, draw_legend(look, width, shown))
 
 
-def draw_film(env: Environment, moments: Iterable[Moment], every: int = 1) -> Iterator[Image.Image]:
-    """Yields the picture of the first moment of each episode, and of one of `every` that follow, an episode's last one included."""
+def draw_film(env: Environment, moments: Iterable[Moment]) -> Iterator[Image.Image]:
+    """Yields the picture of each moment."""
     kept = list(moments)
-    chosen = {id(moment) for moment in one_of(every, kept)}
-    painter = make_painter(env, [moment.snapshot for moment in kept if id(moment) in chosen])
-    for before, moment in pairwise([None, *kept]):
-        if moment is not None and id(moment) in chosen:
-            yield painter.draw(moment.snapshot, moment.actions, None if before is None else before.snapshot)
+    painter = make_painter(env, [moment.snapshot for moment in kept])
+    for before, moment in zip([None, *kept], kept, strict=False):
+        yield painter.draw(moment.snapshot, moment.actions, None if before is None else before.snapshot)
 
 
 def draw_legend(look: Look, width: int, shown: Sequence[Snapshot] | None = None) -> Image.Image:

@@ -31,7 +31,7 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
             found.setdefault(text, (drawing, text))
     for label, colour in look.marks:
         if shown is None or any(marked_cells(shot, label) for shot in shown):
-            text = mark_text(look, label)
+            text = " or ".join(look.actions[number] for number in look.acting[label]) or label
             found.setdefault(text, (Beam(PALE, colour, ALL), text))
     pictured = {picture: drawing for drawing, _ in found.values() if isinstance(drawing, Drawing) for picture in drawing.objects}
     for figure, text in figure_entries(look, shown):
@@ -39,11 +39,6 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
         if not (word in found and figure.badges and figure.badges[-1] in pictured):  # what lies on the ground and is carried
             found.setdefault(text, (figure, text))
     return list(found.values())
-
-
-def mark_text(look: Look, label: str) -> str:
-    """Returns the actions with which agents mark in a phase, or the phase's label if they mark whatever they do."""
-    return " or ".join(look.actions[number] for number in look.acting[label]) or label
 
 
 def cell_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> Iterator[tuple[Drawing, str]]:

@@ -32,6 +32,10 @@ class Letters:
         cells = [f"{sign} {kind}: {', '.join(state)}" if state else f"{sign} {kind}" for (kind, state), sign in self.characters.items()]
         return [*cells, *(f"{character} {sort}" for sort, character in self.movers.items())]
 
+    def legend_line(self) -> str:
+        """Returns the legend of boards with agents on them."""
+        return "   ".join([*self.legend(), f"{ARROWS} agents"])
+
     def states(self, board: Board, snapshot: Snapshot) -> Iterator[tuple[Cell, str, int, State]]:
         """Yields each cell of the map with its kind, its number among the cells of its kind, and the words of its shown fields."""
         for kind, cells in board.cells.items():
@@ -68,7 +72,11 @@ def _free(words: Sequence[str], used: Collection[str]) -> str:
 
 def draw(letters: Letters, board: Board, world: World) -> list[str]:
     """Returns the map as it is, row by row; beside a row the numbers of its agents from left to right."""
-    snapshot = snapshot_of(board.game, world, ())
+    return board_rows(letters, board, snapshot_of(board.game, world, ()))
+
+
+def board_rows(letters: Letters, board: Board, snapshot: Snapshot) -> list[str]:
+    """Returns what `draw` does, of a moment of the interpreter or of the compiled game."""
     rows = [list(row) for row in board.game.rows]
     for cell, kind, _, state in letters.states(board, snapshot):
         rows[cell.row][cell.col] = letters.characters[kind, state]

@@ -91,7 +91,6 @@ class HerdLook:
     """A sort of movers: its body, its looks, and the fields that are drawn as badges."""
 
     name: str
-    glyph: str
     sprite: str
     colour: Colour
     rules: tuple[Rule, ...]
@@ -162,7 +161,6 @@ def make_look(game: ir.Game) -> Look:
         herds=tuple(
             HerdLook(
                 name=sort.name,
-                glyph=sort.glyph,
                 sprite=body.sprite,
                 colour=body.colour,
                 rules=(own := tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name)),

@@ -1,6 +1,6 @@
 """Plays episodes to be drawn: the moments of one environment under a policy."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -11,26 +11,17 @@ from sjdsl.render.moment import Moment, Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
 
-__all__ = ["one_of", "play", "play_moments", "random_policy", "stay_policy"]
+__all__ = ["play", "play_moments", "random_policy", "stay_policy"]
 
 
-def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0, every: int = 1) -> Iterator[Snapshot]:
-    """Returns the first state of each episode and one of `every` states that follow, an episode's last one included.
+def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Iterator[Snapshot]:
+    """Returns the states of episodes, the first of each included.
 
     Args:
       policy: `(key, observation) -> actions [N]`, or one with memory.
       num_steps: steps to play, over as many episodes as they take.
     """
-    return (moment.snapshot for moment in one_of(every, play_moments(env, policy, num_steps, seed)))
-
-
-def one_of(every: int, moments: Iterable[Moment]) -> Iterator[Moment]:
-    """Yields the first moment of each episode and one of `every` that follow, an episode's last one included."""
-    number = 0
-    for moment in moments:
-        number += bool(moment.actions)
-        if not moment.actions or moment.done or number % every == 0:
-            yield moment
+    return (moment.snapshot for moment in play_moments(env, policy, num_steps, seed))
 
 
 def play_moments(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Iterator[Moment]:

@@ -1,8 +1,7 @@
 """A dataset of many episodes in one `.npz` file: observations, actions, rewards, and how they were made."""
 
-import json
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
@@ -145,7 +144,7 @@ class Dataset:
         place = f"episode_{number % len(self):05d}/"
         try:
             with zipfile.ZipFile(self.path) as file:
-                names = self._parts(place)
+                names = [name.removesuffix(".npy") for name in sorted(self._names) if name.startswith(place)]
                 parts = {name.removeprefix(place): array for name, array in read_arrays(file, names, LARGEST).items()}
             events = {name.removeprefix("events/"): parts.pop(name) for name in list(parts) if name.startswith("events/")}
             seed, terminated, truncated = int(parts.pop("seed")), bool(parts.pop("terminated")), bool(parts.pop("truncated"))
@@ -161,14 +160,6 @@ class Dataset:
         """Returns an episode as a recording that can be replayed."""
         return self[number].recording(self.header.environment, self.header.hash)
 
-    def _parts(self, place: str) -> Iterable[str]:
-        return [name.removesuffix(".npy") for name in sorted(self._names) if name.startswith(place)]
-
-
-def is_dataset(path: Path) -> bool:
-    """Returns whether a file looks like a file of many episodes."""
-    return zipfile.is_zipfile(path)
-
 
 def _is_whole(episode: Episode) -> bool:
     """Returns whether the arrays of an episode have consistent shapes and valid dtypes."""
@@ -182,22 +173,13 @@ def _is_whole(episode: Episode) -> bool:
     )
 
 
-def describe(header: Header) -> str:
-    """Returns the settings of a file, one line each."""
-    kept = header.model_dump()
-    kept["versions"] = ", ".join(f"{name} {version}" for name, version in header.versions.items())
-    kept["environment"] = json.dumps(header.environment)
-    wanted = ("game", "hash", "environment", "policy", "policy_digest", "seed", "episodes", "observation", "versions")
-    return "\n".join(f"{name.replace('_', ' ')}: {kept[name]}" for name in wanted if kept[name] is not None)
-
-
 def load_recording(path: Path, episode: int = 0) -> Recording:
     """Returns an episode of a file that `sjdsl play --record` or `sjdsl record` wrote. `episode`: its number in the file, from 0.
 
     Raises:
       RecordingError: there is no such file, no such episode, or something else in it.
     """
-    if path.is_file() and is_dataset(path):
+    if path.is_file() and zipfile.is_zipfile(path):
         try:
             recording = Dataset(path).recording(episode)
         except IndexError as error:

@@ -16,19 +16,20 @@ from sjdsl.interpreter.step import action_mask
 from sjdsl.library.parameters import param_values
 from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
-from sjdsl.screen.keys import action_keys
 from sjdsl.studio import requests as ask
 from sjdsl.studio.carried import carried
 from sjdsl.studio.counterexample import NoReplay, replayed
-from sjdsl.studio.episode import Episode, TooLong, begun, chooser, measured, metric_names, resumed
+from sjdsl.studio.episode import Episode, TooLong, begun, measured, metric_names, resumed
 from sjdsl.studio.examples import place_of
 from sjdsl.studio.folder import FileRefused, Folder
+from sjdsl.studio.keys import action_keys
 from sjdsl.studio.knobs import knobs, with_entries
 from sjdsl.studio.opened import Choice, Opened, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint, write_number
 from sjdsl.studio.panels import checks_panel, curves_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
 from sjdsl.studio.runs import PolicyRefused
 from sjdsl.studio.trained import Trained, load_trained
+from sjdsl.trace.choices import chooser
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
@@ -64,7 +65,7 @@ class Bench:
         except (Refused, TooLong, CannotPaint, NoReplay, PolicyRefused, FileRefused) as reason:
             found = {"refused": str(reason)}
         except LeavesFloat32 as left:
-            found = {"refused": self._overflow(left)}
+            found = {"refused": Rules(self._opened.build.sources).overflow(left)}
         return {"id": request.id, "do": request.do, **found}
 
     def _done(self, request: ask.AnyRequest) -> Answer:
@@ -327,10 +328,6 @@ class Bench:
         if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
             raise Refused("that is no cell of the map")
         return Cell(row, col)
-
-    def _overflow(self, left: LeavesFloat32) -> str:
-        rules = Rules(self._opened.build.sources)
-        return f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}"
 
 
 def _compiled(made: Made | None) -> Made:

@@ -12,7 +12,6 @@ from sjdsl.properties.counterexample import take_step
 from sjdsl.properties.trajectory import Scenario, draws_of
 from sjdsl.render.moment import Moment as Drawn
 from sjdsl.render.moment import moment_of
-from sjdsl.trace.choices import Chosen, no_actions, random_actions, scripted_actions
 from sjdsl.trace.episode import Moment, begin, follow
 from sjdsl.trace.jax_random import fold_in, key_of
 
@@ -118,12 +117,3 @@ def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
 def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
     """Returns an episode that goes on from a state."""
     return Episode(game, seed, [Moment(None, fold_in(key_of(seed), world.step), world, ())], [returns], is_put=True)
-
-
-def chooser(game: ir.Game, policy: str, seed: int) -> Chosen:
-    """Returns what agents do whom nobody drives. `policy`: `random`, `stay`, or the name of a policy of the file. Raises ValueError."""
-    if policy in ("random", "stay"):
-        return random_actions(game, seed) if policy == "random" else no_actions(game)
-    if policy not in {p.name for p in game.policies}:
-        raise ValueError(f"the game has no policy `{policy}`")
-    return scripted_actions(game, policy, seed)

@@ -35,3 +35,12 @@ def scripted_actions(game: ir.Game, name: str, seed: int) -> Chosen:
         return [choose(policy, game, world, agent, bits[agent]) for agent in agents]
 
     return choose_all
+
+
+def chooser(game: ir.Game, policy: str, seed: int) -> Chosen:
+    """Returns what agents do whom nobody drives. `policy`: `random`, `stay`, or the name of a policy of the file. Raises ValueError."""
+    if policy in ("random", "stay"):
+        return random_actions(game, seed) if policy == "random" else no_actions(game)
+    if policy not in {p.name for p in game.policies}:
+        raise ValueError(f"the game has no policy `{policy}`")
+    return scripted_actions(game, policy, seed)

@@ -8,6 +8,7 @@ from pathlib import PurePath
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.printer import expression
+from sjdsl.interpreter.overflow import LeavesFloat32
 
 _COMMENT_OR_TEXT = re.compile(r'("(?:\\.|[^"\\\n])*")|#[^\n]*')
 UNKNOWN = "?"  # of a game that was built without a text
@@ -23,6 +24,10 @@ class Rules:
         """Returns `clean_up.sj:52`."""
         span = statement.origin
         return UNKNOWN if span is None else f"{PurePath(span.file).name}:{span.line}"
+
+    def overflow(self, left: LeavesFloat32) -> str:
+        """Returns where and when a real left float32."""
+        return f"{self.place(left.node)}: in step {left.before}, `{self.text(left.node)}`: {left}"
 
     def text(self, statement: ir.Node) -> str:
         """Returns a statement without comments and on one line; one that has others in it up to its block."""

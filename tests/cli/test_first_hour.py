@@ -19,7 +19,7 @@ def test_new_says_what_comes_next_and_what_it_needs(sjdsl: Sjdsl) -> None:
     said = sjdsl("new", "pond").out
     for line in (
         "sjdsl play pond.sj",
-        "needs a terminal",
+        "control an agent",
         "pytest test_pond.py",
         "pip install pytest",
         "sjdsl train pond.sj --preset two_cores",

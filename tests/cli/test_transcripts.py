@@ -35,7 +35,7 @@ for call in sys.stdin.read().splitlines():
     with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
         status = run(shlex.split(call)[1:])
     said = (out.getvalue() + err.getvalue()).replace(f"{os.getcwd()}/", "").splitlines()
-    slow = sorted({"jax", "flax", "textual", "matplotlib", "hypothesis"} & {*sys.modules})
+    slow = sorted({"jax", "flax", "matplotlib", "hypothesis"} & {*sys.modules})
     print(f"$ {call}", *said, f"-> {status}" + (f", with {', '.join(slow)}" if slow else ""), "", sep="\\n")
 """
 

@@ -1,6 +1,5 @@
 """`differences`: one pair of small programs for each sort of difference, the variants of the games, and nothing left out."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -9,7 +8,6 @@ import pytest
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import Written, differences, read_written, report
-from sjdsl.doc.differences import as_json
 
 from .corpus import games, manual, small
 
@@ -227,19 +225,8 @@ def test_one_difference(name: str) -> None:
 
 def test_the_other_way_round_is_the_opposite() -> None:
     new = read(BASE.replace("apple   : reward      = 1", "apple   : reward      = 2").replace("none: 0.25", "none: 0.5"))
-    there, back = (as_json(*pair)["sections"] for pair in ((read(BASE), new), (new, read(BASE))))
-    changes = [[(c["what"], c["old"], c["new"]) for s in side for c in s["changes"]] for side in (there, back)]
-    assert changes == [[("apple", 1.0, 2.0), ("growth[none]", 0.25, 0.5)], [("apple", 2.0, 1.0), ("growth[none]", 0.5, 0.25)]]
-
-
-def test_json_holds_the_same() -> None:
-    new = read(BASE.replace("set agent.tired = 3", "set agent.tired = 4"))
-    found = json.loads(json.dumps(as_json(read(BASE), new)))
-    assert found["differs"] is True
-    (section,) = found["sections"]
-    assert section["section"] == "Phases"
-    change = {"what": "eat", "removed": ["set agent.tired = 3"], "added": ["set agent.tired = 4"]}
-    assert section["changes"] == [change]
+    assert told(read(BASE), new) == "Numbers | apple: 1 -> 2 (reward) | growth[none]: 0.25 -> 0.5 (probability)"
+    assert told(new, read(BASE)) == "Numbers | apple: 2 -> 1 (reward) | growth[none]: 0.5 -> 0.25 (probability)"
 
 
 def test_layout_comments_and_order_are_no_differences() -> None:
@@ -277,7 +264,7 @@ def test_what_the_released_variant_changes(name: str) -> None:
 @pytest.mark.thorough
 def test_a_game_does_not_differ_from_itself() -> None:
     for written in games().values():
-        assert differences(written, written) == ()
+        assert differences(written, written) == {}
 
 
 def without_one(c: Composition) -> Iterator[tuple[str, Composition]]:
@@ -294,8 +281,6 @@ def without_one(c: Composition) -> Iterator[tuple[str, Composition]]:
 def test_no_declaration_is_lost_without_a_difference() -> None:
     for written in (small() | manual()).values():
         for name, left in without_one(written.composition):
-            (section,) = differences(written, replace(written, composition=left))
-            (change,) = section.changes
-            assert change.what == (name or "checks")
-            assert change.lines, (written.game.name, name)
-            assert {sign for sign, _ in change.lines} == {"-"}
+            ((what, *lines),) = differences(written, replace(written, composition=left)).values()
+            assert what == (name or "checks")
+            assert {line[:4] for line in lines} == {"  - "}, (written.game.name, name)

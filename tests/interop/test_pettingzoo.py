@@ -128,7 +128,7 @@ def test_boards_in_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     text.reset(seed=0)
     shown = text.render()
     assert shown.count("\n") == 16
-    assert "\x1b[" in shown
+    assert "C>CCCCCCCCC  0\n" in shown
     assert capsys.readouterr().out == ""
     seen = coins(render_mode="human")
     seen.reset(seed=0)

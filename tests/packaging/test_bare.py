@@ -14,7 +14,6 @@ ABSENT = (
     "PIL",
     "resvg_py",
     "matplotlib",
-    "textual",
     "pygls",
     "lsprotocol",
     "starlette",

@@ -29,7 +29,7 @@ def test_requirements_are_pinned() -> None:
             waiting += [text for extra in brought.rstrip("]").split(",") for text in extras[extra]]
         else:
             wanted.add(name)
-    assert {"jax", "pytest", "textual", "pygls"} <= wanted <= names
+    assert {"jax", "pytest", "pygls"} <= wanted <= names
 
 
 def test_the_longest_files_of_tests_are_there() -> None:

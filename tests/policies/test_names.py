@@ -18,7 +18,7 @@ from sjdsl.runtime.env import Environment
 from sjdsl.trainers import PolicyError, make_config
 from sjdsl.trainers.policies import find_policy, make_partners
 
-ORCHARD = Path(__file__).parents[1] / "screen" / "orchard.sj"
+ORCHARD = Path(__file__).with_name("orchard.sj")
 
 
 @pytest.fixture(scope="module")

@@ -85,7 +85,7 @@ def test_an_expectation_whose_episodes_leave_float32_is_not_decided() -> None:
 def test_the_commands_end_without_a_traceback(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "growth.sj"
     path.write_text(text(FAST))
-    for arguments in (["test", str(path), "--examples", "20"], ["trace", str(path), "--steps", "12"]):
+    for arguments in (["test", str(path), "--examples", "20"], ["trace", str(path), "--steps", "12"], ["play", str(path), "--watch"]):
         assert run(arguments) == 1
         shown = "".join(capsys.readouterr())
         assert "growth.sj:10" in shown

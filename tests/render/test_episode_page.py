@@ -110,5 +110,3 @@ def test_the_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture
     data = read_data(path.read_text(encoding="utf-8"))
     assert len(data["moments"]) == 4
     assert data["speed"] == 5
-    assert run(["render", "coins", "--every", "2", "-o", str(path)]) != 0
-    assert "leave out --every" in capsys.readouterr().err

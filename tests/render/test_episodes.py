@@ -3,6 +3,7 @@
 import hashlib
 import json
 import zipfile
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,12 @@ import pytest
 
 import sjdsl
 from sjdsl.cli import run
+from sjdsl.cli.play import compiled
 from sjdsl.cli.policies import choose_policy
 from sjdsl.render import random_policy
 from sjdsl.replay import Dataset, DatasetWriter, Episode, EpisodePlayer, Header, RecordingError, load_recording, play_episodes, replayed
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy, mixed_policy
-from sjdsl.screen.session import Compiled, policy_choice
 from sjdsl.trainers import PPOConfig, load_policy
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_file import write_policy
@@ -94,8 +95,8 @@ def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> No
     env = sjdsl.make("coins", params={"length": 9})
     turns = MemoryPolicy(np.int32(0), lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7))
     (episode,) = play_episodes(env, turns, 11, 1)
-    player, choose = Compiled(env, {}, 11), policy_choice(env, turns, 11)
-    assert [choose(number, player) for number in range(9)] == episode.actions.tolist()
+    _, *steps = compiled(env, turns, 11, repeat({}))
+    assert [list(moment.actions) for moment in steps] == episode.actions.tolist()
 
 
 def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:

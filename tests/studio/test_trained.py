@@ -2,14 +2,16 @@
 
 import json
 import shutil
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
 import sjdsl
-from sjdsl.screen.session import Compiled, Session, policy_choice
+from sjdsl.cli.play import compiled
 from sjdsl.studio.access import Access
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
@@ -60,10 +62,10 @@ def test_what_it_does_is_what_it_does_in_play(home: Path, bench: Bench) -> None:
     ask(bench, do="begin", seed=5)
     mine = [ask(bench, do="step")["scene"] for _ in range(6)]
     env = sjdsl.make(home / "yard.sj")
-    session = Session(Compiled(env, bench.opened.values, 5), policy_choice(env, load_policy(home / RUN, env), 5), None, 6)
-    for scene in mine:
-        played = session.step()
-        assert scene == scene | {"actions": list(played.actions), "places": [list(at) for at in session.player.world.position]}
+    _, *theirs = compiled(env, load_policy(home / RUN, env), 5, repeat({}, 6))
+    for scene, played in zip(mine, theirs, strict=True):
+        places = np.stack([played.snapshot.row, played.snapshot.col], axis=1).tolist()
+        assert scene == scene | {"actions": list(played.actions), "places": places}
 
 
 def test_it_remembers_what_can_be_gone_back_to(bench: Bench) -> None:

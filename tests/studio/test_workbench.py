@@ -1,13 +1,16 @@
 """The bench behind the page: texts, episodes, panels; what an edit keeps, and what is refused."""
 
 import json
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from sjdsl.screen.session import Interpreted, Session, choice_of
+from sjdsl.cli.play import interpreted
 from sjdsl.studio.bench import Bench
+from sjdsl.studio.keys import action_keys
 from sjdsl.studio.requests import READ
 from sjdsl.studio.worker import answered
 from sjdsl.trace.choices import random_actions
@@ -344,11 +347,11 @@ def test_an_episode_is_that_of_play(bench: Bench) -> None:
     opened(bench)
     ask(bench, do="begin", seed=5)
     game, values = bench.opened.game, bench.opened.values
-    session = Session(Interpreted(game, values, 5), choice_of(random_actions(game, 5)), None, 6)
-    for _ in range(6):
+    _, *theirs = interpreted(game, values, 5, random_actions(game, 5), repeat({}, 6))
+    for played in theirs:
         scene = ask(bench, do="step")["scene"]
-        played = session.step()
-        assert scene == scene | {"actions": list(played.actions), "places": [list(at) for at in session.player.world.position]}
+        places = np.stack([played.snapshot.row, played.snapshot.col], axis=1).tolist()
+        assert scene == scene | {"actions": list(played.actions), "places": places}
 
 
 @pytest.mark.parametrize("path", ["../yard.sj", "/tmp/yard.sj", "yard.txt", "\0.sj", "example:../yard.sj", "tour:/etc/yard.sj"])
@@ -364,3 +367,24 @@ def test_a_fault_of_our_own_is_told_and_nothing_is_lost(tmp_path: Path, monkeypa
     monkeypatch.setattr("sjdsl.studio.bench.state_panel", lambda *_: 1 / 0)
     assert "a fault of sjdsl" in str(answered(made, '{"do": "panel", "panel": "state"}')["refused"])
     assert answered(made, '{"do": "step"}')["at"] == 2
+
+
+@pytest.mark.parametrize(
+    ("relative", "names", "left", "comma"),
+    [
+        (True, ("turn_left", "step_left", "stay"), "turn_left", "step_left"),
+        (False, ("turn_left", "step_left", "stay"), "step_left", "turn_left"),
+        (True, ("step_left", "stay"), "step_left", None),
+    ],
+)
+def test_arrows_go_where_they_point(relative: bool, names: tuple[str, ...], left: str, comma: str | None) -> None:
+    keys = action_keys(names, relative)
+    assert names[keys["left"]] == left
+    assert (names[keys["comma"]] if comma else keys.get("comma")) == comma
+
+
+def test_own_actions_have_digits_then_letters() -> None:
+    names = ("stay", *(f"own{number}" for number in range(1, 28)))
+    keys = action_keys(names, True)
+    assert [names[keys[key]] for key in ("1", "9", "a", "enter", "r")] == ["own1", "own9", "own10", "own1", "own26"]
+    assert "q" not in keys
