@@ -129,7 +129,6 @@ def _sources() -> Iterator[tuple[Path, str]]:
             yield place, place.name
     yield from _files(HERE / "numpy", "numpy")
     yield from _files(ROOT / "games", "sjdsl/games")
-    yield from _files(ROOT / "trainers", "sjdsl/trainers")  # the studio asks them for names alone
     for path, name in _files(ROOT / "sjdsl", "sjdsl"):
         if name.split("/")[1] not in LEFT_OUT:
             yield path, name

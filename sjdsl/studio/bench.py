@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar, assert_never
 
-from sjdsl.compiler import ast
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
@@ -27,8 +27,6 @@ from sjdsl.studio.knobs import knobs, with_entries
 from sjdsl.studio.opened import Choice, Opened, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint, write_number
 from sjdsl.studio.panels import checks_panel, curves_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
-from sjdsl.studio.runs import PolicyRefused
-from sjdsl.studio.trained import Trained, load_trained
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
@@ -41,7 +39,7 @@ class Refused(Exception):
 
 
 class Bench:
-    """One game and its episode. `folder`: where its maps, bases and trained policies are.
+    """One game and its episode. `folder`: where its maps and bases are.
 
     opened: the game of the text; on_board: the one that is played, on another map while a counterexample is shown. Before a text has compiled
     there is none; while a text does not compile, the last one that did is played on.
@@ -53,7 +51,6 @@ class Bench:
         self.on_board: Opened | None = None
         self.episode: Episode | None = None
         self.seed, self.others = 0, "random"
-        self._trained: Trained | None = None
         self._artist: Artist | None = None
         self._sent = 0
 
@@ -61,7 +58,7 @@ class Bench:
         """Returns what a request leads to; `refused` with the reason if it cannot be done."""
         try:
             found = self._done(request)
-        except (Refused, TooLong, CannotPaint, NoReplay, PolicyRefused, FileRefused) as reason:
+        except (Refused, TooLong, CannotPaint, NoReplay, FileRefused) as reason:
             found = {"refused": str(reason)}
         except LeavesFloat32 as left:
             found = {"refused": self._overflow(left)}
@@ -78,7 +75,9 @@ class Bench:
             case ask.Begin():
                 return self._begin(request.seed)
             case ask.Others():
-                return self._choose(request.policy)
+                if request.policy not in _policies(self._shown.game):
+                    raise Refused(f"the game has no policy `{request.policy}`")
+                self.others = request.policy
             case ask.Number():
                 self._number(request)
             case ask.Put():
@@ -127,10 +126,7 @@ class Bench:
     def _put_on_board(self, shown: Opened, episode: Episode) -> None:
         """Shows an episode of a game. Whoever drove the agents goes on if the game has such a policy."""
         self.on_board, self.episode = shown, episode
-        known = ("random", "stay", *(policy.name for policy in shown.game.policies))
-        if self._trained is not None and self._trained.game != shown.game.name:
-            self._trained = None
-        if self.others not in known and self._trained is None:
+        if self.others not in _policies(shown.game):
             self.others = "random"
         self._artist, self._sent = Artist(make_look(shown.game)), 0
 
@@ -161,7 +157,7 @@ class Bench:
             "agents_are_free": isinstance(opened.composition.number, ast.Path),  # a `size` says how many
             "actions": list(game.agents.actions),
             "keys": action_keys(game.agents.actions, game.agents.relative),
-            "policies": ["random", "stay", *(policy.name for policy in game.policies)],
+            "policies": _policies(game),
             "others": self.others,
             "seed": self.seed,
             "variants": [[v.name.text, v.title.text if v.title else ""] for v in opened.composition.variants.values()],
@@ -198,35 +194,14 @@ class Bench:
         driven = {self._agent(agent): action for agent, action in request.actions.items()}
         if any(not 0 <= action < len(shown.game.agents.actions) for action in driven.values()):
             raise Refused("there is no such action")
-        choose = self._chooser()
+        choose = chooser(shown.game, self.others, self.seed)
         for _ in range(request.many):
-            actions = list(choose(episode))
+            actions = list(choose(episode.now.world.step, episode.now.world))
             for agent, action in driven.items():
                 actions[agent] = action
             if episode.step(actions, shown.values):
                 break
         return self._scene()
-
-    def _choose(self, policy: str) -> Answer:
-        """Has a policy drive the agents that nobody does. A trained one is loaded now, so that the next step need not wait for it."""
-        game = self._shown.game
-        if policy in ("random", "stay", *(declared.name for declared in game.policies)):
-            self.others, self._trained = policy, None
-        else:
-            self._trained = load_trained(policy, self._shown, self.folder.resolve())
-            self._trained.actions(self._episode, self.seed)  # JAX compiles it
-            self.others = policy
-        return {"others": self.others, "note": self._trained.note if self._trained else "", **self._scene()}
-
-    def _chooser(self) -> Callable[[Episode], list[int]]:
-        game, seed = self._shown.game, self.seed
-        if self._trained is None:
-            choose = chooser(game, self.others, seed)
-            return lambda episode: choose(episode.now.world.step, episode.now.world)
-        if not self._trained.fits(game):
-            self._trained = load_trained(self.others, self._shown, self.folder.resolve())
-        trained = self._trained
-        return lambda episode: trained.actions(episode, seed)
 
     def _number(self, request: ask.Number) -> None:
         game = self._shown.game
@@ -331,6 +306,11 @@ class Bench:
     def _overflow(self, left: LeavesFloat32) -> str:
         rules = Rules(self._opened.build.sources)
         return f"{rules.place(left.node)}: in step {left.before}, `{rules.text(left.node)}`: {left}"
+
+
+def _policies(game: ir.Game) -> list[str]:
+    """Returns what agents that nobody drives can follow: policies by their names."""
+    return ["random", "stay", *(policy.name for policy in game.policies)]
 
 
 def _compiled(made: Made | None) -> Made:

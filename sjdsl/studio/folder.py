@@ -31,8 +31,7 @@ class Folder:
 
     def games(self) -> list[str]:
         """Returns the games, by their paths inside, those in nearer folders first; at most 500."""
-        found = (path.relative_to(self.root).as_posix() for path in files_below(self.root, ".sj"))
-        return list(islice(found, MOST))
+        return [path.relative_to(self.root).as_posix() for path in islice(_games_below(self.root), MOST)]
 
     def read(self, name: str) -> tuple[str, str]:
         """Returns the text of a file and its digest. Raises FileRefused."""
@@ -79,8 +78,8 @@ class Folder:
         return path
 
 
-def files_below(root: Path, suffix: str) -> Iterator[Path]:
-    """Yields the files of a suffix in a folder and those below it, nearer ones first.
+def _games_below(root: Path) -> Iterator[Path]:
+    """Yields the games in a folder and those below it, nearer ones first.
 
     At most 3,000 folders are looked into, so that a studio started in somebody's home answers soon. Hidden ones, those whose name begins with
     `_`, links to folders, packages of JavaScript, and names that cannot be shown are left out.
@@ -93,7 +92,7 @@ def files_below(root: Path, suffix: str) -> Iterator[Path]:
         except OSError:
             continue
         entries = [entry for entry in entries if entry.name.isprintable() and not entry.name.startswith(".")]
-        yield from (Path(entry.path) for entry in entries if entry.name.endswith(suffix) and entry.is_file())
+        yield from (Path(entry.path) for entry in entries if entry.name.endswith(".sj") and entry.is_file())
         waiting += [
             Path(entry.path)
             for entry in entries

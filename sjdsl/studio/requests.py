@@ -58,10 +58,10 @@ class Begin(Request):
 
 
 class Others(Request):
-    """Says what the agents do that nobody drives: `random`, `stay`, a policy of the file, or a trained one inside the folder."""
+    """Says what the agents do that nobody drives: `random`, `stay`, or a policy of the file."""
 
     do: Literal["others"]
-    policy: Annotated[str, Field(max_length=1000)]
+    policy: NAME
 
 
 class Number(Request):

@@ -52,7 +52,7 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
     routes = [
         Route("/", _page(opened)),
         Route("/assets/{name}", _asset),
-        *(Route(path, _files(inside)) for path in ("/games", "/tour", "/policies")),
+        *(Route(path, _files(inside)) for path in ("/games", "/tour")),
         Route("/file", _files(inside), methods=["GET", "PUT"]),
         *(Route(path, _files(inside), methods=["POST"]) for path in ("/copy", "/new")),
         WebSocketRoute("/bench", _bench(spares)),

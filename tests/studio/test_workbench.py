@@ -146,6 +146,8 @@ def test_who_is_driven_acts_and_the_others_follow_a_policy(bench: Bench) -> None
     ask(bench, do="others", policy="idler")
     assert ask(bench, do="step", actions={"1": 1})["scene"]["actions"] == [2, 1]
     assert "no policy" in ask(bench, do="others", policy="nobody")["refused"]
+    assert opened(bench, GAME.replace("capped = 0", "capped = 1"))["game"]["others"] == "idler"
+    assert opened(bench, GAME.replace("policy idler", "policy loafer"))["game"]["others"] == "random"
 
 
 def test_a_number_counts_from_the_next_step_on(bench: Bench) -> None:
