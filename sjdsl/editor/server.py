@@ -8,7 +8,7 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 
-from sjdsl.editor import colours, completion
+from sjdsl.editor import completion
 from sjdsl.editor.documents import path_of
 from sjdsl.editor.navigation import Refused
 from sjdsl.editor.session import Session
@@ -144,7 +144,6 @@ def make_server() -> Server:
         types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(*at(params), params.context.include_declaration),
         types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT: lambda ls, params: ls.session.highlights(*at(params)),
         types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(params.text_document.uri),
-        types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: lambda ls, params: ls.session.semantic_tokens(params.text_document.uri),
         types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(params.text_document.uri, params.range),
         types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(params.text_document.uri),
         types.TEXT_DOCUMENT_PREPARE_RENAME: lambda ls, params: _or_refused(ls.session.can_be_renamed, *at(params)),
@@ -152,7 +151,6 @@ def make_server() -> Server:
     }
     options: dict[str, Any] = {
         types.TEXT_DOCUMENT_COMPLETION: types.CompletionOptions(trigger_characters=list(completion.TRIGGERS)),
-        types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: colours.LEGEND,
         types.TEXT_DOCUMENT_CODE_ACTION: types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
         types.TEXT_DOCUMENT_RENAME: types.RenameOptions(prepare_provider=True),
     }

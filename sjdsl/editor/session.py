@@ -5,10 +5,8 @@ from pathlib import Path
 
 from lsprotocol import types
 
-from sjdsl.compiler.ast.names import Names
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.editor.analysis import Analyses, Analysis
-from sjdsl.editor.colours import semantic_tokens
 from sjdsl.editor.completion import completion
 from sjdsl.editor.diagnostics import diagnostics
 from sjdsl.editor.documents import Document, Documents, path_of
@@ -104,11 +102,6 @@ class Session:
         document = self.documents.get(uri)
         readable = self.analyses.readable(uri)
         return [] if document is None else document_symbols(readable, document.lines)
-
-    def semantic_tokens(self, uri: str) -> types.SemanticTokens:
-        analysis, readable = self.analyses.of(uri), self.analyses.readable(uri)
-        names = Names() if readable is None else readable.names
-        return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis, names)
 
 
 def is_game(document: Document) -> bool:

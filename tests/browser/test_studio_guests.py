@@ -117,12 +117,13 @@ def test_a_file_that_another_window_wrote_is_noticed(opened: Page, studio: Studi
 
 def test_whoever_types_early_keeps_the_cursor(studio: Studio, browser: Browser) -> None:
     """The language server comes a while after the text; the editor is not made anew for it, nor are keys lost or changes forgotten."""
+    (studio.folder / "yard.sj").write_text(GAME.replace("  policy", "  define spare = 1\n  policy"), encoding="utf-8")
     page = browser.new_page()
     page.goto(studio.address)
     page.locator(".cm-line").first.click(timeout=60_000)
     page.keyboard.press("End")
     page.keyboard.type("  # early", delay=20)
-    page.locator(".sj-keyword").first.wait_for(timeout=60_000)  # coloured by meaning: it is there
+    page.locator(".cm-lintRange-warning").first.wait_for(timeout=60_000)  # it has found what is unused
     page.keyboard.type(" and late", delay=20)
     expect(page.locator(".cm-line").first).to_have_text("sj 1  # early and late")
     for _ in range(6):

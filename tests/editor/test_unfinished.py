@@ -36,7 +36,6 @@ def ask_everything(session: Session, position: types.Position) -> None:
     session.highlights(URI, position)
     session.formatting(URI)
     session.symbols(URI)
-    session.semantic_tokens(URI)
     with suppress(Refused):
         session.rename(URI, position, "other_name")
 

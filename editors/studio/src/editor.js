@@ -1,4 +1,4 @@
-// How texts look and fold in the editor: comments, words in quotes and numbers at once, the rest as the language server says.
+// How texts look and fold in the editor.
 
 import { StreamLanguage, codeFolding, foldEffect, foldService, syntaxHighlighting } from "@codemirror/language";
 import { python } from "@codemirror/legacy-modes/mode/python";
@@ -6,16 +6,34 @@ import { Compartment, EditorState, RangeSetBuilder } from "@codemirror/state";
 import { Decoration, EditorView, lineNumbers } from "@codemirror/view";
 import { classHighlighter } from "@lezer/highlight";
 import { minimalSetup } from "codemirror";
+import grammar from "../../vscode/syntaxes/sj.tmLanguage.json";
 
 const LONG_RUN = 4; // lines that hold only a comment, from which on they are folded when a text is opened
 const WORTH_IT = 12; // characters that folding the end of a comment hides at least
 
+// What CodeMirror calls the scopes of the grammar that have a colour.
+const SCOPES = {
+  "comment.line.number-sign.sj": "comment", "constant.numeric.sj": "number", "constant.language.sj": "atom",
+  "storage.type.sj": "keyword", "keyword.control.sj": "keyword", "keyword.other.statement.sj": "keyword", "keyword.operator.word.sj": "keyword",
+  "entity.name.type.sj": "typeName", "support.type.sj": "typeName", "support.function.sj": "macroName",
+};
+const patterns = grammar.patterns.filter(({ match }) => match).map((pattern) => ({ ...pattern, match: new RegExp(pattern.match) }));
+
 const sj = StreamLanguage.define({
   name: "sj",
-  token(stream) {
-    if (stream.match(/#.*/)) return "comment";
-    if (stream.match(/"(?:[^"\\]|\\.)*"?/)) return "string";
-    if (stream.match(/\d+(?:\.\d+)?/)) return "number";
+  startState: () => ({ words: [] }), // of the pattern that matched last: those still to come, each with its scope
+  token(stream, state) {
+    if (stream.sol()) state.words = [];
+    if (!state.words.length) {
+      if (stream.match(/"(?:[^"\\]|\\.)*"?/)) return "string";
+      for (const { match, name, captures } of patterns) {
+        const found = stream.match(match, false);
+        if (!found) continue;
+        state.words = captures ? Object.entries(captures).map(([group, scope]) => [found[group], scope.name]) : [[found[0], name]];
+        break;
+      }
+    }
+    if (state.words.length && stream.match(state.words[0][0])) return SCOPES[state.words.shift()[1]] ?? null;
     if (!stream.match(/\w+/)) stream.next();
     return null;
   },
