@@ -21,21 +21,21 @@ const patterns = grammar.patterns.filter(({ match }) => match).map((pattern) => 
 
 const sj = StreamLanguage.define({
   name: "sj",
-  startState: () => ({ words: [] }), // of the pattern that matched last: those still to come, each with its scope
+  startState: () => ({ parts: [] }), // of the pattern that matched last: those still to come, each with its scope
   token(stream, state) {
-    if (stream.sol()) state.words = [];
-    if (!state.words.length) {
+    if (!state.parts.length) {
       if (stream.match(/"(?:[^"\\]|\\.)*"?/)) return "string";
       for (const { match, name, captures } of patterns) {
         const found = stream.match(match, false);
         if (!found) continue;
-        state.words = captures ? Object.entries(captures).map(([group, scope]) => [found[group], scope.name]) : [[found[0], name]];
+        if (captures) state.parts = Object.entries(captures).map(([group, scope]) => [found[group], scope.name]).filter(([text]) => text);
+        else state.parts = [[found[0], name]];
         break;
       }
     }
-    if (state.words.length && stream.match(state.words[0][0])) return SCOPES[state.words.shift()[1]] ?? null;
-    if (!stream.match(/\w+/)) stream.next();
-    return null;
+    const [text, scope] = state.parts.shift() ?? [/\w+|[^]/u, null];
+    stream.match(text);
+    return SCOPES[scope] ?? null;
   },
   languageData: { commentTokens: { line: "#" } },
 });
