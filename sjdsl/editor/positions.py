@@ -68,18 +68,6 @@ class Lines:
         return self._widths[bisect_right(LIMITS, ord(character))]
 
 
-def changed(text: str, changes: list[types.TextDocumentContentChangeEvent], encoding: str = UTF16) -> str:
-    """Returns a text after changes, which a client sends in the order in which they apply: of a range, or of the whole text."""
-    for change in changes:
-        if isinstance(change, types.TextDocumentContentChangePartial):
-            lines = Lines(text, encoding)
-            start, end = sorted((lines.offset(change.range.start), lines.offset(change.range.end)))
-            text = text[:start] + change.text + text[end:]
-        else:
-            text = change.text
-    return text
-
-
 class Moved:
     """One change between two texts, the part in which they differ: what stands in front of it stays, what stands behind it moves along."""
 

@@ -23,7 +23,7 @@ class Server(LanguageServer):
     """A session and the tasks that look at its texts."""
 
     def __init__(self) -> None:
-        super().__init__("sjdsl", __version__)
+        super().__init__("sjdsl", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full)
         self.session = Session()
         self.shut_down = False  # the client has asked for the end
         self.ended_early = False  # it says `exit` without that
@@ -52,6 +52,11 @@ class Server(LanguageServer):
         gone, come = ([path_of(folder.uri) for folder in folders] for folders in (change.removed, change.added))
         kept = [folder for folder in self.session.folders if folder not in gone]
         self.session.folders = [*kept, *(path for path in come if path is not None)]
+
+    def opened(self, document: types.TextDocumentItem | types.VersionedTextDocumentIdentifier, text: str) -> None:
+        """Takes over a text that is opened or changed: the client sends the whole of it each time."""
+        self.session.open(document.uri, text, document.version)
+        self.look_at_those_on(document.uri)
 
     def look_at_those_on(self, uri: str, itself: bool = True) -> None:
         """Has texts looked at again whose messages may differ when a text or a file has changed."""
@@ -105,17 +110,6 @@ def make_server() -> Server:
     """Returns a server with everything registered; `start_io` and `start_tcp` run it."""
     server = Server()
 
-    @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
-    def opened(ls: Server, params: types.DidOpenTextDocumentParams) -> None:
-        document = params.text_document
-        ls.session.open(document.uri, document.text, document.version)
-        ls.look_at_those_on(document.uri)
-
-    @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
-    def changed(ls: Server, params: types.DidChangeTextDocumentParams) -> None:
-        ls.session.change(params.text_document.uri, params.content_changes, params.text_document.version)
-        ls.look_at_those_on(params.text_document.uri)
-
     @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
     def files(ls: Server, params: types.DidChangeWatchedFilesParams) -> None:
         for change in params.changes:
@@ -135,6 +129,8 @@ def make_server() -> Server:
     answers: dict[str, Callable[[Server, Any], Any]] = {
         types.INITIALIZE: lambda ls, params: ls.begin(params),
         types.INITIALIZED: lambda ls, _params: ls.watch_files(),
+        types.TEXT_DOCUMENT_DID_OPEN: lambda ls, params: ls.opened(params.text_document, params.text_document.text),
+        types.TEXT_DOCUMENT_DID_CHANGE: lambda ls, params: ls.opened(params.text_document, params.content_changes[-1].text),
         types.TEXT_DOCUMENT_DID_SAVE: lambda ls, params: ls.look_at_those_on(params.text_document.uri),
         types.TEXT_DOCUMENT_DID_CLOSE: lambda ls, params: ls.closed(params.text_document.uri),
         types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS: lambda ls, params: ls.change_folders(params.event),

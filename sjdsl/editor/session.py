@@ -1,6 +1,6 @@
 """One editor's session: its open texts and folders, and an answer for each thing it asks. Nothing here knows how messages travel."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from lsprotocol import types
@@ -30,10 +30,8 @@ class Session:
     # ---- texts
 
     def open(self, uri: str, text: str, version: int | None = None) -> None:
+        """Opens a text, or replaces it."""
         self.documents.put(uri, text, version)
-
-    def change(self, uri: str, changes: Sequence[types.TextDocumentContentChangeEvent], version: int | None = None) -> None:
-        self.documents.change(uri, changes, version)
 
     def close(self, uri: str) -> None:
         self.documents.close(uri)
