@@ -231,7 +231,7 @@ class Bench:
         """Returns the moment that is shown, the pictures that the page does not have yet, and how many moments there are."""
         assert self._artist is not None
         episode = self._episode
-        scene = self._artist.moment(episode.drawn())
+        scene = self._artist.moment(episode.drawn(episode.at))
         new, self._sent = self._artist.pictures[self._sent :], len(self._artist.pictures)
         game = self._shown.game
         allowed = action_mask(game, episode.now.world) if game.agents.forbids else []
@@ -267,11 +267,7 @@ class Bench:
 
     def _share(self) -> Answer:
         episode, game = self._episode, self._shown.game
-        shown, moments = episode.at, []
-        for number in range(len(episode.moments)):
-            episode.go(number)
-            moments.append(episode.drawn())
-        episode.go(shown)
+        moments = [episode.drawn(number) for number in range(len(episode.moments))]
         return {"html": make_page(game, moments).text, "name": f"{game.name}.html"}
 
     # ---- what there is

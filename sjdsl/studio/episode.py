@@ -86,9 +86,10 @@ class Episode:
         """Shows another moment; the nearest there is."""
         self.at = min(max(0, number), len(self.moments) - 1)
 
-    def drawn(self) -> Drawn:
-        """Returns the moment that is shown as pictures and pages have it."""
-        return moment_of(self.game, self.now.world, self.returns[self.at], self.now.actions, self.now.outcome)
+    def drawn(self, number: int) -> Drawn:
+        """Returns a moment as pictures and pages have it."""
+        moment = self.moments[number]
+        return moment_of(self.game, moment.world, self.returns[number], moment.actions, moment.outcome)
 
 
 def metric_names(game: ir.Game) -> list[tuple[str, bool]]:

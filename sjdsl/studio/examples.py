@@ -47,28 +47,15 @@ def place_of(path: str, folder: Path) -> tuple[Path, str]:
             return home.resolve(), path.removeprefix(prefix)
     if path.startswith(PACKAGE):
         name, _, inside = path.removeprefix(PACKAGE).partition("/")
-        homes = _homes(name)
-        return next((home for home in homes if _has(home, inside)), homes[0]), inside
+        games = next((found.games for found in offered().packages if found.name == name), None)
+        if games is None:
+            raise FileRefused(f"no installed package `{name}` has games")
+        return games.get(PurePosixPath(inside).stem, next(iter(games.values()))).parent.resolve(), inside
     return folder, path
-
-
-def _has(home: Path, inside: str) -> bool:
-    try:
-        return Folder(home).inside(inside).is_file()
-    except FileRefused:
-        return False
 
 
 def _packaged(package: GamePackage, file: Path) -> str:
     return f"{PACKAGE}{package.name}/{file.name}"
-
-
-def _homes(package: str) -> list[Path]:
-    """Returns the folders in which a package has its games: one, but for packages that are installed in parts."""
-    games = next((found.games for found in offered().packages if found.name == package), None)
-    if games is None:
-        raise FileRefused(f"no installed package `{package}` has games")
-    return list(dict.fromkeys(file.parent.resolve() for file in games.values()))
 
 
 def copy_beside(example: str, folder: Folder) -> list[str]:

@@ -199,7 +199,7 @@ def test_a_large_file_is_not_read_whole(client: TestClient, folder: Path) -> Non
 
 
 def test_a_vast_folder_is_listed_in_part_nearest_first(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sjdsl.studio.folder.MOST_FOLDERS", 5)
+    monkeypatch.setattr("sjdsl.files.MOST_FOLDERS", 5)
     for number in range(20):
         (folder / f"far{number:02d}" / "deep").mkdir(parents=True)
         (folder / f"far{number:02d}" / "deep" / "x.sj").touch()
