@@ -12,7 +12,6 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Cell
-from sjdsl.interpreter.step import action_mask
 from sjdsl.library.parameters import param_values
 from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
@@ -24,7 +23,7 @@ from sjdsl.studio.episode import Episode, TooLong, begun, chooser, measured, met
 from sjdsl.studio.examples import place_of
 from sjdsl.studio.folder import FileRefused, Folder
 from sjdsl.studio.knobs import knobs, with_entries
-from sjdsl.studio.opened import Choice, Opened, open_text
+from sjdsl.studio.opened import Opened, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint, write_number
 from sjdsl.studio.panels import checks_panel, curves_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
 from sjdsl.trace.rules import Rules
@@ -108,7 +107,7 @@ class Bench:
         over = {(folder / name).resolve(): text for name, text in request.over.items()}
         source = Source(path, request.text, (folder / path).parent, lambda wanted: over.get(wanted.resolve()))
         try:
-            opened = open_text(source, Choice(request.variants, request.agents, request.params))
+            opened = open_text(source, request.variants, request.agents, request.params)
         except CompileError as error:
             errors = [d for d in error.diagnostics if d.severity == "error"]
             told = [
@@ -194,13 +193,10 @@ class Bench:
         driven = {self._agent(agent): action for agent, action in request.actions.items()}
         if any(not 0 <= action < len(shown.game.agents.actions) for action in driven.values()):
             raise Refused("there is no such action")
-        choose = chooser(shown.game, self.others, self.seed)
-        for _ in range(request.many):
-            actions = list(choose(episode.now.world.step, episode.now.world))
-            for agent, action in driven.items():
-                actions[agent] = action
-            if episode.step(actions, shown.values):
-                break
+        actions = list(chooser(shown.game, self.others, self.seed)(episode.now.world.step, episode.now.world))
+        for agent, action in driven.items():
+            actions[agent] = action
+        episode.step(actions, shown.values)
         return self._scene()
 
     def _number(self, request: ask.Number) -> None:
@@ -234,7 +230,6 @@ class Bench:
         scene = self._artist.moment(episode.drawn(episode.at))
         new, self._sent = self._artist.pictures[self._sent :], len(self._artist.pictures)
         game = self._shown.game
-        allowed = action_mask(game, episode.now.world) if game.agents.forbids else []
         return {
             "scene": scene | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
             "pictures": new,
@@ -242,7 +237,6 @@ class Bench:
             "metrics": measured(game, episode.now.outcome),
             "at": episode.at,
             "moments": len(episode.moments),
-            "forbidden": [[a for a, allow in enumerate(mask) if not allow] for mask in allowed],
         }
 
     # ---- beside the board

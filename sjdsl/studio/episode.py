@@ -55,8 +55,8 @@ class Episode:
         outcome = self.now.outcome
         return outcome is not None and (outcome.terminated or outcome.truncated)
 
-    def step(self, actions: list[int], params: Mapping[str, Value]) -> bool:
-        """Takes a step from the moment that is shown, and returns whether it was the last; what came after is forgotten.
+    def step(self, actions: list[int], params: Mapping[str, Value]) -> None:
+        """Takes a step from the moment that is shown; what came after is forgotten.
 
         Raises TooLong, and LeavesFloat32.
         """
@@ -70,7 +70,6 @@ class Episode:
         self.moments.append(moment)
         self.returns.append([before + reward for before, reward in zip(self.returns[self.at], paid, strict=True)])
         self.at += 1
-        return self.is_over
 
     def traced(self) -> Moment:
         """Returns the moment that is shown with an account of what led to it, by the rules as they are written now."""

@@ -36,11 +36,10 @@ class Text(Request):
 
 
 class Step(Request):
-    """Takes steps. `actions`: of the agents that somebody drives, by the number of the agent."""
+    """Takes a step. `actions`: of the agents that somebody drives, by the number of the agent."""
 
     do: Literal["step"]
     actions: dict[int, int] = {}
-    many: Annotated[int, Field(ge=1, le=50)] = 1
 
 
 class Go(Request):

@@ -147,7 +147,7 @@ def test_a_message_of_nonsense_is_answered_in_words(client: TestClient) -> None:
             "{",
             "[]",
             '{"do": "explode"}',
-            json.dumps({"do": "step", "many": 10**9}),
+            json.dumps({"do": "begin", "seed": 10**12}),
             json.dumps({"do": "step", "actions": {"x": 0}}),
             json.dumps({"do": "panel", "panel": "differences"}),
             json.dumps({"do": "text", "text": "x" * 500_000}),
