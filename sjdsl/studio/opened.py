@@ -49,12 +49,16 @@ def open_text(source: Source, variants: tuple[str, ...], agents: int | None, par
             left.append(name)
     while True:
         try:
-            values = param_values(build.game, taken)
+            values = interpreted_values(build.game, taken)
             break
         except ValueError:  # a `require` of several numbers, each of which is allowed: the last one set goes first
             if not taken:
                 raise
             left.append(taken.popitem()[0])
-    types = {p.name: p.type for p in build.game.params}
-    values = {name: real(value) if types[name].kind == "real" else value for name, value in values.items()}
     return Opened(source, composition, build, values, tuple(left))
+
+
+def interpreted_values(game: ir.Game, given: Mapping[str, Any]) -> dict[str, Value]:
+    """Returns the value of every param as the interpreter has it; `given`: of some. Raises ValueError for one that the game does not take."""
+    reals = {param.name for param in game.params if param.type.kind == "real"}
+    return {name: real(value) if name in reals else value for name, value in param_values(game, given).items()}

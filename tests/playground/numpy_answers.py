@@ -29,7 +29,6 @@ def answers(name: str) -> list[Any]:
         ask(do="step")
     for panel in ("state", "seen", "trace", "rules", "python"):
         ask(do="panel", panel=panel)
-    assert bench.opened is not None
     for policy in bench.opened.game.policies[:1]:
         ask(do="others", policy=policy.name)
         ask(do="step")

@@ -85,6 +85,15 @@ def test_a_text_with_errors_leaves_the_board_as_it_is(bench: Bench) -> None:
     assert ask(bench, do="step")["at"] == 2
 
 
+def test_a_start_beyond_float32_is_told_with_its_line(bench: Bench) -> None:
+    text = GAME.replace("field bag", "field wealth : reward = 1 field bag").replace(
+        "facing north", "facing north set agent.wealth = 1e20 * 1e20"
+    )
+    answer = ask(bench, do="text", version=1, path="yard.sj", text=text.replace("1e20", "1" + 20 * "0" + ".0"))
+    assert "yard.sj:14: in step 0" in answer["refused"]
+    assert "leaves float32" in answer["refused"]
+
+
 def test_an_edit_keeps_the_state_where_it_fits(bench: Bench) -> None:
     opened(bench)
     take_steps(bench, 3)
