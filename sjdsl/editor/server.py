@@ -126,6 +126,12 @@ def make_server() -> Server:
     def at(params: Any) -> tuple[str, types.Position]:
         return params.text_document.uri, params.position
 
+    def rename(ls: Server, uri: str, position: types.Position, new_name: str) -> types.WorkspaceEdit:
+        try:
+            return ls.session.rename(uri, position, new_name)
+        except Refused as reason:  # the client shows the message of an error
+            raise JsonRpcException(str(reason), REQUEST_FAILED) from None
+
     answers: dict[str, Callable[[Server, Any], Any]] = {
         types.INITIALIZE: lambda ls, params: ls.begin(params),
         types.INITIALIZED: lambda ls, _params: ls.watch_files(),
@@ -138,27 +144,16 @@ def make_server() -> Server:
         types.TEXT_DOCUMENT_HOVER: lambda ls, params: ls.session.hover(*at(params)),
         types.TEXT_DOCUMENT_DEFINITION: lambda ls, params: ls.session.definition(*at(params)),
         types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(*at(params), params.context.include_declaration),
-        types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT: lambda ls, params: ls.session.highlights(*at(params)),
         types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(params.text_document.uri),
         types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(params.text_document.uri, params.range),
         types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(params.text_document.uri),
-        types.TEXT_DOCUMENT_PREPARE_RENAME: lambda ls, params: _or_refused(ls.session.can_be_renamed, *at(params)),
-        types.TEXT_DOCUMENT_RENAME: lambda ls, params: _or_refused(ls.session.rename, *at(params), params.new_name),
+        types.TEXT_DOCUMENT_RENAME: lambda ls, params: rename(ls, *at(params), params.new_name),
     }
     options: dict[str, Any] = {
         types.TEXT_DOCUMENT_COMPLETION: types.CompletionOptions(trigger_characters=list(completion.TRIGGERS)),
         types.TEXT_DOCUMENT_CODE_ACTION: types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
-        types.TEXT_DOCUMENT_RENAME: types.RenameOptions(prepare_provider=True),
     }
     for message, answer in answers.items():
         server.feature(message, options.get(message))(answer)
 
     return server
-
-
-def _or_refused(answer: Callable[..., Any], *asked: Any) -> Any:
-    """Returns an answer; a refusal goes to the client as the message of an error."""
-    try:
-        return answer(*asked)
-    except Refused as reason:
-        raise JsonRpcException(str(reason), REQUEST_FAILED) from None

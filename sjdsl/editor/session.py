@@ -12,7 +12,7 @@ from sjdsl.editor.diagnostics import diagnostics
 from sjdsl.editor.documents import Document, Documents, path_of
 from sjdsl.editor.edits import formatting, quick_fixes
 from sjdsl.editor.hover import hover
-from sjdsl.editor.navigation import can_be_renamed, definition, highlights, references, rename
+from sjdsl.editor.navigation import definition, references, rename
 from sjdsl.editor.outline import document_symbols
 from sjdsl.editor.positions import UTF16
 
@@ -73,13 +73,6 @@ class Session:
 
     def references(self, uri: str, position: types.Position, declared: bool = True) -> list[types.Location]:
         return references(uri, position, self.analyses, self.folders, declared)
-
-    def highlights(self, uri: str, position: types.Position) -> list[types.DocumentHighlight]:
-        return highlights(uri, position, self.analyses)
-
-    def can_be_renamed(self, uri: str, position: types.Position) -> types.PrepareRenamePlaceholder:
-        """Raises Refused with the reason why not."""
-        return can_be_renamed(uri, position, self.analyses)
 
     def rename(self, uri: str, position: types.Position, new: str) -> types.WorkspaceEdit:
         """Raises Refused with the reason why not."""

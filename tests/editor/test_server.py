@@ -110,7 +110,6 @@ async def test_questions_are_answered(client: LanguageClient) -> None:
     assert "apple" in {item.label for item in offered.items}
     edit = await client.text_document_rename_async(types.RenameParams(named(client), here, "pear"))
     assert edit is not None and len(edit.document_changes or ()) == 2
-    assert await client.text_document_prepare_rename_async(types.PrepareRenameParams(named(client), here)) is not None
     assert await client.text_document_document_symbol_async(types.DocumentSymbolParams(named(client)))
     edits = await client.text_document_formatting_async(types.DocumentFormattingParams(named(client), types.FormattingOptions(2, True)))
     assert edits is not None

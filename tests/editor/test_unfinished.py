@@ -33,7 +33,6 @@ def ask_everything(session: Session, position: types.Position) -> None:
     session.hover(URI, position)
     session.definition(URI, position)
     session.references(URI, position)
-    session.highlights(URI, position)
     session.formatting(URI)
     session.symbols(URI)
     with suppress(Refused):
