@@ -107,7 +107,7 @@ class Server(LanguageServer):
 
 
 def make_server() -> Server:
-    """Returns a server with everything registered; `start_io` and `start_tcp` run it."""
+    """Returns a server with everything registered; `start_io` runs it."""
     server = Server()
 
     @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)

@@ -1,11 +1,9 @@
-"""The server as an editor has it: one process, spoken to over standard input and output, and over a port."""
+"""The server as an editor has it: one process, spoken to over standard input and output."""
 
 import asyncio
 import json
-import socket
 import subprocess
 import sys
-import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -137,38 +135,6 @@ def test_without_pygls_the_command_says_what_to_install() -> None:
     assert done.returncode == 1
     assert "pip install 'sjdsl[editor]'" in done.stderr
     assert "Traceback" not in done.stderr
-
-
-def test_the_server_listens_on_a_port_of_this_machine() -> None:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    server = subprocess.Popen([*COMMAND, "--tcp", str(port)], stderr=subprocess.PIPE, text=True)
-    try:
-        assert server.stderr is not None
-        assert server.stderr.readline() == f"listening on 127.0.0.1:{port}\n"
-        body = json.dumps(
-            {"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {"processId": None, "rootUri": None, "capabilities": {}}}
-        )
-        with connected(port) as connection:
-            connection.sendall(f"Content-Length: {len(body)}\r\n\r\n{body}".encode())
-            connection.settimeout(PATIENCE)
-            answer = connection.recv(65536).decode()
-            assert "Content-Length" in answer
-            assert '"renameProvider"' in answer or '"renameProvider"' in connection.recv(65536).decode()
-    finally:
-        server.kill()
-        server.wait()
-
-
-def connected(port: int) -> socket.socket:
-    """Returns a connection to a server that is starting."""
-    for _ in range(10 * PATIENCE):
-        try:
-            return socket.create_connection(("127.0.0.1", port))
-        except ConnectionRefusedError:
-            time.sleep(0.1)
-    raise TimeoutError(port)
 
 
 @pytest.mark.parametrize("asked_for", [True, False])
