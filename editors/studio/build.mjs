@@ -7,7 +7,7 @@ import { build } from "esbuild";
 const PAGE = "../../sjdsl/studio/page";
 
 // The same digest is computed by tests/studio/test_bundle.py: a bundle of older sources is found.
-const sources = [...readdirSync("src").sort().map((name) => `src/${name}`), "package-lock.json", "../vscode/syntaxes/sj.tmLanguage.json"];
+const sources = [...readdirSync("src").sort().map((name) => `src/${name}`), "package-lock.json"];
 const digest = createHash("sha256");
 for (const name of sources) digest.update(readFileSync(name));
 

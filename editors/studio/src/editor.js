@@ -6,7 +6,6 @@ import { Compartment, EditorState, RangeSetBuilder } from "@codemirror/state";
 import { Decoration, EditorView, lineNumbers } from "@codemirror/view";
 import { classHighlighter } from "@lezer/highlight";
 import { minimalSetup } from "codemirror";
-import grammar from "../../vscode/syntaxes/sj.tmLanguage.json";
 
 const LONG_RUN = 4; // lines that hold only a comment, from which on they are folded when a text is opened
 const WORTH_IT = 12; // characters that folding the end of a comment hides at least
@@ -17,7 +16,8 @@ const SCOPES = {
   "storage.type.sj": "keyword", "keyword.control.sj": "keyword", "keyword.other.statement.sj": "keyword", "keyword.operator.word.sj": "keyword",
   "entity.name.type.sj": "typeName", "support.type.sj": "typeName", "support.function.sj": "macroName",
 };
-const patterns = grammar.patterns.filter(({ match }) => match).map((pattern) => ({ ...pattern, match: new RegExp(pattern.match) }));
+const written = JSON.parse(document.querySelector('meta[name="patterns"]').content); // by the server, from the language itself
+const patterns = written.filter(({ match }) => match).map((pattern) => ({ ...pattern, match: new RegExp(pattern.match) }));
 
 const sj = StreamLanguage.define({
   name: "sj",
