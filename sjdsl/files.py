@@ -1,4 +1,4 @@
-"""Reads and writes files: a file is written whole or not at all, through no link, and one from elsewhere is read up to a limit.
+"""Finds, reads and writes files: a file is written whole or not at all, through no link, and one from elsewhere is read up to a limit.
 
 Logs and locks are the exception to *whole*: they are changed where they are.
 """
@@ -15,6 +15,7 @@ from typing import Any, BinaryIO, Literal, TextIO
 
 UNFINISHED = ".unfinished"  # ends the name of a file that is being written
 MEGABYTE = 2**20
+MOST_FOLDERS = 3000  # that are looked into for games
 LARGEST_JSON = 64 * MEGABYTE  # in memory it takes ten to thirty times as much
 
 
@@ -97,6 +98,25 @@ def naming(path: Path | str) -> Iterator[None]:
         if error.errno is not None:
             error.filename = error.filename or str(path)
         raise
+
+
+def games_below(root: Path) -> Iterator[Path]:
+    """Yields the games in a folder and those below it, nearer ones first.
+
+    At most 3,000 folders are looked into, so that a search of somebody's home ends soon. Hidden ones, links to folders,
+    packages of JavaScript, what Python keeps, and names that cannot be shown are left out.
+    """
+    waiting, looked = [root], 0
+    while waiting and looked < MOST_FOLDERS:
+        folder, looked = waiting.pop(0), looked + 1
+        try:
+            entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+        except OSError:
+            continue
+        entries = [entry for entry in entries if entry.name.isprintable() and not entry.name.startswith(".")]
+        yield from (Path(entry.path) for entry in entries if entry.name.endswith(".sj") and entry.is_file())
+        inside = [entry for entry in entries if entry.is_dir(follow_symlinks=False) and entry.name not in ("node_modules", "__pycache__")]
+        waiting += [Path(entry.path) for entry in inside]
 
 
 def _permissions(path: Path) -> int | None:

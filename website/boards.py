@@ -67,12 +67,12 @@ def played(game: ir.Game, steps: int = STEPS, seed: int = SEED) -> Iterator[Mome
     """Yields the moments of one episode, at most so many steps long."""
     params, chosen = default_params(game), side_by_side(game, seed)
     episode = begun(game, params, seed)
-    yield episode.drawn()
+    yield episode.drawn(0)
     for number in range(steps):
         if episode.is_over:
             return
         episode.step(chosen(number, episode.now.world), params)
-        yield episode.drawn()
+        yield episode.drawn(episode.at)
 
 
 def write(board: Board, folder: Path) -> None:

@@ -20,6 +20,8 @@ from pathlib import Path
 
 import jinja2
 
+from sjdsl.editor.highlighting import patterns
+
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
 PYODIDE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json")
@@ -129,7 +131,6 @@ def _sources() -> Iterator[tuple[Path, str]]:
             yield place, place.name
     yield from _files(HERE / "numpy", "numpy")
     yield from _files(ROOT / "games", "sjdsl/games")
-    yield from _files(ROOT / "trainers", "sjdsl/trainers")  # the studio asks them for names alone
     for path, name in _files(ROOT / "sjdsl", "sjdsl"):
         if name.split("/")[1] not in LEFT_OUT:
             yield path, name
@@ -156,7 +157,7 @@ def _page() -> str:
     """Returns the studio's page with what answers it before its script, and with all addresses beside it."""
     page = (ROOT / "sjdsl/studio/page/studio.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
-    text = environment.from_string(page).render(token="", opened="example:clean_up.sj")
+    text = environment.from_string(page).render(token="", opened="example:clean_up.sj", patterns=json.dumps(patterns()))
     script = '<script type="module" src="./studio.js">'
     text = text.replace("/assets/", "./").replace("<title>sjdsl studio</title>", "<title>sjdsl playground</title>")
     assert script in text, "the studio's page has changed"

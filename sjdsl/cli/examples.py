@@ -18,7 +18,7 @@ EXAMPLES = {
     "explain": ("sjdsl explain SJ401", "sjdsl explain SJ101"),
     "fmt": ("sjdsl fmt my_game.sj", "sjdsl fmt --check games"),
     "list": ("sjdsl list",),
-    "lsp": ("sjdsl lsp", "sjdsl lsp --tcp 2087"),
+    "lsp": ("sjdsl lsp",),
     "new": ("sjdsl new my_game", "sjdsl new --from clean_up my_clean_up"),
     "play": ("sjdsl play clean_up --agent 2", "sjdsl play my_game.sj --watch --others runs/mine --record first.json"),
     "plot": ("sjdsl plot runs/coins", "sjdsl plot common=runs/a individual=runs/b -o curves.png --metric equality"),

@@ -1,17 +1,15 @@
 """The texts that an editor has open, over the files on the disk, by their URIs."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from lsprotocol import types
-
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.editor.positions import UTF16, Lines, changed
+from sjdsl.editor.positions import UTF16, Lines
 
 
 def path_of(uri: str) -> Path | None:
@@ -61,11 +59,6 @@ class Documents:
         if document.path is not None:
             self._uris[document.path] = uri
         return document
-
-    def change(self, uri: str, changes: Sequence[types.TextDocumentContentChangeEvent], version: int | None = None) -> Document:
-        """Applies changes to an open text; to one that was never opened, as if it were empty."""
-        before = self._open[uri].text if uri in self._open else ""
-        return self.put(uri, changed(before, list(changes), self.encoding), version)
 
     def close(self, uri: str) -> None:
         """Forgets an open text: from then on its file counts."""

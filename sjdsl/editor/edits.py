@@ -1,6 +1,7 @@
 """Edits of a text that an editor offers: the changes that messages suggest, and the lines that `sjdsl fmt` would change."""
 
 from difflib import SequenceMatcher
+from itertools import accumulate
 from typing import Any
 
 from lsprotocol import types
@@ -44,10 +45,7 @@ def formatting(analysis: Analysis) -> list[types.TextEdit]:
     except CompileError:
         return []
     old, new = before.splitlines(keepends=True), after.splitlines(keepends=True)
-    starts = [0]
-    for line in old:
-        starts.append(starts[-1] + len(line))
-    lines = analysis.document.lines
+    starts, lines = [0, *accumulate(map(len, old))], analysis.document.lines
     return [
         types.TextEdit(lines.range(starts[i], starts[j]), "".join(new[first:last]))
         for tag, i, j, first, last in SequenceMatcher(None, old, new, autojunk=False).get_opcodes()

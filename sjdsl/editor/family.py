@@ -1,25 +1,16 @@
 """The files in which a name of one of them may stand: its own, those it extends, and all that extend one of these."""
 
-import os
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from itertools import islice
+from collections.abc import Iterable
+from itertools import chain, islice
 from pathlib import Path
 
 from sjdsl.compiler.ast.names import Occurrence, Symbol, occurrences
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.editor.analysis import Analyses, Analysis
+from sjdsl.files import games_below
 
 MOST_FILES = 2000  # of the folders that are looked through for games that extend another
-PASSED = ("node_modules", "__pycache__")
-
-
-def games_in(folders: Iterable[Path]) -> Iterator[Path]:
-    """Yields the `.sj` files of folders and below, hidden folders left out."""
-    for folder in folders:
-        for at, inside, names in os.walk(folder):
-            inside[:] = sorted(name for name in inside if not name.startswith(".") and name not in PASSED)
-            yield from (Path(at) / name for name in sorted(names) if name.endswith(".sj"))
 
 
 def readable(uris: Iterable[str], analyses: Analyses) -> list[Analysis]:
@@ -50,7 +41,8 @@ def everywhere(
     if any(s.space == "local" for s in wanted):
         return [(analysis, [o for o in analysis.occurrences if wanted & set(o.symbols)])]
     files = {analysis.document.name, *(source.name for source, _ in analysis.chain)}
-    uris = [d.uri for d in analyses.documents] + [analyses.documents.uri(p.resolve()) for p in islice(games_in(folders), MOST_FILES)]
+    below = islice(chain.from_iterable(map(games_below, folders)), MOST_FILES)
+    uris = [*(d.uri for d in analyses.documents), *(analyses.documents.uri(path.resolve()) for path in below)]
     texts = readable([analysis.document.uri, *(made.document.uri for made in bases(analysis, analyses)), *uris], analyses)
     family = [made for made in texts if made is analysis or files & {source.name for source, _ in made.chain}]
     resolved = defaultdict[Span, set[Symbol]](set)  # a define of a base may be used for other kinds by games that stand on it

@@ -17,6 +17,7 @@ CONTROL = ("when", "chance", "otherwise", "each", "pick", "first", "match", "cas
 VALUES = ("nobody", "nowhere", "yes", "no", "same", *HEADINGS)
 LANGUAGE = ("agent", "step")
 NAME = "[a-z][a-z0-9_]*"
+SPACE = "punctuation.whitespace.sj"
 
 
 def word_groups() -> dict[str, list[str]]:
@@ -35,7 +36,7 @@ def any_of(words: Iterable[str]) -> str:
 
 
 def captured(match: str, *scopes: str) -> dict[str, Any]:
-    """Returns a pattern whose groups have these scopes, in order."""
+    """Returns a pattern whose groups have these scopes, in order; it matches nothing outside them."""
     return {"match": match, "captures": {str(number): {"name": scope} for number, scope in enumerate(scopes, 1)}}
 
 
@@ -54,14 +55,14 @@ def patterns() -> list[dict[str, Any]]:
             "patterns": [{"name": "constant.character.escape.sj", "match": r"\\."}],
         },
         {"name": "constant.numeric.sj", "match": r"\b[0-9]+(\.[0-9]+)?\b"},
-        captured(rf"\b({any_of(NAMED)})\s+({NAME})", "storage.type.sj", "entity.name.type.sj"),
-        captured(rf"\b({any_of(FIELDS)})\s+({NAME})", "storage.type.sj", "variable.other.property.sj"),
-        captured(rf"\b(as|let|draw)\s+({NAME})", "keyword.operator.word.sj", "variable.other.local.sj"),
-        captured(rf"\.\s*({NAME})", "variable.other.property.sj"),
-        captured(rf":\s*({any_of(UNITS)})\b", "support.type.sj"),
+        captured(rf"\b({any_of(NAMED)})(\s+)({NAME})", "storage.type.sj", SPACE, "entity.name.type.sj"),
+        captured(rf"\b({any_of(FIELDS)})(\s+)({NAME})", "storage.type.sj", SPACE, "variable.other.property.sj"),
+        captured(rf"\b(as|let|draw)(\s+)({NAME})", "keyword.operator.word.sj", SPACE, "variable.other.local.sj"),
+        captured(rf"(\.)(\s*)({NAME})", "punctuation.accessor.sj", SPACE, "variable.other.property.sj"),
+        captured(rf"(:)(\s*)({any_of(UNITS)})\b", "punctuation.separator.sj", SPACE, "support.type.sj"),
         {"name": "constant.language.sj", "match": rf"\b({any_of(VALUES)})\b"},
         {"name": "variable.language.sj", "match": rf"\b({any_of(LANGUAGE)})\b"},
-        captured(rf"\b({any_of(FUNCTIONS)})\s*(?=\()", "support.function.sj"),
+        captured(rf"\b({any_of(FUNCTIONS)})(?=\s*\()", "support.function.sj"),
         *({"name": scope, "match": rf"\b({any_of(words)})\b"} for scope, words in word_groups().items()),
         {"name": "keyword.operator.sj", "match": r"->|\.\.|<=|>=|==|!=|[-+*/%<>=]"},
     ]

@@ -96,29 +96,17 @@ def references(
     return [types.Location(made.document.uri, _range(o, made, analyses.documents)) for made, o in shown]
 
 
-def highlights(uri: str, position: types.Position, analyses: Analyses) -> list[types.DocumentHighlight]:
-    """Returns the places of the name at a position in its own text."""
-    found = symbol_at(uri, position, analyses)
-    if found is None:
-        return []
-    analysis, occurrence = found
-    same = [o for o in analysis.occurrences if not set(occurrence.symbols).isdisjoint(o.symbols)]
-    kinds = {True: types.DocumentHighlightKind.Write, False: types.DocumentHighlightKind.Read}
-    return [types.DocumentHighlight(_range(o, analysis, analyses.documents), kinds[o.declares]) for o in same]
-
-
 # ---- rename
 
 
-def can_be_renamed(uri: str, position: types.Position, analyses: Analyses) -> types.PrepareRenamePlaceholder:
-    """Returns the name at a position. Raises Refused: there is none, it belongs to the language, or the text has syntax errors."""
-    analysis, occurrence = _renamed(uri, position, analyses)
-    return types.PrepareRenamePlaceholder(_range(occurrence, analysis, analyses.documents), _text(analysis, occurrence))
+def rename(uri: str, position: types.Position, new: str, analyses: Analyses, folders: Iterable[Path]) -> types.WorkspaceEdit:
+    """Returns the edits that give a thing another name, in every text.
 
-
-def _renamed(uri: str, position: types.Position, analyses: Analyses) -> tuple[Analysis, Occurrence]:
-    now = analyses.of(uri)
-    if now is not None and now.file is None:
+    Raises Refused: there is no name at the position, or it belongs to the language; the text has syntax errors; the new name is not allowed,
+    or is taken.
+    """
+    as_it_is = analyses.of(uri)
+    if as_it_is is not None and as_it_is.file is None:
         raise Refused("the text has syntax errors: repair them first, so that every place of the name is known")
     found = symbol_at(uri, position, analyses)
     if found is None:
@@ -127,12 +115,6 @@ def _renamed(uri: str, position: types.Position, analyses: Analyses) -> tuple[An
     for symbol in occurrence.symbols:
         if symbol.name in FIXED.get(symbol.space, ()):
             raise Refused(f"`{symbol.name}` is a name of the language: it means something of its own")
-    return analysis, occurrence
-
-
-def rename(uri: str, position: types.Position, new: str, analyses: Analyses, folders: Iterable[Path]) -> types.WorkspaceEdit:
-    """Returns the edits that give a thing another name, in every text. Raises Refused: the new name is not allowed, or is taken."""
-    analysis, occurrence = _renamed(uri, position, analyses)
     if not NAME.fullmatch(new):
         raise Refused(f"`{new[:40]}` cannot be a name: names are small letters, digits and `_`, and begin with a letter")
     table = automaton()
@@ -141,11 +123,11 @@ def rename(uri: str, position: types.Position, new: str, analyses: Analyses, fol
     if new in FUNCTIONS or any(new in names for names in FIXED.values()):
         raise Refused(f"`{new}` means something of its own in the language and cannot be a name here")
     documents, changes = analyses.documents, list[Any]()
-    for made, found in everywhere(occurrence.symbols, analysis, analyses, folders):
+    for made, hits in everywhere(occurrence.symbols, analysis, analyses, folders):
         if new != _text(analysis, occurrence) and any(token.type == "NAME" and token == new for token in made.tokens):
             raise Refused(f"`{new}` already stands in {Path(made.document.name).name}, for something else")
         now = documents.get(made.document.uri) or made.document
-        edits: list[Any] = [types.TextEdit(_range(o, made, documents), new) for o in found]
+        edits: list[Any] = [types.TextEdit(_range(o, made, documents), new) for o in hits]
         changed = types.TextDocumentEdit(types.OptionalVersionedTextDocumentIdentifier(now.uri, now.version), edits)
         changes += [changed] if edits else []
     return types.WorkspaceEdit(document_changes=changes)

@@ -1,6 +1,7 @@
 """The outline of a text: its symbols as a tree."""
 
 from collections.abc import Iterable
+from typing import Any
 
 from lsprotocol import types
 
@@ -10,67 +11,41 @@ from sjdsl.editor.analysis import Analysis
 from sjdsl.editor.positions import Lines
 
 Kind = types.SymbolKind
-SORTS: dict[type[object], tuple[types.SymbolKind, str]] = {
-    ast.Kind: (Kind.Class, "kind"), ast.Group: (Kind.Interface, "group"), ast.Movers: (Kind.Class, "movers"),
+SORTS: dict[type[object], tuple[types.SymbolKind, str]] = {  # the word is what a declaration without a name is called
+    ast.Game: (Kind.Module, "game"), ast.Constant: (Kind.Number, "param"), ast.Kind: (Kind.Class, "kind"),
+    ast.Group: (Kind.Interface, "group"), ast.Movers: (Kind.Class, "movers"), ast.Agents: (Kind.Class, "agents"),
     ast.Field: (Kind.Field, "field"), ast.Timer: (Kind.Field, "timer"), ast.Action: (Kind.EnumMember, "action"),
     ast.Shape: (Kind.Struct, "shape"), ast.Define: (Kind.Function, "define"), ast.Phase: (Kind.Method, "phase"),
-    ast.Event: (Kind.Event, "event"), ast.Measure: (Kind.Variable, "metric"), ast.ScriptedPolicy: (Kind.Function, "policy"),
-    ast.Scenario: (Kind.Object, "scenario"), ast.Variant: (Kind.Namespace, "variant"), ast.About: (Kind.String, "about"),
+    ast.Map: (Kind.Array, "map"), ast.Schedule: (Kind.Array, "schedule"), ast.Observe: (Kind.Object, "observe"),
+    ast.Metrics: (Kind.Object, "metrics"), ast.Event: (Kind.Event, "event"), ast.Measure: (Kind.Variable, "metric"),
+    ast.Checks: (Kind.Object, "checks"), ast.ScriptedPolicy: (Kind.Function, "policy"), ast.Scenario: (Kind.Object, "scenario"),
+    ast.Variant: (Kind.Namespace, "variant"), ast.About: (Kind.String, "about"),
 }  # fmt: skip
-Names = list[types.DocumentSymbol]
+INSIDE = ("sections", "attributes", "metrics", "changes")  # what nodes call the declarations in them
 
 
-def document_symbols(analysis: Analysis | None, lines: Lines) -> Names:
+def document_symbols(analysis: Analysis | None, lines: Lines) -> list[types.DocumentSymbol]:
     """Returns the declarations of a text, those inside others below them. `lines`: of the text that is shown, which may be newer."""
-    if analysis is None or analysis.file is None:
-        return []
-    game = analysis.file.game
-    title = game.title.text if game.title is not None else ""
-    return [_symbol(lines, game.name.text, title, Kind.Module, game.span, game.name.span, _sections(game.sections, lines))]
+    return [] if analysis is None or analysis.file is None else _symbols([analysis.file.game], lines)
 
 
-def _symbol(lines: Lines, name: str, detail: str, kind: types.SymbolKind, whole: Span, own: Span, inside: Names) -> types.DocumentSymbol:
-    start, end = min(whole.start, own.start), max(whole.end, own.end)
-    return types.DocumentSymbol(name, kind, lines.range(start, end), lines.span(own), detail=detail or None, children=inside or None)
-
-
-def _sections(sections: Iterable[object], lines: Lines) -> Names:
-    return [symbol for section in sections for symbol in _of(section, lines)]
-
-
-def _of(node: object, lines: Lines) -> Names:
-    """Returns the symbols of a declaration: itself with those inside it, or, of a block without a name, the block with them."""
-    match node:
-        case ast.Constant():
-            kind, sort = (Kind.Constant, "size") if node.is_size else (Kind.Number, "param")
-            return [_symbol(lines, node.name.text, sort, kind, node.span, node.name.span, [])]
-        case ast.Kind() | ast.Movers():
-            return [_named(node, lines, _sections(node.attributes, lines))]
-        case ast.Variant():
-            return [_named(node, lines, _sections(node.changes, lines), "" if node.title is None else node.title.text)]
-        case ast.Agents():
-            return [_block("agents", Kind.Class, node.span, _sections(node.attributes, lines), lines)]
-        case ast.Acts():
-            return _sections(node.actions, lines)
-        case ast.Metrics():
-            return [_block("metrics", Kind.Object, node.span, _sections(node.metrics, lines), lines)]
-        case ast.Checks():
-            return [_block("checks" if node.name is None else f"checks {node.name.text}", Kind.Object, node.span, [], lines)]
-        case ast.Observe() | ast.Map() | ast.Schedule():
-            kind = Kind.Object if isinstance(node, ast.Observe) else Kind.Array
-            return [_block(type(node).__name__.lower(), kind, node.span, [], lines)]
-        case _ if type(node) in SORTS:
-            return [_named(node, lines, [])]
-    return []
-
-
-def _named(node: object, lines: Lines, inside: Names, detail: str = "") -> types.DocumentSymbol:
-    kind, sort = SORTS[type(node)]
-    name: ast.Name = node.name  # type: ignore[attr-defined]
-    span: Span = node.span  # type: ignore[attr-defined]
-    return _symbol(lines, name.text, detail or sort, kind, span, name.span, inside)
-
-
-def _block(name: str, kind: types.SymbolKind, span: Span, inside: Names, lines: Lines) -> types.DocumentSymbol:
-    word = Span(span.file, span.start, span.start + len(name.split()[0]), span.line, span.column)
-    return _symbol(lines, name, "", kind, span, word, inside)
+def _symbols(nodes: Iterable[Any], lines: Lines) -> list[types.DocumentSymbol]:
+    """Returns the symbols of those nodes that are declarations."""
+    found: list[types.DocumentSymbol] = []
+    for node in nodes:
+        if isinstance(node, ast.Acts):
+            found += _symbols(node.actions, lines)
+        elif type(node) in SORTS:
+            kind, sort = SORTS[type(node)]
+            if isinstance(node, ast.Constant) and node.is_size:
+                kind, sort = Kind.Constant, "size"
+            name, title, whole = getattr(node, "name", None), getattr(node, "title", None), node.span
+            own = Span(whole.file, whole.start, whole.start + len(sort), whole.line, whole.column) if name is None else name.span
+            detail = (sort if title is None else title.text) if name is not None else None
+            inside = _symbols((child for part in INSIDE for child in getattr(node, part, ())), lines)
+            around = lines.range(min(whole.start, own.start), max(whole.end, own.end))
+            symbol = types.DocumentSymbol(
+                name.text if name else sort, kind, around, lines.span(own), detail=detail, children=inside or None
+            )
+            found.append(symbol)
+    return found

@@ -3,7 +3,6 @@
 import re
 from bisect import bisect_right
 from collections.abc import Iterable
-from functools import cached_property
 
 from lsprotocol import types
 
@@ -29,20 +28,12 @@ class Lines:
         self.starts = [0, *(end.end() for end in ends)]
         self._stops = [*(end.start() for end in ends), len(text)]
 
-    @cached_property
-    def _is_plain(self) -> bool:
-        """Whether each character is one code unit."""
-        return self._widths == WIDTHS["utf-32"] or self.text.isascii()
-
     def offset(self, position: types.Position) -> int:
         """Returns the character at a position."""
         if position.line >= len(self.starts):
             return len(self.text)
-        start, stop = self.starts[max(position.line, 0)], self._stops[max(position.line, 0)]
-        wanted = max(position.character, 0) if position.line >= 0 else 0
-        if self._is_plain:
-            return min(start + wanted, stop)
-        for at in range(start, stop):
+        wanted, stop = position.character, self._stops[position.line]
+        for at in range(self.starts[position.line], stop):
             wanted -= self._width(self.text[at])
             if wanted < 0:
                 return at
@@ -53,8 +44,7 @@ class Lines:
         offset = min(max(offset, 0), len(self.text))
         line = bisect_right(self.starts, offset) - 1
         start, offset = self.starts[line], min(offset, self._stops[line])
-        units = offset - start if self._is_plain else sum(map(self._width, self.text[start:offset]))
-        return types.Position(line, units)
+        return types.Position(line, sum(map(self._width, self.text[start:offset])))
 
     def range(self, start: int, end: int) -> types.Range:
         """Returns the range of the characters `start .. end`."""
@@ -66,18 +56,6 @@ class Lines:
 
     def _width(self, character: str) -> int:
         return self._widths[bisect_right(LIMITS, ord(character))]
-
-
-def changed(text: str, changes: list[types.TextDocumentContentChangeEvent], encoding: str = UTF16) -> str:
-    """Returns a text after changes, which a client sends in the order in which they apply: of a range, or of the whole text."""
-    for change in changes:
-        if isinstance(change, types.TextDocumentContentChangePartial):
-            lines = Lines(text, encoding)
-            start, end = sorted((lines.offset(change.range.start), lines.offset(change.range.end)))
-            text = text[:start] + change.text + text[end:]
-        else:
-            text = change.text
-    return text
 
 
 class Moved:

@@ -1,10 +1,8 @@
 """A Pygments lexer of the language, made from the same patterns as the TextMate grammar: for Sphinx, MkDocs, LaTeX and terminals."""
 
-import re
-from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, TypeAlias
 
-from pygments.lexer import RegexLexer
+from pygments.lexer import RegexLexer, bygroups
 from pygments.token import (
     Comment,
     Keyword,
@@ -36,11 +34,11 @@ TOKENS = {  # TextMate's scopes as Pygments has them
     "keyword.other.statement.sj": Keyword.Reserved,
     "keyword.operator.word.sj": Operator.Word,
     "keyword.operator.sj": Operator,
+    "punctuation.accessor.sj": Punctuation,
+    "punctuation.separator.sj": Punctuation,
+    "punctuation.whitespace.sj": Whitespace,
 }
-Token: TypeAlias = Any  # a type of Pygments, which has no types of its own
-Coloured: TypeAlias = Iterator[tuple[int, Token, str]]
-Action: TypeAlias = Token | Callable[[Any, re.Match[str]], Coloured]
-Rule: TypeAlias = tuple[str, Action] | tuple[str, Action, str]
+Rule: TypeAlias = tuple[Any, ...]  # a pattern, its token or what makes tokens, and perhaps the state that follows; Pygments has no types
 
 
 def rules(found: list[dict[str, Any]]) -> dict[str, list[Rule]]:
@@ -59,30 +57,9 @@ def rules(found: list[dict[str, Any]]) -> dict[str, list[Rule]]:
         elif "name" in pattern:
             states["root"].append((pattern["match"], TOKENS[pattern["name"]]))
         else:
-            groups = {int(number): TOKENS[scope["name"]] for number, scope in pattern["captures"].items()}
-            states["root"].append((pattern["match"], by_groups(groups)))
+            states["root"].append((pattern["match"], bygroups(*(TOKENS[scope["name"]] for scope in pattern["captures"].values()))))
     states["root"] += [(NAME, Name), (r"[A-Za-z_]\w*", Text), (r".", Punctuation)]
     return states
-
-
-def by_groups(groups: dict[int, Token]) -> Callable[[Any, re.Match[str]], Coloured]:
-    """Returns what colours the groups of a match by their numbers, and what stands around them as punctuation and spaces."""
-
-    def coloured(_lexer: Any, match: re.Match[str]) -> Coloured:
-        at = match.start()
-        for number, token in sorted(groups.items()):
-            yield from _between(match.string, at, match.start(number))
-            yield match.start(number), token, match.group(number)
-            at = match.end(number)
-        yield from _between(match.string, at, match.end())
-
-    return coloured
-
-
-def _between(text: str, start: int, end: int) -> Coloured:
-    for piece in re.finditer(r"\s+|\w+|[^\w\s]+", text[start:end]):
-        token = Whitespace if piece.group().isspace() else Name if piece.group()[0].isalnum() else Punctuation
-        yield start + piece.start(), token, piece.group()
 
 
 class SjLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types

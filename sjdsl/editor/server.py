@@ -8,7 +8,7 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 
-from sjdsl.editor import colours, completion
+from sjdsl.editor import completion
 from sjdsl.editor.documents import path_of
 from sjdsl.editor.navigation import Refused
 from sjdsl.editor.session import Session
@@ -23,7 +23,7 @@ class Server(LanguageServer):
     """A session and the tasks that look at its texts."""
 
     def __init__(self) -> None:
-        super().__init__("sjdsl", __version__)
+        super().__init__("sjdsl", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full)
         self.session = Session()
         self.shut_down = False  # the client has asked for the end
         self.ended_early = False  # it says `exit` without that
@@ -52,6 +52,11 @@ class Server(LanguageServer):
         gone, come = ([path_of(folder.uri) for folder in folders] for folders in (change.removed, change.added))
         kept = [folder for folder in self.session.folders if folder not in gone]
         self.session.folders = [*kept, *(path for path in come if path is not None)]
+
+    def opened(self, document: types.TextDocumentItem | types.VersionedTextDocumentIdentifier, text: str) -> None:
+        """Takes over a text that is opened or changed: the client sends the whole of it each time."""
+        self.session.open(document.uri, text, document.version)
+        self.look_at_those_on(document.uri)
 
     def look_at_those_on(self, uri: str, itself: bool = True) -> None:
         """Has texts looked at again whose messages may differ when a text or a file has changed."""
@@ -102,19 +107,8 @@ class Server(LanguageServer):
 
 
 def make_server() -> Server:
-    """Returns a server with everything registered; `start_io` and `start_tcp` run it."""
+    """Returns a server with everything registered; `start_io` runs it."""
     server = Server()
-
-    @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
-    def opened(ls: Server, params: types.DidOpenTextDocumentParams) -> None:
-        document = params.text_document
-        ls.session.open(document.uri, document.text, document.version)
-        ls.look_at_those_on(document.uri)
-
-    @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
-    def changed(ls: Server, params: types.DidChangeTextDocumentParams) -> None:
-        ls.session.change(params.text_document.uri, params.content_changes, params.text_document.version)
-        ls.look_at_those_on(params.text_document.uri)
 
     @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
     def files(ls: Server, params: types.DidChangeWatchedFilesParams) -> None:
@@ -132,9 +126,17 @@ def make_server() -> Server:
     def at(params: Any) -> tuple[str, types.Position]:
         return params.text_document.uri, params.position
 
+    def rename(ls: Server, uri: str, position: types.Position, new_name: str) -> types.WorkspaceEdit:
+        try:
+            return ls.session.rename(uri, position, new_name)
+        except Refused as reason:  # the client shows the message of an error
+            raise JsonRpcException(str(reason), REQUEST_FAILED) from None
+
     answers: dict[str, Callable[[Server, Any], Any]] = {
         types.INITIALIZE: lambda ls, params: ls.begin(params),
         types.INITIALIZED: lambda ls, _params: ls.watch_files(),
+        types.TEXT_DOCUMENT_DID_OPEN: lambda ls, params: ls.opened(params.text_document, params.text_document.text),
+        types.TEXT_DOCUMENT_DID_CHANGE: lambda ls, params: ls.opened(params.text_document, params.content_changes[-1].text),
         types.TEXT_DOCUMENT_DID_SAVE: lambda ls, params: ls.look_at_those_on(params.text_document.uri),
         types.TEXT_DOCUMENT_DID_CLOSE: lambda ls, params: ls.closed(params.text_document.uri),
         types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS: lambda ls, params: ls.change_folders(params.event),
@@ -142,29 +144,16 @@ def make_server() -> Server:
         types.TEXT_DOCUMENT_HOVER: lambda ls, params: ls.session.hover(*at(params)),
         types.TEXT_DOCUMENT_DEFINITION: lambda ls, params: ls.session.definition(*at(params)),
         types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(*at(params), params.context.include_declaration),
-        types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT: lambda ls, params: ls.session.highlights(*at(params)),
         types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(params.text_document.uri),
-        types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: lambda ls, params: ls.session.semantic_tokens(params.text_document.uri),
         types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(params.text_document.uri, params.range),
         types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(params.text_document.uri),
-        types.TEXT_DOCUMENT_PREPARE_RENAME: lambda ls, params: _or_refused(ls.session.can_be_renamed, *at(params)),
-        types.TEXT_DOCUMENT_RENAME: lambda ls, params: _or_refused(ls.session.rename, *at(params), params.new_name),
+        types.TEXT_DOCUMENT_RENAME: lambda ls, params: rename(ls, *at(params), params.new_name),
     }
     options: dict[str, Any] = {
         types.TEXT_DOCUMENT_COMPLETION: types.CompletionOptions(trigger_characters=list(completion.TRIGGERS)),
-        types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: colours.LEGEND,
         types.TEXT_DOCUMENT_CODE_ACTION: types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
-        types.TEXT_DOCUMENT_RENAME: types.RenameOptions(prepare_provider=True),
     }
     for message, answer in answers.items():
         server.feature(message, options.get(message))(answer)
 
     return server
-
-
-def _or_refused(answer: Callable[..., Any], *asked: Any) -> Any:
-    """Returns an answer; a refusal goes to the client as the message of an error."""
-    try:
-        return answer(*asked)
-    except Refused as reason:
-        raise JsonRpcException(str(reason), REQUEST_FAILED) from None

@@ -1,20 +1,18 @@
 """One editor's session: its open texts and folders, and an answer for each thing it asks. Nothing here knows how messages travel."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from lsprotocol import types
 
-from sjdsl.compiler.ast.names import Names
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.editor.analysis import Analyses, Analysis
-from sjdsl.editor.colours import semantic_tokens
 from sjdsl.editor.completion import completion
 from sjdsl.editor.diagnostics import diagnostics
 from sjdsl.editor.documents import Document, Documents, path_of
 from sjdsl.editor.edits import formatting, quick_fixes
 from sjdsl.editor.hover import hover
-from sjdsl.editor.navigation import can_be_renamed, definition, highlights, references, rename
+from sjdsl.editor.navigation import definition, references, rename
 from sjdsl.editor.outline import document_symbols
 from sjdsl.editor.positions import UTF16
 
@@ -32,10 +30,8 @@ class Session:
     # ---- texts
 
     def open(self, uri: str, text: str, version: int | None = None) -> None:
+        """Opens a text, or replaces it."""
         self.documents.put(uri, text, version)
-
-    def change(self, uri: str, changes: Sequence[types.TextDocumentContentChangeEvent], version: int | None = None) -> None:
-        self.documents.change(uri, changes, version)
 
     def close(self, uri: str) -> None:
         self.documents.close(uri)
@@ -78,13 +74,6 @@ class Session:
     def references(self, uri: str, position: types.Position, declared: bool = True) -> list[types.Location]:
         return references(uri, position, self.analyses, self.folders, declared)
 
-    def highlights(self, uri: str, position: types.Position) -> list[types.DocumentHighlight]:
-        return highlights(uri, position, self.analyses)
-
-    def can_be_renamed(self, uri: str, position: types.Position) -> types.PrepareRenamePlaceholder:
-        """Raises Refused with the reason why not."""
-        return can_be_renamed(uri, position, self.analyses)
-
     def rename(self, uri: str, position: types.Position, new: str) -> types.WorkspaceEdit:
         """Raises Refused with the reason why not."""
         return rename(uri, position, new, self.analyses, self.folders)
@@ -104,11 +93,6 @@ class Session:
         document = self.documents.get(uri)
         readable = self.analyses.readable(uri)
         return [] if document is None else document_symbols(readable, document.lines)
-
-    def semantic_tokens(self, uri: str) -> types.SemanticTokens:
-        analysis, readable = self.analyses.of(uri), self.analyses.readable(uri)
-        names = Names() if readable is None else readable.names
-        return types.SemanticTokens(data=[]) if analysis is None else semantic_tokens(analysis, names)
 
 
 def is_game(document: Document) -> bool:

@@ -3,17 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar, assert_never
+from typing import Any, assert_never
 
-from sjdsl.compiler import ast
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
-from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Cell
-from sjdsl.interpreter.step import action_mask
-from sjdsl.library.parameters import param_values
 from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
 from sjdsl.studio import requests as ask
@@ -24,16 +21,13 @@ from sjdsl.studio.examples import place_of
 from sjdsl.studio.folder import FileRefused, Folder
 from sjdsl.studio.keys import action_keys
 from sjdsl.studio.knobs import knobs, with_entries
-from sjdsl.studio.opened import Choice, Opened, open_text
+from sjdsl.studio.opened import Opened, interpreted_values, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint, write_number
 from sjdsl.studio.panels import checks_panel, curves_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
-from sjdsl.studio.runs import PolicyRefused
-from sjdsl.studio.trained import Trained, load_trained
 from sjdsl.trace.choices import chooser
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
-Made = TypeVar("Made")
 MOST_TOLD = 50  # errors of a text that are told
 
 
@@ -42,44 +36,47 @@ class Refused(Exception):
 
 
 class Bench:
-    """One game and its episode. `folder`: where its maps, bases and trained policies are.
+    """One game and its episode. `folder`: where its maps and bases are.
 
     opened: the game of the text; on_board: the one that is played, on another map while a counterexample is shown. Before a text has compiled
     there is none; while a text does not compile, the last one that did is played on.
     """
 
+    opened: Opened
+    on_board: Opened
+    episode: Episode
+    _artist: Artist
+
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.opened: Opened | None = None
-        self.on_board: Opened | None = None
-        self.episode: Episode | None = None
-        self.seed, self.others = 0, "random"
-        self._trained: Trained | None = None
-        self._artist: Artist | None = None
-        self._sent = 0
+        self.folder, self.seed, self.others = folder, 0, "random"
+        self._is_empty, self._sent = True, 0
 
     def answer(self, request: ask.AnyRequest) -> Answer:
         """Returns what a request leads to; `refused` with the reason if it cannot be done."""
         try:
             found = self._done(request)
-        except (Refused, TooLong, CannotPaint, NoReplay, PolicyRefused, FileRefused) as reason:
+        except (Refused, TooLong, CannotPaint, NoReplay, FileRefused) as reason:
             found = {"refused": str(reason)}
         except LeavesFloat32 as left:
-            found = {"refused": Rules(self._opened.build.sources).overflow(left)}
+            found = {"refused": Rules(self.opened.build.sources).overflow(left)}
         return {"id": request.id, "do": request.do, **found}
 
     def _done(self, request: ask.AnyRequest) -> Answer:
+        if isinstance(request, ask.Text):
+            return self._text(request)
+        if self._is_empty:
+            raise Refused("no text has compiled yet")
         match request:
-            case ask.Text():
-                return self._text(request)
             case ask.Step():
                 return self._step(request)
             case ask.Go():
-                self._episode.go(request.to)
+                self.episode.go(request.to)
             case ask.Begin():
                 return self._begin(request.seed)
             case ask.Others():
-                return self._choose(request.policy)
+                if request.policy not in _policies(self.on_board.game):
+                    raise Refused(f"the game has no policy `{request.policy}`")
+                self.others = request.policy
             case ask.Number():
                 self._number(request)
             case ask.Put():
@@ -87,11 +84,11 @@ class Bench:
             case ask.Paint():
                 if self._shows_counterexample:
                     raise Refused("this is the map of a counterexample: begin again to see the game's own, and paint there")
-                return {"change": vars(paint(self._opened, request.row, request.col, request.glyph))}
+                return {"change": vars(paint(self.opened, request.row, request.col, request.glyph))}
             case ask.Write():
-                return {"change": vars(write_number(self._opened, request.name, request.entry, request.value))}
+                return {"change": vars(write_number(self.opened, request.name, request.entry, request.value))}
             case ask.Replay():
-                return self._replay(request)
+                return self._put_on_board(*replayed(self.opened, request))
             case ask.Panel():
                 return {"panel": request.panel, **self._panel(request)}
             case ask.Share():
@@ -110,7 +107,7 @@ class Bench:
         over = {(folder / name).resolve(): text for name, text in request.over.items()}
         source = Source(path, request.text, (folder / path).parent, lambda wanted: over.get(wanted.resolve()))
         try:
-            opened = open_text(source, Choice(request.variants, request.agents, request.params))
+            opened = open_text(source, request.variants, request.agents, request.params)
         except CompileError as error:
             errors = [d for d in error.diagnostics if d.severity == "error"]
             told = [
@@ -118,29 +115,28 @@ class Bench:
                 for d in errors[:MOST_TOLD]
             ]
             return {"version": request.version, "compiles": False, "errors": len(errors), "problems": told}
-        before = self.on_board
-        kept = None if request.fresh or before is None or self.episode is None else self._kept(before, opened)
-        episode = kept or begun(opened.game, opened.values, self.seed)  # of a start that leaves float32, the board stays as it was
-        self.opened = opened
-        self._put_on_board(opened, episode)
-        return {"version": request.version, "compiles": True, "kept": kept is not None, "game": self._described(), **self._scene()}
+        kept = None if request.fresh or self._is_empty else self._kept(opened)
+        try:
+            episode = kept or begun(opened.game, opened.values, self.seed)
+        except LeavesFloat32 as left:
+            raise Refused(Rules(opened.build.sources).overflow(left)) from None
+        self.opened, self._is_empty = opened, False
+        return {"version": request.version, "compiles": True, "kept": kept is not None, **self._put_on_board(opened, episode)}
 
-    def _put_on_board(self, shown: Opened, episode: Episode) -> None:
+    def _put_on_board(self, shown: Opened, episode: Episode) -> Answer:
         """Shows an episode of a game. Whoever drove the agents goes on if the game has such a policy."""
         self.on_board, self.episode = shown, episode
-        known = ("random", "stay", *(policy.name for policy in shown.game.policies))
-        if self._trained is not None and self._trained.game != shown.game.name:
-            self._trained = None
-        if self.others not in known and self._trained is None:
+        if self.others not in _policies(shown.game):
             self.others = "random"
         self._artist, self._sent = Artist(make_look(shown.game)), 0
+        return {"game": self._described(), **self._scene()}
 
-    def _kept(self, before: Opened, now: Opened) -> Episode | None:
+    def _kept(self, now: Opened) -> Episode | None:
         """Returns the episode under the new rules: as it was if they are the same, else going on from the state that is shown.
 
         Not a counterexample: it was one to the old rules.
         """
-        episode = self._episode
+        episode, before = self.episode, self.on_board
         if episode.scenario is not None:
             return None
         if game_hash(before.game) == game_hash(now.game) and before.values == now.values:
@@ -150,8 +146,7 @@ class Bench:
 
     def _described(self) -> Answer:
         """Returns what the page has to know of a game."""
-        opened, shown, artist = self._opened, self._shown, self._artist
-        assert artist is not None
+        opened, shown = self.opened, self.on_board
         game = shown.game
         return {
             "name": game.name,
@@ -162,7 +157,7 @@ class Bench:
             "agents_are_free": isinstance(opened.composition.number, ast.Path),  # a `size` says how many
             "actions": list(game.agents.actions),
             "keys": action_keys(game.agents.actions, game.agents.relative),
-            "policies": ["random", "stay", *(policy.name for policy in game.policies)],
+            "policies": _policies(game),
             "others": self.others,
             "seed": self.seed,
             "variants": [[v.name.text, v.title.text if v.title else ""] for v in opened.composition.variants.values()],
@@ -172,78 +167,43 @@ class Bench:
             "glyphs": glyphs(opened),
             "map_file": map_file(opened),
             "counterexample": self._shows_counterexample,
-            "legend": artist.legend(),
+            "legend": self._artist.legend(),
             "metrics": metric_names(game),
         }
 
     # ---- the episode
 
     def _begin(self, seed: int) -> Answer:
-        was_other, opened = self._shows_counterexample, self._opened
-        episode = begun(opened.game, opened.values, seed)
+        episode = begun(self.opened.game, self.opened.values, seed)
         self.seed = seed
-        if not was_other:
-            self.episode = episode
-            return self._scene()
-        self._put_on_board(opened, episode)
-        return {"game": self._described(), **self._scene()}
-
-    def _replay(self, request: ask.Replay) -> Answer:
-        self._put_on_board(*replayed(self._opened, request))
-        return {"game": self._described(), **self._scene()}
+        return self._put_on_board(self.opened, episode)
 
     def _step(self, request: ask.Step) -> Answer:
-        shown, episode = self._shown, self._episode
+        shown, episode = self.on_board, self.episode
         if episode.is_over:
             raise Refused("the episode is over: go back, or begin it again")
         driven = {self._agent(agent): action for agent, action in request.actions.items()}
         if any(not 0 <= action < len(shown.game.agents.actions) for action in driven.values()):
             raise Refused("there is no such action")
-        choose = self._chooser()
-        for _ in range(request.many):
-            actions = list(choose(episode))
-            for agent, action in driven.items():
-                actions[agent] = action
-            if episode.step(actions, shown.values):
-                break
+        actions = list(chooser(shown.game, self.others, self.seed)(episode.now.world.step, episode.now.world))
+        for agent, action in driven.items():
+            actions[agent] = action
+        episode.step(actions, shown.values)
         return self._scene()
 
-    def _choose(self, policy: str) -> Answer:
-        """Has a policy drive the agents that nobody does. A trained one is loaded now, so that the next step need not wait for it."""
-        game = self._shown.game
-        if policy in ("random", "stay", *(declared.name for declared in game.policies)):
-            self.others, self._trained = policy, None
-        else:
-            self._trained = load_trained(policy, self._shown, self.folder.resolve())
-            self._trained.actions(self._episode, self.seed)  # JAX compiles it
-            self.others = policy
-        return {"others": self.others, "note": self._trained.note if self._trained else "", **self._scene()}
-
-    def _chooser(self) -> Callable[[Episode], list[int]]:
-        game, seed = self._shown.game, self.seed
-        if self._trained is None:
-            choose = chooser(game, self.others, seed)
-            return lambda episode: choose(episode.now.world.step, episode.now.world)
-        if not self._trained.fits(game):
-            self._trained = load_trained(self.others, self._shown, self.folder.resolve())
-        trained = self._trained
-        return lambda episode: trained.actions(episode, seed)
-
     def _number(self, request: ask.Number) -> None:
-        game = self._shown.game
+        game, values = self.on_board.game, self.on_board.values
         try:
-            given = with_entries(game, self._shown.values, request.name, request.value)
-            value = param_values(game, {**self._shown.values, request.name: given})[request.name]
+            given = with_entries(game, values, request.name, request.value)
+            changed = replace(self.on_board, values=interpreted_values(game, {**values, request.name: given}))
         except ValueError as error:
             raise Refused(str(error)) from None
-        is_real = next(p for p in game.params if p.name == request.name).type.kind == "real"
-        changed = replace(self._shown, values=self._shown.values | {request.name: real(value) if is_real else value})
         if not self._shows_counterexample:
             self.opened = changed
         self.on_board = changed
 
     def _put(self, request: ask.Put) -> None:
-        game, episode, agent = self._shown.game, self._episode, self._agent(request.agent)
+        game, episode, agent = self.on_board.game, self.episode, self._agent(request.agent)
         cell, world = self._cell(request.row, request.col), episode.now.world
         if cell in world.position and world.position.index(cell) != agent:
             raise Refused("another agent stands there")
@@ -255,12 +215,10 @@ class Bench:
 
     def _scene(self) -> Answer:
         """Returns the moment that is shown, the pictures that the page does not have yet, and how many moments there are."""
-        assert self._artist is not None
-        episode = self._episode
-        scene = self._artist.moment(episode.drawn())
+        episode = self.episode
+        scene = self._artist.moment(episode.drawn(episode.at))
         new, self._sent = self._artist.pictures[self._sent :], len(self._artist.pictures)
-        game = self._shown.game
-        allowed = action_mask(game, episode.now.world) if game.agents.forbids else []
+        game = self.on_board.game
         return {
             "scene": scene | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
             "pictures": new,
@@ -268,23 +226,22 @@ class Bench:
             "metrics": measured(game, episode.now.outcome),
             "at": episode.at,
             "moments": len(episode.moments),
-            "forbidden": [[a for a, allow in enumerate(mask) if not allow] for mask in allowed],
         }
 
     # ---- beside the board
 
     def _panel(self, request: ask.Panel) -> Answer:
-        opened, shown, moment = self._opened, self._shown, self._episode.now
+        opened, shown, moment = self.opened, self.on_board, self.episode.now
         cell = None if request.row is None or request.col is None else self._cell(request.row, request.col)
         panels: dict[str, Callable[[], Answer]] = {
             "rules": lambda: rules_panel(opened),
             "python": lambda: python_panel(opened),
             "state": lambda: state_panel(shown, moment.world, cell),
             "seen": lambda: seen_panel(shown, moment.world, self._agent(request.agent)),
-            "trace": lambda: trace_panel(shown, self._episode.traced()),
+            "trace": lambda: trace_panel(shown, self.episode.traced()),
             "checks": lambda: checks_panel(opened),
             "diff": lambda: diff_panel(opened),
-            "curves": lambda: curves_panel(self._episode),
+            "curves": lambda: curves_panel(self.episode),
         }
         try:
             return panels[request.panel]()
@@ -292,45 +249,28 @@ class Bench:
             raise Refused(error.diagnostics[0].message) from None
 
     def _share(self) -> Answer:
-        episode, game = self._episode, self._shown.game
-        shown, moments = episode.at, []
-        for number in range(len(episode.moments)):
-            episode.go(number)
-            moments.append(episode.drawn())
-        episode.go(shown)
+        episode, game = self.episode, self.on_board.game
+        moments = [episode.drawn(number) for number in range(len(episode.moments))]
         return {"html": make_page(game, moments).text, "name": f"{game.name}.html"}
 
     # ---- what there is
 
     @property
-    def _opened(self) -> Opened:
-        return _compiled(self.opened)
-
-    @property
-    def _shown(self) -> Opened:
-        return _compiled(self.on_board)
-
-    @property
     def _shows_counterexample(self) -> bool:
-        return self._shown is not self._opened
-
-    @property
-    def _episode(self) -> Episode:
-        return _compiled(self.episode)
+        return self.on_board is not self.opened
 
     def _agent(self, number: int) -> int:
-        if not 0 <= number < self._shown.game.agents.number:
+        if not 0 <= number < self.on_board.game.agents.number:
             raise Refused(f"there is no agent {number}")
         return number
 
     def _cell(self, row: int, col: int) -> Cell:
-        rows = self._shown.game.rows
+        rows = self.on_board.game.rows
         if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
             raise Refused("that is no cell of the map")
         return Cell(row, col)
 
 
-def _compiled(made: Made | None) -> Made:
-    if made is None:
-        raise Refused("no text has compiled yet")
-    return made
+def _policies(game: ir.Game) -> list[str]:
+    """Returns what agents that nobody drives can follow: policies by their names."""
+    return ["random", "stay", *(policy.name for policy in game.policies)]

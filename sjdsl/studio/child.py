@@ -9,8 +9,8 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 LONGEST_LINE = 64 * 2**20  # bytes of one answer
-# Seconds that a request may take: checks are played for a long time, and so is a long counterexample; a policy is compiled.
-SECONDS = {"panel": 120.0, "replay": 120.0, "others": 120.0, "step": 60.0}
+# Seconds that a request may take: checks are played for a long time, and so is a long counterexample.
+SECONDS = {"panel": 120.0, "replay": 120.0, "step": 60.0}
 ANY = 20.0
 START = 90.0  # that Python and the compiler may take to load
 LATER = 10.0  # seconds until the place of a process that a page has taken is filled

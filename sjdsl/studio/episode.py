@@ -54,8 +54,8 @@ class Episode:
         outcome = self.now.outcome
         return outcome is not None and (outcome.terminated or outcome.truncated)
 
-    def step(self, actions: list[int], params: Mapping[str, Value]) -> bool:
-        """Takes a step from the moment that is shown, and returns whether it was the last; what came after is forgotten.
+    def step(self, actions: list[int], params: Mapping[str, Value]) -> None:
+        """Takes a step from the moment that is shown; what came after is forgotten.
 
         Raises TooLong, and LeavesFloat32.
         """
@@ -69,7 +69,6 @@ class Episode:
         self.moments.append(moment)
         self.returns.append([before + reward for before, reward in zip(self.returns[self.at], paid, strict=True)])
         self.at += 1
-        return self.is_over
 
     def traced(self) -> Moment:
         """Returns the moment that is shown with an account of what led to it, by the rules as they are written now."""
@@ -85,9 +84,10 @@ class Episode:
         """Shows another moment; the nearest there is."""
         self.at = min(max(0, number), len(self.moments) - 1)
 
-    def drawn(self) -> Drawn:
-        """Returns the moment that is shown as pictures and pages have it."""
-        return moment_of(self.game, self.now.world, self.returns[self.at], self.now.actions, self.now.outcome)
+    def drawn(self, number: int) -> Drawn:
+        """Returns a moment as pictures and pages have it."""
+        moment = self.moments[number]
+        return moment_of(self.game, moment.world, self.returns[number], moment.actions, moment.outcome)
 
 
 def metric_names(game: ir.Game) -> list[tuple[str, bool]]:

@@ -7,7 +7,6 @@ from typing import Any
 from sjdsl.studio import tour
 from sjdsl.studio.examples import copy_beside, examples, new_game, place_of
 from sjdsl.studio.folder import Changed, FileRefused, Folder
-from sjdsl.studio.runs import stored_policies
 
 Answer = dict[str, Any]
 
@@ -39,8 +38,6 @@ def _done(folder: Folder, method: str, address: str, query: Mapping[str, str], g
             return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
         case "GET", "/tour":
             return {"steps": tour.steps()}
-        case "GET", "/policies":
-            return {"policies": [[stored.name, stored.game] for stored in stored_policies(folder.root)]}
         case "GET", "/file":  # of the folder, of an example or of the tour; its URI is for the language server
             place, path = place_of(query["path"], folder.root)
             text, digest = Folder(place).read(path)

@@ -1,18 +1,15 @@
 """The files that the studio opens and writes: games and maps inside the folder it was started in."""
 
 import hashlib
-import os
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from sjdsl.files import read_bytes, write_whole
+from sjdsl.files import games_below, read_bytes, write_whole
 
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
 MOST = 500  # files that are listed
-MOST_FOLDERS = 3000
 
 
 class FileRefused(Exception):
@@ -31,8 +28,7 @@ class Folder:
 
     def games(self) -> list[str]:
         """Returns the games, by their paths inside, those in nearer folders first; at most 500."""
-        found = (path.relative_to(self.root).as_posix() for path in files_below(self.root, ".sj"))
-        return list(islice(found, MOST))
+        return [path.relative_to(self.root).as_posix() for path in islice(games_below(self.root), MOST)]
 
     def read(self, name: str) -> tuple[str, str]:
         """Returns the text of a file and its digest. Raises FileRefused."""
@@ -77,28 +73,6 @@ class Folder:
         if path.suffix not in SUFFIXES:
             raise FileRefused(f"`{name}` is neither a game (.sj) nor a map (.txt)")
         return path
-
-
-def files_below(root: Path, suffix: str) -> Iterator[Path]:
-    """Yields the files of a suffix in a folder and those below it, nearer ones first.
-
-    At most 3,000 folders are looked into, so that a studio started in somebody's home answers soon. Hidden ones, those whose name begins with
-    `_`, links to folders, packages of JavaScript, and names that cannot be shown are left out.
-    """
-    waiting, looked = [root], 0
-    while waiting and looked < MOST_FOLDERS:
-        folder, looked = waiting.pop(0), looked + 1
-        try:
-            entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
-        except OSError:
-            continue
-        entries = [entry for entry in entries if entry.name.isprintable() and not entry.name.startswith(".")]
-        yield from (Path(entry.path) for entry in entries if entry.name.endswith(suffix) and entry.is_file())
-        waiting += [
-            Path(entry.path)
-            for entry in entries
-            if entry.is_dir(follow_symlinks=False) and not entry.name.startswith("_") and entry.name != "node_modules"
-        ]
 
 
 def digest(data: bytes) -> str:

@@ -36,11 +36,10 @@ class Text(Request):
 
 
 class Step(Request):
-    """Takes steps. `actions`: of the agents that somebody drives, by the number of the agent."""
+    """Takes a step. `actions`: of the agents that somebody drives, by the number of the agent."""
 
     do: Literal["step"]
     actions: dict[int, int] = {}
-    many: Annotated[int, Field(ge=1, le=50)] = 1
 
 
 class Go(Request):
@@ -58,10 +57,10 @@ class Begin(Request):
 
 
 class Others(Request):
-    """Says what the agents do that nobody drives: `random`, `stay`, a policy of the file, or a trained one inside the folder."""
+    """Says what the agents do that nobody drives: `random`, `stay`, or a policy of the file."""
 
     do: Literal["others"]
-    policy: Annotated[str, Field(max_length=1000)]
+    policy: NAME
 
 
 class Number(Request):

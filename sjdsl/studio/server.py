@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import json
 from collections.abc import Callable, Coroutine
 from importlib.resources import files
 from pathlib import Path
@@ -18,6 +19,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from sjdsl.editor.highlighting import patterns
 from sjdsl.studio.access import Access
 from sjdsl.studio.child import Spares
 from sjdsl.studio.files import answered
@@ -52,7 +54,7 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
     routes = [
         Route("/", _page(opened)),
         Route("/assets/{name}", _asset),
-        *(Route(path, _files(inside)) for path in ("/games", "/tour", "/policies")),
+        *(Route(path, _files(inside)) for path in ("/games", "/tour")),
         Route("/file", _files(inside), methods=["GET", "PUT"]),
         *(Route(path, _files(inside), methods=["POST"]) for path in ("/copy", "/new")),
         WebSocketRoute("/bench", _bench(spares)),
@@ -85,7 +87,8 @@ class Guard:
 def _page(opened: str | None) -> Callable[[Request], Response]:
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
     page = environment.from_string(files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8"))
-    return lambda request: HTMLResponse(page.render(token=request.query_params["token"], opened=opened or ""), headers=HEADERS)
+    given = {"opened": opened or "", "patterns": json.dumps(patterns())}
+    return lambda request: HTMLResponse(page.render(token=request.query_params["token"], **given), headers=HEADERS)
 
 
 def _asset(request: Request) -> Response:

@@ -65,7 +65,6 @@ def playground(browser: Browser, address: str) -> Iterator[Page]:
     page.goto(address)
     expect(part(page, "title")).to_have_text("Clean Up", timeout=LOADED)
     expect(part(page, "panel")).to_contain_text("Clean Up", timeout=LOADED)
-    page.locator(".sj-keyword").first.wait_for(timeout=LOADED)  # the language server has coloured the text
     yield page
     context.close()
     assert wrong == []
@@ -81,7 +80,7 @@ def write(page: Page, at: str, text: str) -> None:
 def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
     write(playground, "phase walk", " mistake")
     expect(part(playground, "verdict")).to_contain_text("error", timeout=30_000)
-    playground.locator(".cm-lintRange-error").first.wait_for(timeout=30_000)
+    playground.locator(".cm-lintRange-error").first.wait_for(timeout=LOADED)  # the language server comes after the board
     for _ in " mistake":
         playground.keyboard.press("Backspace")
     expect(part(playground, "verdict")).to_have_text("", timeout=30_000)

@@ -20,6 +20,20 @@ def test_a_mistake_is_told_and_its_repair_changes_the_board(opened: Page) -> Non
     assert part(opened, "board").evaluate("board => board.height / board.width") > before
 
 
+def test_words_have_the_colours_of_the_grammar(opened: Page) -> None:
+    def coloured(name: str) -> list[str]:
+        return opened.locator(f".text .tok-{name}").all_inner_texts()
+
+    type_over(opened, GAME.replace("episode 50", "episode 50  # short"))
+    expect(opened.locator(".text .tok-comment")).to_have_text("# short")
+    assert coloured("typeName")[:4] == ["yard", "fine", "reward", "floor"]
+    assert coloured("keyword")[:8] == ["sj", "game", "param", "in", "episode", "kind", "kind", "field"]
+    assert coloured("number")[:5] == ["1", "1", "0", "5", "50"]
+    assert coloured("string")[:3] == ['"Yard"', '"."', '"A"']
+    assert coloured("atom") == ["north"]
+    assert coloured("macroName") == ["count", "count"]
+
+
 def test_the_board_plays_back_and_forth(opened: Page) -> None:
     for _ in range(3):
         part(opened, "forward").click()

@@ -145,7 +145,7 @@ def test_axe_finds_nothing(shaded: Page) -> None:
         ]
         assert found == []
 
-    page.locator(".sj-keyword").first.wait_for(state="attached", timeout=60_000)
+    page.locator(".tok-keyword").first.wait_for(state="attached", timeout=60_000)
     look()
     narrow = page.viewport_size is not None and page.viewport_size["width"] < 800
     if narrow:

@@ -1,13 +1,11 @@
-"""The studio in a browser: who else drives, counterexamples, the tour, variants, tables of numbers, and work that is not to be lost."""
+"""The studio in a browser: counterexamples, the tour, variants, tables of numbers, and work that is not to be lost."""
 
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-import sjdsl
 from tests.browser.studio_page import GAME, Studio, open_game, opened, part, studio, type_over
-from tests.experiments.stored_policies import store
 
 __all__ = ["opened", "studio"]  # fixtures
 TABLES = GAME.replace(
@@ -19,28 +17,6 @@ TABLES = GAME.replace(
 
 def choose_panel(page: Page, name: str) -> None:
     page.locator(f'[data-panel="{name}"]').click()
-
-
-def test_a_trained_run_drives_and_one_of_another_game_does_not(opened: Page, studio: Studio) -> None:
-    env = sjdsl.make(studio.folder / "yard.sj")
-    store(studio.folder / "runs" / "mine", env, 3)
-    store(studio.folder / "runs" / "theirs", env, 3, {"name": "orchard"})
-    others = part(opened, "others")
-    others.focus()
-    expect(others.locator("option", has_text="runs/mine")).to_have_count(1)
-    others.select_option("runs/theirs")
-    expect(part(opened, "message")).to_contain_text("trained on the game `orchard`")
-    expect(others).to_have_value("random")
-    others.select_option("runs/mine")
-    expect(part(opened, "message")).to_have_text("")
-    expect(others).to_have_value("runs/mine")
-    part(opened, "forward").click()
-    expect(part(opened, "step")).to_have_text("step 1")
-    type_over(opened, GAME.replace("fine to agent", "2 * fine to agent"))
-    expect(part(opened, "verdict")).to_have_text("")
-    expect(others).to_have_value("runs/mine")
-    part(opened, "forward").click()
-    expect(part(opened, "step")).to_have_text("step 2")
 
 
 def test_a_failed_check_is_shown_on_the_board(opened: Page) -> None:
@@ -141,12 +117,13 @@ def test_a_file_that_another_window_wrote_is_noticed(opened: Page, studio: Studi
 
 def test_whoever_types_early_keeps_the_cursor(studio: Studio, browser: Browser) -> None:
     """The language server comes a while after the text; the editor is not made anew for it, nor are keys lost or changes forgotten."""
+    (studio.folder / "yard.sj").write_text(GAME.replace("  policy", "  define spare = 1\n  policy"), encoding="utf-8")
     page = browser.new_page()
     page.goto(studio.address)
     page.locator(".cm-line").first.click(timeout=60_000)
     page.keyboard.press("End")
     page.keyboard.type("  # early", delay=20)
-    page.locator(".sj-keyword").first.wait_for(timeout=60_000)  # coloured by meaning: it is there
+    page.locator(".cm-lintRange-warning").first.wait_for(timeout=60_000)  # it has found what is unused
     page.keyboard.type(" and late", delay=20)
     expect(page.locator(".cm-line").first).to_have_text("sj 1  # early and late")
     for _ in range(6):

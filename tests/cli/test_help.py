@@ -33,7 +33,7 @@ def test_every_option_is_told(name: str) -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_examples_are_calls(name: str) -> None:
     shown = command(name).get_help(click.Context(command(name), parent=ABOVE, info_name=name, max_content_width=WIDTH))
-    assert len(EXAMPLES[name]) == (1 if name == "list" else 2)  # `list` takes nothing
+    assert len(EXAMPLES[name]) == (1 if name in ("list", "lsp") else 2)  # they take nothing
     for line in EXAMPLES[name]:
         program, called, *arguments = shlex.split(line)
         assert (program, called) == ("sjdsl", name)

@@ -96,7 +96,7 @@ def test_open_texts_stand_in_place_of_files(tmp_path: Path) -> None:
     assert session.affected_by(base) == [uri, base]
     assert session.diagnostics(uri) == []
     assert session.affected_by(map_) == [uri]
-    session.change(base, [types.TextDocumentContentChangeWholeDocument(ORCHARD.replace("episode 20", ""))], 2)
+    session.open(base, ORCHARD.replace("episode 20", ""), 2)
     assert [d.code for d in session.diagnostics(uri)] == ["SJ114"]
     session.close(base)
     assert "SJ012" in [d.code for d in session.diagnostics(uri)]

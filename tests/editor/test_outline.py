@@ -1,7 +1,6 @@
-"""Symbols, layout and colours of a text."""
+"""Symbols and layout of a text."""
 
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.editor.colours import coloured
 from sjdsl.format import format_source
 from tests.editor.asked import ORCHARD, opened
 
@@ -36,28 +35,3 @@ def test_layout_changes_only_lines_that_differ() -> None:
     assert session.formatting(uri) == []
     session.open(uri, text + "}", 3)
     assert session.formatting(uri) == []
-
-
-def test_words_are_coloured_by_what_they_mean() -> None:
-    session, uri = opened()
-    analysis = session.analyses.of(uri)
-    assert analysis is not None
-    found = {}
-    for start, end, sort, modifiers in coloured(analysis, analysis.names):
-        found.setdefault(ORCHARD[start:end], []).append((sort, modifiers))
-    assert found["apple"][0] == ("parameter", ("declaration", "readonly"))
-    assert found["apple"][1] == ("parameter", ("readonly",))
-    assert found["eater"][0] == ("variable", ("declaration",))
-    assert {sort for sort, _ in found["tree"]} == {"class"}
-    assert {sort for sort, _ in found["fruit"]} == {"property"}
-    assert {sort for sort, _ in found["ripe"]} == {"enumMember"}
-    assert {sort for sort, _ in found["eat"]} == {"method"}
-    assert found["each"][0] == ("keyword", ())
-    assert found["probability"] == [("type", ("defaultLibrary",))]
-
-
-def test_colours_are_counted_from_one_word_to_the_next() -> None:
-    session, uri = opened('sj 1\ngame g "😀" {  episode 5 }')
-    data = list(session.semantic_tokens(uri).data)
-    steps = [tuple(data[i : i + 3]) for i in range(0, len(data), 5)]
-    assert steps == [(0, 0, 2), (0, 3, 1), (1, 0, 4), (0, 5, 1), (0, 2, 4), (0, 8, 7), (0, 8, 1)]

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lsprotocol import types
 
-from sjdsl.editor.positions import Lines, Moved, changed
+from sjdsl.editor.positions import Lines, Moved
 
 TEXTS = st.text(st.sampled_from("aé€😀\n\r\u2028\t# "), max_size=30)
 WIDTH = {"utf-8": 1, "utf-16": 2, "utf-32": 4}
@@ -35,22 +35,6 @@ def test_places_outside_a_text_are_moved_inside() -> None:
     assert lines.offset(types.Position(9, 0)) == 6
     assert lines.offset(types.Position(0, 2)) == 1, "inside the two halves of a character is before it"
     assert lines.range(0, 3) == types.Range(types.Position(0, 0), types.Position(0, 4))
-
-
-@given(text=TEXTS, put=TEXTS, data=st.data())
-def test_a_change_of_a_range_is_what_it_is_in_characters(text: str, put: str, data: st.DataObject) -> None:
-    start, end = sorted((data.draw(st.integers(0, len(text))), data.draw(st.integers(0, len(text)))))
-    lines = Lines(text)
-    start, end = lines.offset(lines.position(start)), lines.offset(lines.position(end))
-    change = types.TextDocumentContentChangePartial(lines.range(start, end), put)
-    assert changed(text, [change]) == text[:start] + put + text[end:]
-
-
-def test_changes_apply_in_order() -> None:
-    first = types.TextDocumentContentChangePartial(Lines("é😀\nx").range(1, 2), "a")
-    whole = types.TextDocumentContentChangeWholeDocument("new")
-    assert changed("é😀\nx", [first]) == "éa\nx"
-    assert changed("é😀\nx", [first, whole]) == "new"
 
 
 @given(front=TEXTS, old=TEXTS, new=TEXTS, behind=TEXTS, data=st.data())

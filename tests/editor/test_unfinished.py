@@ -33,10 +33,8 @@ def ask_everything(session: Session, position: types.Position) -> None:
     session.hover(URI, position)
     session.definition(URI, position)
     session.references(URI, position)
-    session.highlights(URI, position)
     session.formatting(URI)
     session.symbols(URI)
-    session.semantic_tokens(URI)
     with suppress(Refused):
         session.rename(URI, position, "other_name")
 

@@ -25,13 +25,13 @@ def answers(name: str) -> list[Any]:
         assert "refused" not in found[-1], found[-1]
 
     ask(do="text", version=1, path=path.relative_to(home).as_posix(), text=Path(path).read_text(encoding="utf-8"))
-    ask(do="step", many=8)
+    for _ in range(8):
+        ask(do="step")
     for panel in ("state", "seen", "trace", "rules", "python"):
         ask(do="panel", panel=panel)
-    assert bench.opened is not None
     for policy in bench.opened.game.policies[:1]:
         ask(do="others", policy=policy.name)
-        ask(do="step", many=2)
+        ask(do="step")
     ask(do="share")
     return found
 

@@ -156,7 +156,7 @@ def test_a_message_of_nonsense_is_answered_in_words(client: TestClient) -> None:
             "{",
             "[]",
             '{"do": "explode"}',
-            json.dumps({"do": "step", "many": 10**9}),
+            json.dumps({"do": "begin", "seed": 10**12}),
             json.dumps({"do": "step", "actions": {"x": 0}}),
             json.dumps({"do": "panel", "panel": "differences"}),
             json.dumps({"do": "text", "text": "x" * 500_000}),
@@ -208,7 +208,7 @@ def test_a_large_file_is_not_read_whole(client: TestClient, folder: Path) -> Non
 
 
 def test_a_vast_folder_is_listed_in_part_nearest_first(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sjdsl.studio.folder.MOST_FOLDERS", 5)
+    monkeypatch.setattr("sjdsl.files.MOST_FOLDERS", 5)
     for number in range(20):
         (folder / f"far{number:02d}" / "deep").mkdir(parents=True)
         (folder / f"far{number:02d}" / "deep" / "x.sj").touch()

@@ -59,6 +59,11 @@ def opened(bench: Bench, text: str = GAME, **other: Any) -> dict[str, Any]:
     return answer
 
 
+def take_steps(bench: Bench, count: int) -> dict[str, Any]:
+    """Returns the answer to the last of some steps."""
+    return [ask(bench, do="step") for _ in range(count)][-1]
+
+
 def test_a_text_becomes_a_board(bench: Bench) -> None:
     answer = opened(bench)
     assert (answer["game"]["height"], answer["game"]["width"], answer["game"]["agents"]) == (2, 3, 2)
@@ -83,9 +88,18 @@ def test_a_text_with_errors_leaves_the_board_as_it_is(bench: Bench) -> None:
     assert ask(bench, do="step")["at"] == 2
 
 
+def test_a_start_beyond_float32_is_told_with_its_line(bench: Bench) -> None:
+    text = GAME.replace("field bag", "field wealth : reward = 1 field bag").replace(
+        "facing north", "facing north set agent.wealth = 1e20 * 1e20"
+    )
+    answer = ask(bench, do="text", version=1, path="yard.sj", text=text.replace("1e20", "1" + 20 * "0" + ".0"))
+    assert "yard.sj:14: in step 0" in answer["refused"]
+    assert "leaves float32" in answer["refused"]
+
+
 def test_an_edit_keeps_the_state_where_it_fits(bench: Bench) -> None:
     opened(bench)
-    ask(bench, do="step", many=3)
+    take_steps(bench, 3)
     places = ask(bench, do="go", to=3)["scene"]["places"]
     richer = opened(bench, GAME.replace("add 1 to agent.bag", "add 2 to agent.bag"))
     assert richer["kept"]
@@ -99,7 +113,7 @@ def test_an_edit_keeps_the_state_where_it_fits(bench: Bench) -> None:
 
 def test_the_same_rules_keep_the_whole_episode(bench: Bench) -> None:
     opened(bench)
-    ask(bench, do="step", many=3)
+    take_steps(bench, 3)
     again = opened(bench, GAME.replace("sj 1", "sj 1\n# a remark"))
     assert (again["kept"], again["moments"], again["at"]) == (True, 4, 3)
 
@@ -137,7 +151,7 @@ def test_back_scrub_and_another_way_on(bench: Bench) -> None:
 
 def test_the_end_of_an_episode(bench: Bench) -> None:
     opened(bench)
-    last = ask(bench, do="step", many=20)
+    last = take_steps(bench, 6)
     assert last["at"] == 6
     assert last["scene"]["done"]
     assert "is over" in ask(bench, do="step")["refused"]
@@ -149,6 +163,8 @@ def test_who_is_driven_acts_and_the_others_follow_a_policy(bench: Bench) -> None
     ask(bench, do="others", policy="idler")
     assert ask(bench, do="step", actions={"1": 1})["scene"]["actions"] == [2, 1]
     assert "no policy" in ask(bench, do="others", policy="nobody")["refused"]
+    assert opened(bench, GAME.replace("capped = 0", "capped = 1"))["game"]["others"] == "idler"
+    assert opened(bench, GAME.replace("policy idler", "policy loafer"))["game"]["others"] == "random"
 
 
 def test_a_number_counts_from_the_next_step_on(bench: Bench) -> None:
@@ -288,7 +304,7 @@ def test_a_variant_and_a_number_are_chosen_together(bench: Bench) -> None:
 
 def test_an_episode_is_shared_as_a_page(bench: Bench) -> None:
     opened(bench)
-    ask(bench, do="step", many=3)
+    take_steps(bench, 3)
     ask(bench, do="go", to=1)
     shared = ask(bench, do="share")
     assert shared["name"] == "yard.html"

@@ -1,4 +1,4 @@
-// How texts look and fold in the editor: comments, words in quotes and numbers at once, the rest as the language server says.
+// How texts look and fold in the editor.
 
 import { StreamLanguage, codeFolding, foldEffect, foldService, syntaxHighlighting } from "@codemirror/language";
 import { python } from "@codemirror/legacy-modes/mode/python";
@@ -10,14 +10,32 @@ import { minimalSetup } from "codemirror";
 const LONG_RUN = 4; // lines that hold only a comment, from which on they are folded when a text is opened
 const WORTH_IT = 12; // characters that folding the end of a comment hides at least
 
+// What CodeMirror calls the scopes of the grammar that have a colour.
+const SCOPES = {
+  "comment.line.number-sign.sj": "comment", "constant.numeric.sj": "number", "constant.language.sj": "atom",
+  "storage.type.sj": "keyword", "keyword.control.sj": "keyword", "keyword.other.statement.sj": "keyword", "keyword.operator.word.sj": "keyword",
+  "entity.name.type.sj": "typeName", "support.type.sj": "typeName", "support.function.sj": "macroName",
+};
+const written = JSON.parse(document.querySelector('meta[name="patterns"]').content); // by the server, from the language itself
+const patterns = written.filter(({ match }) => match).map((pattern) => ({ ...pattern, match: new RegExp(pattern.match) }));
+
 const sj = StreamLanguage.define({
   name: "sj",
-  token(stream) {
-    if (stream.match(/#.*/)) return "comment";
-    if (stream.match(/"(?:[^"\\]|\\.)*"?/)) return "string";
-    if (stream.match(/\d+(?:\.\d+)?/)) return "number";
-    if (!stream.match(/\w+/)) stream.next();
-    return null;
+  startState: () => ({ parts: [] }), // of the pattern that matched last: those still to come, each with its scope
+  token(stream, state) {
+    if (!state.parts.length) {
+      if (stream.match(/"(?:[^"\\]|\\.)*"?/)) return "string";
+      for (const { match, name, captures } of patterns) {
+        const found = stream.match(match, false);
+        if (!found) continue;
+        if (captures) state.parts = Object.entries(captures).map(([group, scope]) => [found[group], scope.name]).filter(([text]) => text);
+        else state.parts = [[found[0], name]];
+        break;
+      }
+    }
+    const [text, scope] = state.parts.shift() ?? [/\w+|[^]/u, null];
+    stream.match(text);
+    return SCOPES[scope] ?? null;
   },
   languageData: { commentTokens: { line: "#" } },
 });

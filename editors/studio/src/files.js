@@ -10,11 +10,6 @@ export class Files {
     return (await call("/games")).json();
   }
 
-  // Resolves to { policies }, those trained in the folder, each as [name, game it was trained on].
-  async policies() {
-    return (await call("/policies")).json();
-  }
-
   // Resolves to { steps } of the tour, each { title, text, game }.
   async tour() {
     return (await call("/tour")).json();

@@ -1,12 +1,11 @@
-// The language server, over a socket: messages, completion, hover, definitions, renaming, layout, and colours by meaning.
+// The language server, over a socket: messages, completion, hover, definitions, renaming and layout.
 
 import { forEachDiagnostic, lintGutter, linter, setDiagnostics } from "@codemirror/lint";
 import {
   LSPClient, LSPPlugin, findReferencesKeymap, formatKeymap, hoverTooltips, jumpToDefinitionKeymap, renameKeymap, serverCompletion, serverDiagnostics,
   signatureHelp,
 } from "@codemirror/lsp-client";
-import { StateEffect, StateField } from "@codemirror/state";
-import { Decoration, EditorView, ViewPlugin, keymap } from "@codemirror/view";
+import { keymap } from "@codemirror/view";
 import DOMPurify from "dompurify";
 import { openSocket } from "./transport.js";
 
@@ -39,7 +38,7 @@ export function connectLanguage(path, lost) {
 
 // What an editor needs to speak of one text.
 export function languageOf(client, uri) {
-  return [client.plugin(uri, "sj"), coloursOf(client, uri)];
+  return client.plugin(uri, "sj");
 }
 
 // ---- mistakes: lines under the words, marks in the gutter, and what stands first where the pointer rests
@@ -101,50 +100,4 @@ export function diagnosticsOf(state) {
   const found = [];
   forEachDiagnostic(state, (diagnostic, from, to) => found.push({ ...diagnostic, from, to }));
   return found;
-}
-
-// ---- colours by meaning
-
-const setColours = StateEffect.define();
-const colours = StateField.define({
-  create: () => Decoration.none,
-  update(value, transaction) {
-    for (const effect of transaction.effects) if (effect.is(setColours)) return effect.value;
-    return value.map(transaction.changes);
-  },
-  provide: (field) => EditorView.decorations.from(field),
-});
-
-// Asks for the colours of words a moment after each change.
-function coloursOf(client, uri) {
-  const plugin = ViewPlugin.define((view) => {
-    let timer = null, alive = true;
-    const ask = async () => {
-      const doc = view.state.doc;
-      client.sync();
-      const { types } = client.serverCapabilities?.semanticTokensProvider?.legend
-        ? { types: client.serverCapabilities.semanticTokensProvider.legend.tokenTypes } : { types: [] };
-      if (!types.length) return;
-      const found = await client.request("textDocument/semanticTokens/full", { textDocument: { uri } }).catch(() => null);
-      if (alive && found && view.state.doc === doc) view.dispatch({ effects: setColours.of(decorate(doc, found.data, types)) });
-    };
-    const soon = () => { clearTimeout(timer); timer = setTimeout(ask, 60); };
-    soon();
-    return { update(update) { if (update.docChanged) soon(); }, destroy() { alive = false; clearTimeout(timer); } };
-  });
-  return [colours, plugin];
-}
-
-// Each word has five numbers: lines and characters after the one before, its length, its type, its modifiers.
-function decorate(doc, data, types) {
-  const found = [];
-  let line = 0, character = 0;
-  for (let i = 0; i + 4 < data.length; i += 5) {
-    character = data[i] ? data[i + 1] : character + data[i + 1];
-    line += data[i];
-    if (line >= doc.lines) break;
-    const from = doc.line(line + 1).from + character, to = from + data[i + 2];
-    if (to <= doc.length && to > from) found.push(Decoration.mark({ class: `sj-${types[data[i + 3]]}` }).range(from, to));
-  }
-  return Decoration.set(found, true);
 }

@@ -8,7 +8,6 @@ import { Bench } from "./bench.js";
 import { Board } from "./board.js";
 import { Curves } from "./curves.js";
 import { element, find } from "./dom.js";
-import { Drivers } from "./drivers.js";
 import { foldLongComments, followShade, language as texts } from "./editor.js";
 import { Files } from "./files.js";
 import { Games, nameOf, prefixOf } from "./games.js";
@@ -40,7 +39,6 @@ const board = new Board(find("board"), find("stage"), {
     changed: () => { markUnsaved(); sendText(false); },
   }),
 });
-const drivers = new Drivers({ files, say, ask: (request) => { stop(); return ask(request); } });
 const curves = new Curves({ ask: () => bench.ask({ do: "panel", panel: "curves" }), choose: goTo });
 const problems = new Problems({ view: () => view, toLine, say: tell });
 const games = new Games({ files, current: () => open.path, open: (path, isSaved) => (isSaved ? openFile(path) : openSafely(path)) });
@@ -195,7 +193,7 @@ function showGame({ game, pictures }) {
   find("crew").title = find("crew").disabled ? "The text says how many: name a `size` after `agents` to choose here" : "Number of agents; empty: as the text says";
   find("diff").hidden = !game.chosen.length;
   find("counterexample").hidden = !game.counterexample;
-  drivers.show(game);
+  options(find("others"), game.policies.map((name) => [name, name]), game.others);
   const nobody = shown.driven === null || shown.driven >= game.agents;
   if (nobody) shown.driven = null;
   options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], nobody ? "" : String(shown.driven));
@@ -356,6 +354,12 @@ find("again").addEventListener("click", begin);
 find("seed").addEventListener("change", begin);
 find("diff").addEventListener("click", () => find("tabs").querySelector('[data-panel="diff"]').click());
 find("driven").addEventListener("change", () => { shown.driven = find("driven").value === "" ? null : Number(find("driven").value); find("board").focus(); showKeys(); });
+find("others").addEventListener("change", async () => {
+  stop();
+  const policy = find("others").value, answer = await ask({ do: "others", policy });
+  if (answer.refused) find("others").value = open.game.others;
+  else open.game.others = policy;
+});
 find("variant").addEventListener("change", () => { open.variants = find("variant").value ? find("variant").value.split("+") : []; sendText(false); });
 find("glyph").addEventListener("change", () => { board.painting = find("glyph").value !== ""; });
 find("crew").addEventListener("change", () => {
@@ -481,5 +485,4 @@ const isTour = prefixOf(first) === "tour:"; // for somebody who has no game yet
 if (isTour) showPane("panels");
 showPanel(isTour ? "tour" : shown.panel);
 openFile(first);
-drivers.list();
 speak();

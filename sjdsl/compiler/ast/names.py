@@ -96,11 +96,10 @@ def declarations(node: Node, owner: str = "") -> Iterator[tuple[Symbol, Node]]:
 
 @dataclass
 class Names:
-    """What games declare: `nodes` by symbol, the `words` of fields, and the names that statements, domains and parameters introduce."""
+    """What games declare: `nodes` by symbol, and the `words` of fields."""
 
     nodes: dict[Symbol, Node] = field(default_factory=dict)
     words: set[str] = field(default_factory=set)
-    locals: set[str] = field(default_factory=set)
 
     def knows(self, symbol: Symbol) -> bool:
         """Returns whether the games declare something, and not the language."""
@@ -149,16 +148,7 @@ def names_of(files: Iterable[ast.File]) -> Names:
     for file in files:
         for symbol, node in declarations(file):
             found.nodes.setdefault(symbol, node)
-        for inner in walk(file):
-            match inner:
-                case ast.Words(names=names):
-                    found.words |= {name.text for name in names}
-                case ast.Phase(parameters=names) | ast.Define(parameters=names):
-                    found.locals |= {name.text for name in names}
-                case ast.Let(name=name) | ast.Draw(name=name) | ast.Domain(bind=ast.Name() as name) | ast.On(bind=ast.Name() as name):
-                    found.locals.add(name.text)
-                case _:
-                    pass
+        found.words |= {name.text for node in walk(file) if isinstance(node, ast.Words) for name in node.names}
     return found
 
 
