@@ -58,10 +58,14 @@ class EpisodeRunner:
 
     def play(self, policies: Sequence[ir.Policy], first: int, number: int) -> list[Episode]:
         """Returns episodes `first`, `first + 1`, …; raises NotSupported for what the compiled game cannot do."""
+        if self.compiles(number):
+            return self.compiled(policies, first, number)
+        return [self.interpreted(policies, first + i) for i in range(number)]
+
+    def compiles(self, number: int) -> bool:
+        """Returns whether so many episodes are played by the compiled game, which needs JAX."""
         game = self.family.own
-        if self.length * number * len(game.rows) * len(game.rows[0]) <= LITTLE:
-            return [self.interpreted(policies, first + i) for i in range(number)]
-        return self.compiled(policies, first, number)
+        return self.length * number * len(game.rows) * len(game.rows[0]) > LITTLE
 
     def scenario(self, policies: Sequence[ir.Policy], episode: int) -> Scenario:
         """Returns an episode as a scenario for the interpreter."""

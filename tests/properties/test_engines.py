@@ -1,5 +1,7 @@
 """The compiled game and the interpreter play the same episodes under the scripted policies, and their checks read the same values."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from sjdsl.properties import GameFamily
 from sjdsl.properties.engines import EpisodeRunner
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.properties.trajectory import choose, play
+from sjdsl.properties.verify_properties import Verification
 
 from .small_games import ORCHARD, small_game
 
@@ -70,3 +73,13 @@ def test_a_seeker_arrives_and_stays() -> None:
         world, _ = step(game, world, actions, default_params(game), step_key(episode_key(0, 0), number))
     assert world.position[0] == Cell(2, 4)
     assert choose(seek, game, world, 0, steady) == stay
+
+
+def test_without_jax_an_expect_with_long_episodes_is_undecided(orchard: GameFamily, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "jax", None)
+    short = Verification(orchard, only=[4]).verdict(4)
+    assert short.passed is not None
+    monkeypatch.setattr("sjdsl.properties.engines.LITTLE", 0)
+    long = Verification(orchard, only=[4]).verdict(4)
+    assert long.passed is None
+    assert "JAX isn't installed here; `sjdsl test` plays them" in long.reason
