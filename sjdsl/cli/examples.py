@@ -1,7 +1,7 @@
 """The examples in the help of each command: calls to copy."""
 
 EXAMPLES = {
-    "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --observation onehot --json speed.json"),
+    "bench": ("sjdsl bench harvest_open --envs 1,128,1024", "sjdsl bench pd_arena --observation onehot --json speed.json"),
     "check": ("sjdsl check my_game.sj", "sjdsl check coins --variant socialjax --strict"),
     "compile": ("sjdsl compile my_game.sj --check", "sjdsl compile my_game.sj --standalone"),
     "crossplay": (
