@@ -123,7 +123,7 @@ def race(
 @click.argument("games", nargs=-1)
 @click.option("--networks", type=words("mlp", "cnn"), default="mlp", show_default=True)
 @click.option("--algorithms", type=words("ippo", "mappo", "vdn"), default="ippo", show_default=True)
-@click.option("--sharings", type=words("shared", "per_agent", "by_role"), default="shared", show_default=True)
+@click.option("--sharings", type=words("shared", "per_agent"), default="shared", show_default=True)
 @click.option("--envs", type=LEAST, help="Environments: 16, of vdn 32.")
 @click.option("--steps", type=LEAST, help="Steps of a rollout: 128, of vdn 1.")
 @click.option("--hours", type=float, help="Also extrapolate the hours to this many environment steps, such as 1e9.")

@@ -77,7 +77,7 @@ NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every",
 # Settings that runs of earlier versions lack, with the values they had.
 AS_EVER = {"own": {}, "loss": "ppo"}
 # Settings that runs of earlier versions have and nothing reads, with their values: the names of ways in stored results are made with them.
-FORMER_VALUES = {"team_reward": "mean", "similarity_clip": [3.0, 0.5], "individual_kl": [0.2, 2.0], "team_kl": [1.5, 0.0]}
+FORMER_VALUES = {"team_reward": "mean", "similarity_clip": [3.0, 0.5], "individual_kl": [0.2, 2.0], "team_kl": [1.5, 0.0], "roles": []}
 KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
 
 

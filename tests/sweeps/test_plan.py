@@ -22,9 +22,9 @@ def test_a_value_is_one_however_it_is_written() -> None:
 def test_values_with_commas_stand_in_brackets() -> None:
     axis = read_axis('param.regrow=[0.1,0.2],{"red":0.5,"blue":[1]}')
     assert axis.values == ("[0.1,0.2]", '{"red":0.5,"blue":[1]}')
-    first, second = plan("roles=[0,0,1],[0,1,1]", settings={"sharing": "by_role"})
-    assert first.values == {"roles": [0, 0, 1]}
-    assert second.config["roles"] == [0, 1, 1]
+    first, second = plan("svo_angle=[45,90],[0,90]", settings={"reward": "svo"})
+    assert first.values == {"svo_angle": [45.0, 90.0]}
+    assert second.config["svo_angle"] == [0.0, 90.0]
 
 
 def test_entries_of_tables() -> None:
