@@ -82,6 +82,19 @@ def crowd_of(game: str, observation: Encoding) -> Task:
         return game_task(env, f"{env.name}+crowd", CROWD)
 
 
+def forms_of(games: Sequence[str], observations: Sequence[Encoding], crowd: bool) -> tuple[list[Task], list[str]]:
+    """Returns what is measured of games, also with many agents if wanted, and a line for each game that refuses so many."""
+    tasks, refused = [], []
+    for game in games:
+        tasks += [task_of(game, observation) for observation in observations]
+        try:
+            tasks += [crowd_of(game, observation) for observation in observations if crowd]
+        except CompileError as error:
+            messages = "; ".join(mistake.message for mistake in error.diagnostics)
+            refused.append(f"{game} can't have {CROWD} agents: {messages}")
+    return tasks, refused
+
+
 @click.group()
 def main() -> None:
     """Measures what docs/performance.md shows, and makes its tables."""
@@ -103,14 +116,7 @@ def race(
     games: Sequence[str], envs: Any, observations: Any, crowd: bool, devices: int, steps: int | None, repeats: int, file: Path | None
 ) -> None:
     """Measures environment steps a second under random actions, as `sjdsl bench` does."""
-    tasks, refused = [], []
-    for game in games or main_games():
-        tasks += [task_of(game, observation) for observation in observations]
-        try:
-            tasks += [crowd_of(game, observation) for observation in observations if crowd]
-        except CompileError as error:
-            messages = "; ".join(mistake.message for mistake in error.diagnostics)
-            refused.append(f"{game} can't have {CROWD} agents: {messages}")
+    tasks, refused = forms_of(games or main_games(), observations, crowd)
 
     def timed(tell: Callable[[str], object]) -> Found:
         found = measure(tasks, envs, repeats, lambda number: steps or steps_for(number), tell, devices=devices)

@@ -33,7 +33,7 @@ EXAMPLES = {
     "studio": ("sjdsl studio my_game.sj", "sjdsl studio --port 9000 --no-browser"),
     "sweep": (
         "sjdsl sweep coins --axis reward=individual,common --run runs/rewards",
-        "sjdsl sweep coins --axis exchange_ratio=0.25,0.5 --reward exchange --run runs/exchange",
+        "sjdsl sweep coins --axis svo_angle=45,90 --reward svo --run runs/svo",
     ),
     "test": ("sjdsl test my_game.sj", "sjdsl test clean_up --examples 1000 --strict"),
     "trace": ("sjdsl trace clean_up --steps 3", "sjdsl trace my_game.sj --actions 'forward, stay; zap, stay' --phase shoot"),

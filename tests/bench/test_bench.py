@@ -134,9 +134,9 @@ def test_the_command_prints_and_stores_a_table_and_keeps_no_program(keeping: Pat
     """What it compiles is neither kept nor found: it measures how long that takes."""
     kept = sorted(keeping.iterdir())
     assert kept
-    assert run(["bench", "meadow.sj", "--envs", "2", "--steps", "2", "--repeats", "1", "--json", "out.json"]) == 0
+    assert run(["bench", "meadow.sj", "--variant", "dry", "--envs", "2", "--steps", "2", "--repeats", "1", "--json", "out.json"]) == 0
     shown = capsys.readouterr().out
-    for part in ("yardstick", "meadow", "2 envs", "x1.00"):
+    for part in ("yardstick", "meadow+dry", "2 envs", "x1.00"):
         assert part in shown
     assert json.loads(Path("out.json").read_text())["repeats"] == 1
     assert sorted(keeping.iterdir()) == kept
