@@ -26,14 +26,17 @@ def run_in_processes(folders: Sequence[Path], workers: int, run: Callable[[Path,
     processes = [spawn.Process(target=_run_all, args=(run, folders, cores), daemon=True) for cores in shares]
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # they inherit this: Ctrl-C is for this process, which then ends them
     try:
-        for process in processes:
-            process.start()
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        try:
+            for process in processes:
+                process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         for process in processes:
             process.join()
     finally:
         for process in processes:
-            process.terminate()
+            if process.is_alive():
+                process.terminate()
     return all(process.exitcode == 0 for process in processes)
 
 
