@@ -244,37 +244,15 @@ def _figure(mean: float | None, low: float | None, high: float | None) -> tuple[
 
 
 def melting_pot_page(page: str) -> str:
-    """Returns the page with what is between its marks: all substrates, what differs in them, and their pictures."""
+    """Returns the page with what is between its marks: all substrates, and their pictures."""
     rules, written = substrate_rules(), written_substrates()
     rows = [
         (code(e.name), code(e.game), code(e.variant) if e.variant else "", str(rules[e.name].agents.number), _size(rules[e.name]))
         for e in written
     ]
-    differing = ("game", "what differs from the original, and why", "what the language can't express, and what it would need")
     pictures = [f"### {code(e.name)}\n\n![{plain(rules[e.name].title)}](pictures/meltingpot/{e.name}.png)\n" for e in written]
-    sections = {
-        "substrates": table(("substrate", "game", "variant", "agents", "map"), rows),
-        "differences": table(differing, _by_game(written)),
-    }
-    return replace_sections(page, {**sections, "pictures": [*pictures[:-1], pictures[-1].rstrip("\n")]})
-
-
-def _by_game(written: Sequence[Substrate]) -> list[tuple[str, ...]]:
-    """Returns a row for each game: how its substrates differ, and what is missing, with their names unless it holds for all."""
-    rows = []
-    for game in dict.fromkeys(e.game for e in written):
-        own = [e for e in written if e.game == game]
-        rows.append((code(game), _merged({e.name: e.differs for e in own}), _merged({e.name: e.wanting for e in own})))
-    return [row for row in rows if row[1] or row[2]]
-
-
-def _merged(texts: Mapping[str, tuple[str, ...]]) -> str:
-    """Returns all sentences once, in order, with the names of their substrates unless all have them. texts: by substrate."""
-    found = []
-    for text in dict.fromkeys(text for several in texts.values() for text in several):
-        names = [name for name, several in texts.items() if text in several]
-        found.append(text if len(names) == len(texts) else f"{', '.join(map(code, names))}: {text}")
-    return " ".join(found)
+    table_of_all = table(("substrate", "game", "variant", "agents", "map"), rows)
+    return replace_sections(page, {"substrates": table_of_all, "pictures": [*pictures[:-1], pictures[-1].rstrip("\n")]})
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from pydantic import TypeAdapter
 
@@ -15,7 +16,9 @@ from sjdsl.files import read_json
 
 Found = Report | Substrates | Sweep | Training | Kernels | Resume
 
-_SORTS = {sort.__name__.lower(): TypeAdapter(sort) for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)}
+_SORTS: dict[str, TypeAdapter[Any]] = {
+    sort.__name__.lower(): TypeAdapter(sort) for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)
+}
 
 
 def read_found(path: Path) -> Found:
