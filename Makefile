@@ -137,17 +137,20 @@ fuzz: .venv/ready
 
 # Writes the tables of docs/performance.md again; they are worth something on a machine with nothing else to do.
 bench: .venv/ready
-	$(BENCH) race $(NINE) --envs $(ENVS) --agents own,20 --observation tokens,onehot --json runs/bench.json $(PAGE)
-	$(BENCH) training $(NINE) --repeats 3 $(PAGE)
-	$(BENCH) training coins clean_up harvest_open --networks mlp,cnn --repeats 3 $(PAGE)
-	$(BENCH) training coins clean_up --algorithms ippo,mappo,vdn --sharings shared,per_agent --hours 1e9 --repeats 3 $(PAGE)
-	$(BENCH) sweep harvest_open regrow_3 --values 64 $(PAGE)
-	$(BENCH) sweep pd_arena payoff --values 64 $(PAGE)
-	$(BENCH) race $(NINE) --devices 2 --envs 128,1024,4096 $(PAGE)
+	$(BENCH) race $(NINE) --envs $(ENVS) --crowd --observation tokens,onehot --json runs/bench/race.json
+	$(BENCH) training $(NINE) --hours 1e9 --repeats 3 --json runs/bench/training.json
+	$(BENCH) training coins clean_up harvest_open --networks mlp,cnn --repeats 3 --json runs/bench/networks.json
+	$(BENCH) training coins clean_up --algorithms ippo,mappo,vdn --sharings shared,per_agent --hours 1e9 --repeats 3 --json runs/bench/algorithms.json
+	$(BENCH) sweep harvest_open regrow_3 --values 64 --json runs/bench/regrow.json
+	$(BENCH) sweep pd_arena payoff --values 64 --json runs/bench/payoff.json
+	JAX_NUM_CPU_DEVICES=2 $(BENCH) race $(NINE) --devices 2 --envs 128,1024,4096 --json runs/bench/devices.json
+	$(BENCH) tables runs/bench/*.json $(PAGE)
 
-# The table of Melting Pot's substrates in docs/performance.md, written anew after each of them: a run that is stopped leaves its rows.
+# The tables of Melting Pot's substrates in docs/performance.md. The file is written after each of them: `tables` also reads that of a run
+# that was stopped.
 bench-meltingpot: .venv/ready
-	$(BENCH) substrates --repeats 3 --json runs/substrates.json $(PAGE)
+	$(BENCH) substrates --repeats 3 --json runs/substrates.json
+	$(BENCH) tables runs/substrates.json $(PAGE)
 
 # Everything that a GPU is needed for, in nine minutes: figures as JSON in runs/gpu, each as soon as it is measured.
 gpu:

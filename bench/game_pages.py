@@ -10,7 +10,7 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,19 +22,16 @@ from sjdsl.bench.markdown import replace_section
 from sjdsl.compiler import Build, build, ir
 from sjdsl.compiler.ir.hash import game_hash, picture_hash
 from sjdsl.compiler.ir.queries import counts_of
-from sjdsl.compiler.lower import token_planes
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import Written, read_written
 from sjdsl.doc.actions import action_rows
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.wording import code, joined, number, plain, table
 from sjdsl.files import write_whole
-from sjdsl.interop.socialjax_table import NOT_HERE, Entry, channels_of, differences, entries
 from sjdsl.library.factory import make
 from sjdsl.library.games_folder import find_game, main_games
 from sjdsl.library.substrates import Substrate, written_substrates
 from sjdsl.render import make_painter, save_png
-from sjdsl.runtime.planes import channel_names
 from sjdsl.trainers import evaluate, random_policy, summarise
 from website.boards import played
 
@@ -46,9 +43,6 @@ DIGITS = 6  # significant ones that are kept
 STEPS = 60  # before the picture
 SHOWN = "sjdsl:shown"  # the key of its digest in a picture's file
 OURS = "our_"
-VARIANT = "socialjax"
-HEADINGS = ("agent: self", "agent: other same heading", "agent: other turned right", "agent: other opposite", "agent: other turned left")
-OWN_HEADING = tuple(f"agent.heading: {way}" for way in ("north", "east", "south", "west"))  # in the table's row on windows
 
 # Of a game: the hash of its rules, `episodes`, `seed`, and `values`, each a mean with its 95 % interval; None if it is not always defined.
 Figures = dict[str, Any]
@@ -185,7 +179,7 @@ def figures_text(figures: Mapping[str, Figures]) -> str:
 
 
 def games_page(page: str, figures: Mapping[str, Figures]) -> str:
-    """Returns the page with what is between its marks: all games, each game with its figures, and what the released suite shows otherwise."""
+    """Returns the page with what is between its marks: all games, and each game with its figures."""
     games = game_texts()
     said = dict.fromkeys(key for written in games.values() for key, _ in written.game.about if key != "summary")
     keys = sorted(said, key=lambda key: key.startswith(OURS))
@@ -197,7 +191,7 @@ def games_page(page: str, figures: Mapping[str, Figures]) -> str:
 
     overview = table(head, [row(name, written.game) for name, written in games.items()])
     each = [line for name, written in games.items() if name in figures for line in _game(name, written, figures[name])]
-    return replace_sections(page, {"games": [*overview, "", *each[:-1]], "released": released_table()})
+    return replace_sections(page, {"games": [*overview, "", *each[:-1]]})
 
 
 def replace_sections(page: str, sections: Mapping[str, Sequence[str]]) -> str:
@@ -249,70 +243,16 @@ def _figure(mean: float | None, low: float | None, high: float | None) -> tuple[
     return short[0], f"{short[1]} to {short[2]}"
 
 
-def released_table() -> list[str]:
-    """Returns the table of what the released suite's observations show otherwise; games with the same difference share a row."""
-    rows = [row for theirs, entry in entries().items() for row in _of_channels(theirs, entry)]
-    rows += [(theirs, d.what, d.there, d.here) for d in differences() for theirs in d.games or ("all",)]
-    together: dict[tuple[str, ...], list[str]] = {}
-    for theirs, *row in rows:
-        together.setdefault(tuple(row), []).append("all" if theirs == "all" else code(entries()[theirs].game))
-    return table(("game", "what", "released", "here"), [(", ".join(games), *map(plain, row)) for row, games in together.items()])
-
-
-def _of_channels(theirs: str, entry: Entry) -> Iterator[tuple[str, str, str, str]]:
-    """Yields what one of the two shows in some channel and the other in none."""
-    for source in dict.fromkeys(s for s in [*entry.tiles, *entry.rest] if isinstance(s, str)):
-        if source.startswith(NOT_HERE):
-            yield theirs, source.removeprefix(NOT_HERE), "shown", "not shown"
-    for name in unread(entry, released_game(entry.game)):
-        yield theirs, name, "not shown", "shown"
-
-
-def released_game(name: str) -> ir.Game:
-    """Returns the rules of a game as released."""
-    return read_written(read_source(find_game(name)), (VARIANT,)).game
-
-
-def unread(entry: Entry, game: ir.Game) -> list[str]:
-    """Returns our channels that say more than the released ones."""
-    read = {name for source in [*entry.tiles, *entry.rest] for name in channels_of(source, game.agents.number)}
-    read |= {name for layer in entry.layers for name in layer}
-    known = {*read, *HEADINGS, *OWN_HEADING, "agent: none", *(f"content: {look}" for look in entry.plain)}
-    return [name for name in channel_names(token_planes(game)) if name not in known]
-
-
 def melting_pot_page(page: str) -> str:
-    """Returns the page with what is between its marks: all substrates, what differs in them, and their pictures."""
+    """Returns the page with what is between its marks: all substrates, and their pictures."""
     rules, written = substrate_rules(), written_substrates()
     rows = [
         (code(e.name), code(e.game), code(e.variant) if e.variant else "", str(rules[e.name].agents.number), _size(rules[e.name]))
         for e in written
     ]
-    differing = ("game", "what differs from the original, and why", "what the language can't express, and what it would need")
     pictures = [f"### {code(e.name)}\n\n![{plain(rules[e.name].title)}](pictures/meltingpot/{e.name}.png)\n" for e in written]
-    sections = {
-        "substrates": table(("substrate", "game", "variant", "agents", "map"), rows),
-        "differences": table(differing, _by_game(written)),
-    }
-    return replace_sections(page, {**sections, "pictures": [*pictures[:-1], pictures[-1].rstrip("\n")]})
-
-
-def _by_game(written: Sequence[Substrate]) -> list[tuple[str, ...]]:
-    """Returns a row for each game: how its substrates differ, and what is missing, with their names unless it holds for all."""
-    rows = []
-    for game in dict.fromkeys(e.game for e in written):
-        own = [e for e in written if e.game == game]
-        rows.append((code(game), _merged({e.name: e.differs for e in own}), _merged({e.name: e.wanting for e in own})))
-    return [row for row in rows if row[1] or row[2]]
-
-
-def _merged(texts: Mapping[str, tuple[str, ...]]) -> str:
-    """Returns all sentences once, in order, with the names of their substrates unless all have them. texts: by substrate."""
-    found = []
-    for text in dict.fromkeys(text for several in texts.values() for text in several):
-        names = [name for name, several in texts.items() if text in several]
-        found.append(text if len(names) == len(texts) else f"{', '.join(map(code, names))}: {text}")
-    return " ".join(found)
+    table_of_all = table(("substrate", "game", "variant", "agents", "map"), rows)
+    return replace_sections(page, {"substrates": table_of_all, "pictures": [*pictures[:-1], pictures[-1].rstrip("\n")]})
 
 
 if __name__ == "__main__":

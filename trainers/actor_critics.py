@@ -15,17 +15,17 @@ from .environment import Environment, abstract_key, reset_shapes
 from .masks import wants_masks
 from .networks import ActorCritic, Memory
 from .packing import Packing, make_packing
-from .teams import Bundle, bundle_teams, in_order, over_teams
+from .teams import Teams, make_teams, over_teams, with_partners
 
 AGENTS_AXIS = 2  # of observations, logits and values `[L, M, N, ...]`
 
 
 @dataclass(frozen=True)
 class ActorCritics:
-    """Networks of teams of agents, bundle by bundle; parameters and memory are tuples with an entry for each bundle."""
+    """The networks of teams of agents, which differ in their parameters. Parameters and memory are tuples of one, as stored runs have them."""
 
-    bundles: tuple[Bundle, ...]
-    networks: tuple[ActorCritic, ...]  # of a team, by bundle
+    teams: Teams
+    network: ActorCritic
     joint_shape: tuple[int, ...] | None  # of a central critic's input; None: critics are local
     from_state: bool  # whether that input is the state of the environment
     packing: Packing  # of the observations in a rollout
@@ -38,23 +38,17 @@ class ActorCritics:
         seen = jnp.zeros((1, 1, *observation.shape), observation.dtype)
         joint = None if self.joint_shape is None else jnp.zeros((1, 1, *self.joint_shape), jnp.float32 if self.from_state else jnp.uint8)
         fresh = jnp.ones((1, 1), bool)
-        parameters = []
-        for bundle, network, bundle_key in zip(self.bundles, self.networks, jax.random.split(key, len(self.bundles)), strict=True):
-            own = seen[:, :, : bundle.team_size]
-            memory = network.start_memory(1)
-            keys = jax.random.split(bundle_key, len(bundle.agents))
-            drawn = [network.init(team_key, memory, own, joint, fresh, jnp.asarray(bundle.indices[0])) for team_key in keys]
-            parameters.append(jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn))
-        return tuple(parameters)
+        memory = self.network.start_memory(1)
+        own, agents = seen[:, :, : self.teams.indices.shape[1]], jnp.asarray(self.teams.indices[0])
+        (teams_key,) = jax.random.split(key, 1)
+        keys = jax.random.split(teams_key, len(self.teams.agents))
+        drawn = [self.network.init(team_key, memory, own, joint, fresh, agents) for team_key in keys]
+        return (jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn),)
 
     def start_memory(self, num_envs: int) -> Memory:
         """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
-
-        def of_teams(bundle: Bundle, network: ActorCritic) -> Memory:
-            one = network.start_memory(num_envs)
-            return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(bundle.agents), axis=1), one)
-
-        return tuple(of_teams(bundle, network) for bundle, network in zip(self.bundles, self.networks, strict=True))
+        one = self.network.start_memory(num_envs)
+        return (jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(self.teams.agents), axis=1), one),)
 
     def joint(self, observation: Array, from_state: Any) -> Array | None:
         """Returns the input of central critics: all windows `[..., N, P, V, V]`, plane after plane, or the state unchanged."""
@@ -79,22 +73,18 @@ class ActorCritics:
           the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`.
         """
         joint = self.joint(observation, from_state)
-        memories, logits, values = [], [], []
-        for bundle, network, own, before in zip(self.bundles, self.networks, parameters, memory, strict=True):
-            teams_first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), before)
-            after, says, worth = over_teams(bundle, network.apply, AGENTS_AXIS)(own, teams_first, observation, joint, fresh)
-            memories.append(jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after))
-            logits.append(says)
-            values.append(worth)
-        ordered = partial(in_order, self.bundles, axis=AGENTS_AXIS, num_agents=observation.shape[AGENTS_AXIS])
-        return tuple(memories), ordered(logits), ordered(values)
+        (own,), (before,) = parameters, memory
+        teams_first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), before)
+        after, logits, values = over_teams(self.teams, self.network.apply, AGENTS_AXIS)(own, teams_first, observation, joint, fresh)
+        everybody = partial(with_partners, self.teams, axis=AGENTS_AXIS, num_agents=observation.shape[AGENTS_AXIS])
+        return (jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after),), everybody(logits), everybody(values)
 
 
 def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     """Returns the networks for the environment's observations and actions.
 
     Raises:
-      ConfigError: the environment has no token observations, no state vector for the critic, or no such teams.
+      ConfigError: the environment has no token observations, or no state vector for the critic; `partners` don't fit the agents.
     """
     planes = token_planes(env)
     joint_planes: tuple[TokenPlane, ...] | None = None
@@ -107,25 +97,22 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         observation, _ = reset_shapes(env)
         joint_planes = planes * env.num_agents
         joint_shape = (len(joint_planes), *observation.shape[2:])
-    bundles = bundle_teams(env, config)
-    networks = tuple(
-        ActorCritic(
-            num_actions=env.num_actions,
-            num_agents=bundle.team_size,
-            planes=planes,
-            joint_planes=joint_planes,
-            kind=config.network,
-            width=config.network_width,
-            recurrent=config.memory == "gru",
-            dtype=jnp.dtype(config.precision),
-            numbers=env.num_agents if config.agent_id else 0,
-            sides=config.convolution_sides,
-            channels=config.convolution_channels,
-            own=config.own,
-        )
-        for bundle in bundles
+    teams = make_teams(env, config)
+    network = ActorCritic(
+        num_actions=env.num_actions,
+        num_agents=teams.indices.shape[1],
+        planes=planes,
+        joint_planes=joint_planes,
+        kind=config.network,
+        width=config.network_width,
+        recurrent=config.memory == "gru",
+        dtype=jnp.dtype(config.precision),
+        numbers=env.num_agents if config.agent_id else 0,
+        sides=config.convolution_sides,
+        channels=config.convolution_channels,
+        own=config.own,
     )
-    return ActorCritics(bundles, networks, joint_shape, from_state, packing_of(env), wants_masks(env, config), env.num_actions)
+    return ActorCritics(teams, network, joint_shape, from_state, packing_of(env), wants_masks(env, config), env.num_actions)
 
 
 def token_planes(env: Environment) -> tuple[TokenPlane, ...]:

@@ -43,7 +43,14 @@ BUILT_IN: Mapping[Kind, tuple[str, ...]] = {
 }
 MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
-FORMER = (*RETIRED, "team_reward", "similarity_clip", "individual_kl", "team_kl")  # keys of stored configurations that nothing reads
+FORMER = (
+    *RETIRED,
+    "team_reward",
+    "similarity_clip",
+    "individual_kl",
+    "team_kl",
+    "roles",
+)  # keys of stored configurations that nothing reads
 SEEDS = 2**32  # the number of seeds: JAX uses the lower 32 bits, so a larger seed would repeat the run of a smaller one
 
 
@@ -138,7 +145,6 @@ CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
 Sides = Annotated[tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...], Field(min_length=1), BeforeValidator(_listed)]
-Groups = Annotated[tuple[NonNegativeInt, ...], BeforeValidator(_listed)]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partners)]
 
 COMMON, SVO = only("reward", "common"), only("reward", "svo")
@@ -294,8 +300,7 @@ class PPOConfig(Config):
 
     critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"  # the critic's input: all agents' windows, or the state
     joint_optimiser: Annotated[bool, MAPPO] = False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
-    sharing: Literal["shared", "per_agent", "by_role"] = "shared"  # which agents share a network
-    roles: Annotated[Groups, only("sharing", "by_role")] = ()  # the role of each agent, as numbers from 0; empty: those of the game
+    sharing: Literal["shared", "per_agent"] = "shared"  # whether agents share a network
     memory: Literal["none", "gru"] = "none"
 
 

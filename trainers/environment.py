@@ -12,7 +12,7 @@ from sjdsl.runtime.planes import TokenPlane
 class Environment(Protocol):
     """One environment of N agents, not batched: trainers `vmap` it.
 
-    It may also have `state_vector(state)`, `roles`, `episode_length`, `with_params(params)` (the same environment with other numbers), and
+    It may also have `state_vector(state)`, `episode_length`, `with_params(params)` (the same environment with other numbers), and
     `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take. Without the last, or if `forbids_actions` is false, all
     actions are always allowed.
     """

@@ -52,7 +52,6 @@ SHAPING_NETWORKS = (
     "convolution_channels",
     "agent_id",
     "sharing",
-    "roles",
     "critic",
     "memory",
     "partners",

@@ -27,7 +27,6 @@ from .partners import Partners, learning_agents
 from .policies import trained_policy
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
 from .shaping import make_shaping
-from .teams import Bundle
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 
@@ -230,38 +229,23 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
 
 
 def learn_teams(
-    learners: tuple[Learner, ...], batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
-) -> tuple[tuple[Learner, ...], Metrics]:
-    """Returns the learners after their epochs; teams learn separately, and losses are means over teams, weighted by their numbers of agents."""
-    after, losses, weights = [], [], []
-    keys = jax.random.split(key, len(networks.bundles))
-    for bundle, network, learner, bundle_key, memory in zip(networks.bundles, networks.networks, learners, keys, batch.memory, strict=True):
-        own = replace(batch, memory=jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), memory))
-        learner, loss = _learn_bundle(learner, own, bundle_key, bundle, cast(Apply, network.apply), networks, config)
-        after.append(learner)
-        losses.append(loss)
-        weights.append(bundle.indices.size / sum(other.indices.size for other in networks.bundles))
-    together = jax.tree.map(lambda *parts: sum(weight * part for weight, part in zip(weights, parts, strict=True)), *losses)
-    return tuple(after), together
-
-
-def _learn_bundle(
-    learner: Learner, batch: Batch, key: Array, bundle: Bundle, apply: Apply, networks: ActorCritics, config: PPOConfig
-) -> tuple[Learner, Metrics]:
-    """Trains all teams of a bundle side by side; `batch.memory` is `[G, M, ...]`."""
-    number = len(bundle.agents)
-
-    orders = draw_orders(key, number, config)
+    learners: tuple[Learner], batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
+) -> tuple[tuple[Learner], Metrics]:
+    """Returns the learners after their epochs; teams learn side by side, and losses are means over teams."""
+    (learner,), (memory,) = learners, jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), batch.memory)
+    agents, (teams_key,) = networks.teams.indices, jax.random.split(key, 1)
+    number = len(agents)
+    orders = draw_orders(teams_key, number, config)
 
     def learn_team(learner: Learner, orders: Array, agents: Array, memory: Memory) -> tuple[Learner, Metrics]:
-        return take_epochs(learner, replace(batch, memory=memory), orders, agents, apply, networks, config)
+        return take_epochs(learner, replace(batch, memory=memory), orders, agents, cast(Apply, networks.network.apply), networks, config)
 
     if number == 1:  # vmap over a single network would turn its convolutions into a loop
-        first = jax.tree.map(lambda leaf: leaf[0], (learner, batch.memory))
-        after, losses = learn_team(first[0], orders[0], bundle.indices[0], first[1])
-        return jax.tree.map(lambda leaf: leaf[None], after), losses
-    after, losses = jax.vmap(learn_team)(learner, orders, jnp.asarray(bundle.indices), batch.memory)
-    return after, jax.tree.map(jnp.mean, losses)
+        first = jax.tree.map(lambda leaf: leaf[0], (learner, memory))
+        after, losses = learn_team(first[0], orders[0], agents[0], first[1])
+        return (jax.tree.map(lambda leaf: leaf[None], after),), losses
+    after, losses = jax.vmap(learn_team)(learner, orders, jnp.asarray(agents), memory)
+    return (after,), jax.tree.map(jnp.mean, losses)
 
 
 def draw_orders(key: Array, number: int, config: PPOConfig) -> Array:

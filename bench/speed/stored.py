@@ -1,45 +1,34 @@
 """Reads benchmark figures back, so that tables can be made on another machine."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bench.speed.kernels import Kernels, StepKernels
+from pydantic import TypeAdapter
+
+from bench.speed.kernels import Kernels
 from bench.speed.resuming import Resume
 from bench.speed.substrates import Substrates
 from bench.speed.sweep import Sweep
-from bench.speed.training import Split, Training
-from sjdsl.bench.compilation import Compilation
-from sjdsl.bench.timing import Report, Speed
+from bench.speed.training import Training
+from sjdsl.bench.timing import Report
 from sjdsl.files import read_json
 
 Found = Report | Substrates | Sweep | Training | Kernels | Resume
 
-_SORTS = {sort.__name__.lower(): sort for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)}
-_ROWS: dict[str, type] = {"speeds": Speed, "compilations": Compilation, "splits": Split, "steps": StepKernels}  # by field
+_SORTS: dict[str, TypeAdapter[Any]] = {
+    sort.__name__.lower(): TypeAdapter(sort) for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)
+}
 
 
 def read_found(path: Path) -> Found:
     """Returns the figures of a file. Raises ValueError where it is not one that `write_found` wrote."""
     try:
         stored = read_json(path)
-        sort = _SORTS[stored.pop("sort")]
-        return sort(**{name: _value(name, value) for name, value in stored.items()})
-    except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+        found: Found = _SORTS[stored.pop("sort")].validate_python(stored)
+        return found
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ValueError(f"{path} holds no figures that sjdsl bench wrote ({type(error).__name__}: {error})") from None
-
-
-def _value(name: str, value: Any) -> Any:
-    """Returns what a field holds: rows as their class, lists of numbers as tuples; a row of an older file may lack what has a default."""
-    row = _ROWS.get(name)
-    if row is not None and isinstance(value, list):
-        return tuple(row(**{name: _tuple(figure) for name, figure in entry.items()}) for entry in value)
-    return _tuple(value)
-
-
-def _tuple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
 
 
 def joined(before: Found, found: Found) -> Found:

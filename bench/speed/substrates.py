@@ -1,12 +1,11 @@
-"""The speed of Melting Pot's substrates, one after the other; each row is reported as soon as it is measured."""
+"""The speed of Melting Pot's substrates, one after the other; figures are reported as soon as they are measured."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from sjdsl.bench.compilation import compile_step
-from sjdsl.bench.loop import Task, game_task, yardstick_task
-from sjdsl.bench.machine import describe_machine, device_peak_bytes
-from sjdsl.bench.timing import Report, compile_loop, race, speed_of
+from sjdsl.bench.loop import YARDSTICK, Task, game_task
+from sjdsl.bench.machine import describe_machine
+from sjdsl.bench.timing import Report, measure
 from sjdsl.library.factory import make
 from sjdsl.library.substrates import Substrate
 
@@ -39,25 +38,13 @@ def measure_substrates(
 
     Args:
       tasks: taken one after the other.
-      num_envs: how many environments play at once; each number is measured apart.
-      repeats: rounds of each race.
+      num_envs, repeats, steps, tell: as of `measure`.
       keep: called after every task with all that has been measured, so that a run that is stopped leaves it behind.
-      steps: number of environments -> steps of one timing.
-      tell: called with a line whenever something has begun.
     """
-    tell("compiling the yardstick")
-    yardsticks = {number: compile_loop(yardstick_task(), number, steps(number))[0] for number in num_envs}
     found = Substrates(describe_machine(), repeats, (), (), None)
     for task in tasks:
-        assert task.env is not None
-        tell(f"compiling one step of {task.name}")
-        step = compile_step(task.env, task.name, repeats=1)
-        speeds = []
-        for number in num_envs:
-            tell(f"{task.name}, {number} environments")
-            compiled = compile_loop(task, number, steps(number))
-            yardstick, rates = race((yardsticks[number], compiled[0]), [number * steps(number)] * 2, repeats, lambda _: None)
-            speeds.append(speed_of(task, number, rates, yardstick, compiled))
-        found = Substrates(found.machine, repeats, (*found.speeds, *speeds), (*found.compilations, step), device_peak_bytes())
+        own = measure([task], num_envs, repeats, steps, tell)
+        speeds = (*found.speeds, *(speed for speed in own.speeds if speed.name != YARDSTICK))
+        found = Substrates(own.machine, repeats, speeds, (*found.compilations, *own.compilations), own.device_peak_bytes)
         keep(found)
     return found

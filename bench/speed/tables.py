@@ -10,7 +10,7 @@ from bench.speed.stored import Found
 from bench.speed.substrates import Substrates
 from bench.speed.sweep import Sweep
 from bench.speed.training import Split, Training
-from sjdsl.bench.tables import FORM, Table, columns, env_numbers, grouped, memory_note, speed_cell, speed_tables, thousands
+from sjdsl.bench.tables import FORM, Table, notes_of_speeds, speed_tables, thousands
 from sjdsl.bench.timing import Report
 
 TRAINED = ("game", "agents", "network", "algorithm", "sharing")
@@ -27,8 +27,6 @@ def tables_of(found: Found) -> tuple[Table, ...]:
             return (kernel_table(found),)
         case Resume():
             return (resume_table(found),)
-        case Substrates():
-            return (substrates_table(found),)
     return speed_tables(found)
 
 
@@ -47,21 +45,27 @@ def notes_of(found: Found) -> tuple[str, ...]:
                 f"a large copy moves {rate} GB/s here, read and written: the share is what a step's least bytes would take at that speed",
             )
         case Report():
-            return memory_note(found)
+            return notes_of_speeds(found)
     return ()
 
 
-def substrates_table(found: Substrates) -> Table:
-    """Returns one row a substrate: what one step takes to compile, its size, and the speed at each number of environments."""
-    numbers, steps = env_numbers(found), {step.name: step for step in found.compilations}
-    rows = []
-    for form, speeds in grouped(found.speeds).items():
-        cells = (speed_cell(speeds.get(n)) for n in numbers)
-        step = steps[form.name]
-        rows.append((form.name, str(form.num_agents), f"{step.compile_s:.1f} s", f"{step.stablehlo_lines:,}", *cells))
-    title = f"environment steps a second: median of {found.repeats} rounds, spread, ratio to the yardstick round by round"
-    headings = ("substrate", "agents", "step compile", "StableHLO lines", *columns(numbers))
-    return Table(title, headings, tuple(rows))
+def section_of(found: Found) -> str:
+    """Returns the marks of a page between which these figures belong: `speed gpu`, `speed 2 devices cpu`, `sweep coins spawn cpu`;
+    of updates `training mlp gpu`, of others than IPPO with shared networks `training mlp ippo,mappo shared gpu`."""
+    match found:
+        case Sweep():
+            what = f"sweep {found.name} {found.param}"
+        case Training():
+            networks, *learnt = (
+                ",".join(dict.fromkeys(getattr(split, name) for split in found.splits)) for name in ("network", "algorithm", "sharing")
+            )
+            what = f"training {networks}" if learnt == ["ippo", "shared"] else f"training {networks} {' '.join(learnt)}"
+        case Report() if type(found) is Report:
+            devices = found.machine.get("devices", 1)
+            what = "speed" if devices == 1 else f"speed {devices} devices"
+        case _:
+            what = {Kernels: "kernels", Resume: "resuming", Substrates: "substrates"}[type(found)]
+    return f"{what} {found.machine['platform']}"
 
 
 def sweep_table(sweep: Sweep) -> Table:

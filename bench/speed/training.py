@@ -27,7 +27,7 @@ from sjdsl.trainers.vdn import make_action_values
 
 Network = Literal["mlp", "cnn"]
 Algorithm = Literal["ippo", "mappo", "vdn"]
-Sharing = Literal["shared", "per_agent", "by_role"]
+Sharing = Literal["shared", "per_agent"]
 SIDE = 2048  # of the square matrices whose product shows what the machine can do
 TIMED = 2048  # environment steps of one timing, at least: an update of one short rollout is too short to time alone
 UPDATES = 1000  # of the run whose update is measured: schedules of learning rates and of exploration need a length

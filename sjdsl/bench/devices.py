@@ -7,16 +7,18 @@ microseconds each, so the cores spend most of the time waiting for each other (d
 from collections.abc import Callable
 
 import jax
-import numpy as np
 from jax import Array, lax
-from jax.sharding import Mesh, PartitionSpec
+from jax.sharding import PartitionSpec
 
 AXIS = "devices"
 
 
 def on_devices(loop: Callable[[Array], Array], devices: int) -> Callable[[Array], Array]:
-    """Returns a function of a key that runs the loop on every device, each with a key of its own, and adds up what they return."""
-    mesh = Mesh(np.asarray(jax.devices()[:devices]), (AXIS,))
+    """Returns a function of a key that runs the loop on every device, each with a key of its own, and adds up what they return.
+
+    Raises ValueError if JAX has fewer devices.
+    """
+    mesh = jax.make_mesh((devices,), (AXIS,))
 
     def own(key: Array) -> Array:
         return loop(jax.random.fold_in(key, lax.axis_index(AXIS)))[None]

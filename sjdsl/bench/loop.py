@@ -57,9 +57,12 @@ def make_loop(task: Task, num_envs: int, num_steps: int, devices: int = 1) -> Ca
     """Returns a function of a key that plays and returns the sum of all rewards and of the last observations.
 
     Args:
-      num_envs: environments in all, a multiple of `devices`; each device plays its share of them.
+      num_envs: environments in all; each device plays its share of them.
+    Raises ValueError if they can't be split evenly over the devices.
     """
-    each = num_envs // devices
+    each, left = divmod(num_envs, devices)
+    if left:
+        raise ValueError(f"{num_envs} environments can't be split evenly over {devices} devices")
 
     def run(key: Array) -> Array:
         start = jax.tree.map(lambda x: jnp.broadcast_to(x, (each, *x.shape)), task.reset())

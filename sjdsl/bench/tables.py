@@ -32,11 +32,11 @@ def speed_tables(report: Report) -> tuple[Table, ...]:
     return tuple(table for table in (speed_table(report), cost_table(report), relation_table(report)) if table.rows)
 
 
-def memory_note(report: Report) -> tuple[str, ...]:
-    """Returns how much memory the device held, where it counts."""
-    if report.device_peak_bytes is None:
-        return ()
-    return (f"the device held at most {report.device_peak_bytes / 1e9:.3g} GB while all this was measured",)
+def notes_of_speeds(report: Report) -> tuple[str, ...]:
+    """Returns what was left out, and how much memory the device held, where it counts."""
+    peak = report.device_peak_bytes
+    memory = () if peak is None else (f"the device held at most {peak / 1e9:.3g} GB while all this was measured",)
+    return (*report.left_out, *memory)
 
 
 def speed_table(report: Report) -> Table:

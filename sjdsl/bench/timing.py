@@ -51,6 +51,7 @@ class Report:
     speeds: tuple[Speed, ...]
     compilations: tuple[Compilation, ...]
     device_peak_bytes: int | None
+    left_out: tuple[str, ...] = ()  # what couldn't be measured, and why
 
 
 def measure(
@@ -93,9 +94,7 @@ def measure(
         with ThreadPoolExecutor(workers) as pool:
             compiled = list(pool.map(compile_one, everyone))
         rates = race([loop for loop, _ in compiled], [number * steps(number)] * len(compiled), repeats, announce)
-        speeds += [
-            speed_of(task, number, rate, rates[0], made, task.crowd) for task, rate, made in zip(everyone, rates, compiled, strict=True)
-        ]
+        speeds += [speed_of(task, number, rate, rates[0], made) for task, rate, made in zip(everyone, rates, compiled, strict=True)]
     return Report(describe_machine(devices), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
@@ -112,13 +111,12 @@ def speed_of(
     rates: Sequence[float],
     yardstick: Sequence[float],
     compiled: tuple[Compiled, float],
-    crowd: int | None = None,
 ) -> Speed:
     """Returns the speed of a task from the rates of its rounds and of the yardstick's, `[repeats]` env steps a second each."""
     loop, seconds = compiled
     ratio = statistics.median(own / its for own, its in zip(rates, yardstick, strict=True))
     figures = (statistics.median(rates), min(rates), max(rates), ratio, seconds, memory_of(loop))
-    return Speed(task.name, task.num_agents, task.observation, crowd, num_envs, *figures)
+    return Speed(task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures)
 
 
 def race(

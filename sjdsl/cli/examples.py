@@ -1,7 +1,7 @@
 """The examples in the help of each command: calls to copy."""
 
 EXAMPLES = {
-    "bench": ("sjdsl bench harvest_open --envs 1,128,1024 --agents own,20", "sjdsl bench pd_arena --observation onehot --json speed.json"),
+    "bench": ("sjdsl bench harvest_open --envs 1,128,1024", "sjdsl bench pd_arena --observation onehot --json speed.json"),
     "check": ("sjdsl check my_game.sj", "sjdsl check coins --variant socialjax --strict"),
     "compile": ("sjdsl compile my_game.sj --check", "sjdsl compile my_game.sj --standalone"),
     "crossplay": (
@@ -33,7 +33,7 @@ EXAMPLES = {
     "studio": ("sjdsl studio my_game.sj", "sjdsl studio --port 9000 --no-browser"),
     "sweep": (
         "sjdsl sweep coins --axis reward=individual,common --run runs/rewards",
-        "sjdsl sweep coins --protocol exchange --run runs/exchange --dry-run",
+        "sjdsl sweep coins --axis svo_angle=45,90 --reward svo --run runs/svo",
     ),
     "test": ("sjdsl test my_game.sj", "sjdsl test clean_up --examples 1000 --strict"),
     "trace": ("sjdsl trace clean_up --steps 3", "sjdsl trace my_game.sj --actions 'forward, stay; zap, stay' --phase shoot"),

@@ -1,7 +1,7 @@
-"""`sjdsl sweep`: trains all cells of a grid, or of a protocol of the paper, and resumes where it was stopped."""
+"""`sjdsl sweep`: trains all cells of a grid, and resumes where it was stopped."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,9 +14,8 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.sweeps.axes import read_axis
-from sjdsl.sweeps.cells import SweepSpec
-from sjdsl.sweeps.plan import Plan, plan_sweep
-from sjdsl.sweeps.protocols import ANGLES
+from sjdsl.sweeps.cells import Cell, SweepSpec
+from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.trainers.run_errors import DiskError
 
 if TYPE_CHECKING:
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 @click.command("sweep")
 @click.argument("games", nargs=-1, required=True, metavar="GAME...")
 @click.option("--axis", "axes", multiple=True, metavar="NAME=v,v,...", help="What varies: a setting, own.X, variant or param.X.")
-@click.option("--protocol", metavar="P", help="A sweep of the paper: exchange, svo, algorithms, sharing.")
 @click.option("--run", "run_dir", required=True, metavar="DIR", help="Folder of the sweep.")
 @run_options(seeds=3)
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each evaluation.")
@@ -38,7 +36,6 @@ if TYPE_CHECKING:
 def command(
     games: tuple[str, ...],
     axes: tuple[str, ...],
-    protocol: str | None,
     run_dir: str,
     run: RunOptions,
     episodes: int,
@@ -50,14 +47,14 @@ def command(
     """Trains every cell of a sweep in GAMEs. Each combination of the values of all axes is a cell, with K seeds.
 
     The folder gets sweep.json, a run in cells/NAME for each cell, and results.csv. The same command resumes a stopped sweep; a
-    new value adds cells. Several processes can work on one folder: docs/sweeps.md.
+    new value or axis adds cells. Several processes can work on one folder: docs/sweeps.md.
     """
     listed = [read_axis(text) for text in axes]
-    spec = SweepSpec(games, listed, protocol, run.settings, run.preset, options.variant, options.params, episodes, run.loggers)
+    spec = SweepSpec(games, listed, run.settings, run.preset, options.variant, options.params, episodes, run.loggers)
     read: dict[str, ir.Game] = {}
     describe = _describer(options, read)
-    plan = plan_sweep(spec, describe)  # what doesn't fit is refused before JAX loads
-    for cell in plan.cells:
+    cells = plan_sweep(spec, describe)  # what doesn't fit is refused before JAX loads
+    for cell in cells:
         check_policies(cell.configuration(), read[cell.hash])
     folder = Path(run_dir)
     with stages(LOADING):
@@ -65,7 +62,8 @@ def command(
         from sjdsl.sweeps.work import Watch
 
     if dry_run:
-        _list(plan, folder, check_sweep(plan, folder.resolve()))
+        check_sweep(spec, cells, folder.resolve())
+        _list(cells, folder, episodes)
         return 0
     watch = Watch("auto", lambda line: click.echo(line, err=True))
     try:
@@ -96,41 +94,34 @@ def _describer(options: EnvironmentOptions, read: dict[str, ir.Game]) -> "Descri
     return describe
 
 
-def _list(plan: Plan, folder: Path, known: Mapping[str, Any]) -> None:
-    """Prints the cells of a plan and the progress of those in the folder. `known`: the new content of its `sweep.json`."""
+def _list(cells: Sequence[Cell], folder: Path, episodes: int) -> None:
+    """Prints the cells of a plan and the progress of those in the folder."""
     from sjdsl.sweeps.folder import progress_of, steps_of
-    from sjdsl.sweeps.running import following_cells
 
-    cells = [*plan.cells]
-    following = following_cells(folder, plan, known) if plan.has_second_stage else []
-    cells += following or []
-    states = [progress_of(folder, cell, plan.spec.episodes) for cell in cells]
+    states = [progress_of(folder, cell, episodes) for cell in cells]
     width = max(len(cell.name) for cell in cells)
     for cell, found in zip(cells, states, strict=True):
         seeds = f"seeds {cell.seeds[0]} to {cell.seeds[-1]}" if len(cell.seeds) > 1 else f"seed {cell.seeds[0]}"
         click.echo(f"{cell.name:{width}}  {seeds}  {steps_of(cell):>13,} steps each  {found.summary}")
     steps = sum(steps_of(cell) * len(cell.seeds) for cell, found in zip(cells, states, strict=True) if found.state != "done")
     by_state = ", ".join(f"{number} {state}" for state, number in Counter(found.state for found in states).items())
-    click.echo(f"\n{_counted(len(cells), 'cell')}: {by_state}; at most {steps:,} environment steps left")
-    if following is None:
-        groups = len({(cell.game, *(str(cell.values[axis.name]) for axis in plan.spec.axes)) for cell in plan.cells})
-        click.echo(
-            f"then a second stage: {_counted(groups * len(ANGLES), 'cell')} of angles, at the best weight of the first, with seeds of their own"
-        )
+    click.echo(f"\n{_counted(len(cells))}: {by_state}; at most {steps:,} environment steps left")
 
 
-def _counted(number: int, thing: str) -> str:
-    return f"{number} {thing}{'s' * (number != 1)}"
+def _counted(cells: int) -> str:
+    return f"{cells} cell{'s' * (cells != 1)}"
 
 
 def _report(outcome: "Outcome", folder: Path) -> int:
-    """Prints the result of a sweep; returns the exit status, 1 if a cell failed."""
+    """Prints the result of a sweep; returns the exit status, 1 unless every cell is done."""
     total = len(outcome.done) + len(outcome.failed) + len(outcome.stopped)
-    click.echo(f"\n{len(outcome.done)} of {_counted(total, 'cell')} are done")
+    click.echo(f"\n{len(outcome.done)} of {_counted(total)} are done")
     for name in ("sweep.json", "results.csv", "cells"):
         click.echo(f"  {folder / name}")
     for name, reason in outcome.failed.items():
         click.echo(f"failed: {name}: {reason}", err=True)
     if outcome.failed:
         click.echo("the same command with --retry tries these again", err=True)
-    return 1 if outcome.failed or not outcome.complete else 0
+    for name in outcome.stopped:
+        click.echo(f"stopped: {name}: its process ended early, perhaps for lack of memory; the same command resumes it", err=True)
+    return 1 if outcome.failed or outcome.stopped else 0

@@ -2,7 +2,7 @@
 
 import tomllib
 from functools import cache
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -48,30 +48,11 @@ class Entry(_Row):
     letters: dict[str, str] = {}
 
 
-class Difference(_Row):
-    """A difference between their observations and ours, in some games (by id), or in all."""
-
-    games: tuple[str, ...] = ()
-    what: str
-    there: str
-    here: str
-
-
-@cache
-def _table() -> dict[str, Any]:
-    return tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
-
-
 @cache
 def entries() -> dict[str, Entry]:
     """Returns the ids."""
-    return {name: Entry.model_validate(row) for name, row in _table().items() if name != "differences"}
-
-
-@cache
-def differences() -> tuple[Difference, ...]:
-    """Returns the recorded differences."""
-    return tuple(Difference.model_validate(row) for row in _table()["differences"])
+    table = tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
+    return {name: Entry.model_validate(row) for name, row in table.items()}
 
 
 def channels_of(source: Source, num_agents: int) -> list[str]:

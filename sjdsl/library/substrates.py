@@ -10,7 +10,7 @@ from sjdsl.library.games_folder import games_folder
 from sjdsl.near_names import meant
 
 FILE = "meltingpot.toml"
-KEYS = {"game", "variant", "roles", "observations", "differs", "wanting"}
+KEYS = {"game", "variant", "roles", "observations"}
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,6 @@ class Substrate:
       roles: the players' roles there, in the order of our agents; empty where all are `default`.
       observations: what a player observes there beside its picture, by its name there, and what it is made of here: a rule of
         `sjdsl.interop.melting_pot_observations`.
-      differs: what is not as there, and why; one sentence each.
-      wanting: what cannot be said, and the construct that it would want; one sentence each.
     """
 
     name: str
@@ -33,8 +31,6 @@ class Substrate:
     variant: str = ""
     roles: tuple[str, ...] = ()
     observations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict, hash=False)
-    differs: tuple[str, ...] = ()
-    wanting: tuple[str, ...] = ()
 
 
 @cache
@@ -47,9 +43,8 @@ def substrates() -> dict[str, Substrate]:
 def _substrate(name: str, entry: dict[str, Any]) -> Substrate:
     for key in entry.keys() - KEYS:
         raise ValueError(f"{FILE}: `{name}` has no key `{key}`{meant(key, sorted(KEYS))}")
-    lists = {key: tuple(entry.get(key, ())) for key in ("differs", "wanting")}
     roles = tuple(role for role, number in entry.get("roles", {}).items() for _ in range(number))
-    return Substrate(name, entry.get("game", ""), entry.get("variant", ""), roles, entry.get("observations", {}), **lists)
+    return Substrate(name, entry.get("game", ""), entry.get("variant", ""), roles, entry.get("observations", {}))
 
 
 def written_substrates() -> list[Substrate]:

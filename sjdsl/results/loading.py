@@ -8,8 +8,8 @@ Columns, in this order:
   return of an agent of a policy in a mixture of cross-play) or `diagram` (a Schelling diagram).
 * `game`, `hash` (of its rules), `variant`, `params` (changed numbers, `a=1 b=2`), `map`, `num_agents`.
 * `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained the same and may be averaged.
-  `algorithm`, `reward`, `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of a sweep of
-  SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that aren't the default).
+  `algorithm`, `reward`, `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of
+  a former sweep of SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that aren't the default).
 * `preset`: the preset of this version with the same settings, or `""`.
 * `seed`, `status` (`done`, `failed`: it diverged, `unfinished`), `steps` (environment steps of its training), `hardware`, `folder`.
 * `episodes`, `collective_return` (mean over the episodes, summed over agents), `low` and `high` (its 95 % interval, in rows without a seed).
@@ -77,7 +77,7 @@ NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every",
 # Settings that runs of earlier versions lack, with the values they had.
 AS_EVER = {"own": {}, "loss": "ppo"}
 # Settings that runs of earlier versions have and nothing reads, with their values: the names of ways in stored results are made with them.
-FORMER_VALUES = {"team_reward": "mean", "similarity_clip": [3.0, 0.5], "individual_kl": [0.2, 2.0], "team_kl": [1.5, 0.0]}
+FORMER_VALUES = {"team_reward": "mean", "similarity_clip": [3.0, 0.5], "individual_kl": [0.2, 2.0], "team_kl": [1.5, 0.0], "roles": []}
 KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
 
 
@@ -249,7 +249,7 @@ def _cell(path: Path) -> Found:
 
 
 def _stages(path: Path) -> dict[str, int | None]:
-    """Returns the cells of a sweep by name, with their stage in a sweep of svo, whose two stages never share seeds."""
+    """Returns the cells of a sweep by name, with their stage in a sweep of svo of earlier versions, whose two stages never shared seeds."""
     try:
         stored = read_json(path / SWEEP)
         if any(Path(name).name != name for name in stored["cells"]):

@@ -1,4 +1,4 @@
-"""A page of results as Markdown: sections with tables, pictures and commands; and the files that go with it."""
+"""A page of results as Markdown: sections with tables and pictures; and the files that go with it."""
 
 import csv
 import io
@@ -28,13 +28,12 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A section of a page. text: paragraphs; fill: commands that produce it where there is nothing yet."""
+    """A section of a page. text: paragraphs."""
 
     title: str
     text: tuple[str, ...] = ()
     tables: tuple[Table, ...] = ()
     pictures: tuple[Picture, ...] = ()
-    fill: tuple[str, ...] = ()
 
 
 def page_text(title: str, made: str, sections: Iterable[Section], method: Sequence[str], notes: Sequence[str], folder: str = "") -> str:
@@ -55,8 +54,6 @@ def body_text(section: Section, folder: str = "") -> str:
     for table in section.tables:
         parts += [f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):", _table_text(table)]
     parts += [f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
-    if section.fill:
-        parts += ["There are no results yet. To produce them:", "```\n" + "\n".join(section.fill) + "\n```"]
     return "\n\n".join(parts)
 
 

@@ -47,7 +47,7 @@ def returns(frame: "pd.DataFrame") -> Section:
             cell = cell_of(seeds)
             rows += [(setting.label, words, of_cell(cell), cell.origin)] if cell is not None else []
     table = Table("returns", "Collective return", ("game", "way of training", "collective return", BEHIND), rows, 2)
-    return Section("Returns", (), (table,) if rows else (), fill=() if rows else ("sjdsl train coins --seeds 3 --run runs/coins",))
+    return Section("Returns", (), (table,) if rows else ())
 
 
 def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]) -> Table:
@@ -228,4 +228,4 @@ def report_sections(frame: "pd.DataFrame", curves: "pd.DataFrame") -> list[Secti
     """Returns the sections of a report that have something to show."""
     summaries = (returns(frame), learning_curves(frame, curves), over_games(frame))
     sections = (*summaries, diagrams(frame), cross_play(frame))
-    return [section for section in sections if section.tables or section.pictures or section.fill]
+    return [section for section in sections if section.tables or section.pictures]

@@ -24,7 +24,7 @@ class Axis:
 
 
 def read_axis(text: str) -> Axis:
-    """Returns the axis of `NAME=v,v,…`; commas inside brackets belong to a value: `roles=[0,0,1],[0,1,1]`.
+    """Returns the axis of `NAME=v,v,…`; commas inside brackets belong to a value: `svo_angle=[45,90],[0,90]`.
 
     Raises:
       ExperimentError: the text has another form, or there is no such axis.

@@ -2,17 +2,16 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ConfigDict, StrictInt
+from pydantic import BaseModel, ConfigDict
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.library.stored_hashes import current_hash
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
-from sjdsl.sweeps.protocols import Point
 from sjdsl.trainers.config import FORMER, Config, make_config, require_code, stored_config
 from sjdsl.trainers.config_errors import ConfigError
 from sjdsl.trainers.extensions import short_name
@@ -29,20 +28,17 @@ UNUSUAL = re.compile(r"[^A-Za-z0-9._\-]+")
 Describe = Callable[[str, str | None, Mapping[str, Any]], tuple[dict[str, Any], str, str]]
 
 
-@dataclass(frozen=True)
-class Cell:
-    """One cell; all fields are JSON values."""
+class Cell(BaseModel):
+    """One cell; all fields are JSON values. Cells of earlier versions have more fields."""
 
-    __pydantic_config__ = ConfigDict(extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="ignore")
 
     name: str  # and that of its folder
     game: str  # by the name in its file
     hash: str
     provenance: Mapping[str, Any]  # the arguments of `sjdsl.make`
     config: Mapping[str, Any]
-    values: Mapping[str, Any]  # what its axes and its protocol set
-    stage: StrictInt
-    point: Any  # its place in the protocol; None without one
+    values: Mapping[str, Any]  # what its axes set
 
     @property
     def seeds(self) -> range:
@@ -60,13 +56,17 @@ class Cell:
 
     def described(self) -> dict[str, Any]:
         """Returns what `sweep.json` says of it."""
-        return {key: value for key, value in asdict(self).items() if key != "name"}
+        return self.model_dump(exclude={"name"})
 
     @staticmethod
     def read(name: str, described: Mapping[str, Any]) -> "Cell":
-        """Returns the cell that `described` describes; its hash becomes the one that the same rules have now."""
-        config = {key: value for key, value in described["config"].items() if key not in FORMER}
-        return Cell(name=name, **{**described, "config": config, "hash": current_hash(described["hash"])})
+        """Returns the cell that `described` describes; its hash becomes the one that the same rules have now.
+
+        Raises ValidationError.
+        """
+        cell = Cell.model_validate({**described, "name": name})
+        config = {key: value for key, value in cell.config.items() if key not in FORMER}
+        return cell.model_copy(update={"config": config, "hash": current_hash(cell.hash)})
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,6 @@ class SweepSpec:
 
     games: Sequence[str]  # names, or files
     axes: Sequence[Axis] = ()
-    protocol: str | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)  # of the configuration, of all cells; `seed` and `seeds` among them
     preset: str | None = None
     variant: str | None = None
@@ -84,29 +83,25 @@ class SweepSpec:
     loggers: "Sequence[LoggerName]" = ()  # where else the metrics of cells that start from now on go: tensorboard, wandb
 
 
-def make_cell(
-    game: str, point: Point, chosen: Mapping[str, Any], spec: SweepSpec, describe: Describe, first_seed: int | None = None
-) -> Cell:
-    """Returns the cell of a game at a point of the protocol and of the axes.
+def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: Describe) -> Cell:
+    """Returns the cell of a game at a point of the axes.
 
     Args:
       game: a name or a file.
       chosen: the value on each axis.
-      first_seed: replaces the one in the settings.
     Raises:
       ExperimentError: the values don't fit each other, the algorithm or the game.
     """
     keys = {name: as_configured(value) for name, value in chosen.items() if name != VARIANT and not name.startswith(PARAM)}
-    changes = {**spread(spec.settings), **keys, **point.values} | ({} if first_seed is None else {"seed": first_seed})
-    where = f"{Path(game).stem} with {', '.join(f'{name} {value}' for name, value in {**point.values, **chosen}.items()) or 'no axis'}"
-    asked = {*keys, *point.values}  # whether some cell reads each setting of all cells is for the plan to check
+    changes = {**spread(spec.settings), **keys}
+    where = f"{Path(game).stem} with {', '.join(f'{name} {value}' for name, value in chosen.items())}"
+    asked = {*keys}  # whether some cell reads each setting of all cells is for the plan to check
     try:
         preset = load_preset(spec.preset, changes, game, asked) if spec.preset is not None else None
         config = make_config(changes, asked=asked) if preset is None else preset.config
     except ConfigError as error:
         advice = ". In a sweep over algorithms, put the keys of one into a preset of your own, in its table [algorithm.NAME]"
-        for_some = "it is one of" in str(error) and bool(chosen or spec.settings)
-        raise ExperimentError(f"{where}: {error}{advice if for_some else ''}") from None
+        raise ExperimentError(f"{where}: {error}{advice if 'it is one of' in str(error) else ''}") from None
     kept = {} if preset is None else dict(preset.environment)
     params = {**kept.pop("params", {}), **spec.params}
     for name, value in chosen.items():
@@ -121,11 +116,10 @@ def make_cell(
     described = config.model_dump(mode="json")
     listed = spread(described)
     values: dict[str, Any] = {}  # each written in one way: 0.5 for `.50`
-    for name, value in {**point.values, **chosen}.items():
+    for name, value in chosen.items():
         known = listed.get(name, as_number(value) if name.startswith(PARAM) else value)
         values[name] = known[0] if name in listed and isinstance(known, list) and len(known) == 1 else known
-    suffix = f"_stage-{point.stage}" if point.stage > 1 else ""
-    return Cell(name_of(own_name, values) + suffix, own_name, digest, provenance, described, values, point.stage, point.place)
+    return Cell(name=name_of(own_name, values), game=own_name, hash=digest, provenance=provenance, config=described, values=values)
 
 
 def name_of(game: str, values: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, PositiveInt, StringConstraints, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, PositiveInt, StringConstraints, ValidationError
 
 from sjdsl.experiments.folder import first_difference, read_json
 from sjdsl.experiments.refusals import ExperimentError
@@ -16,7 +16,7 @@ from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell, SweepSpec
 from sjdsl.sweeps.locks import is_running
 from sjdsl.trainers.checkpoints import CHECKPOINTS
-from sjdsl.trainers.config import ConfigError, stored_config
+from sjdsl.trainers.config import ConfigError
 from sjdsl.trainers.manifest import read_manifest
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX
 from sjdsl.trainers.run_errors import RunError
@@ -33,7 +33,6 @@ FAILED = "failed"
 State = Literal["waiting", "running", "stopped", "done", "failed"]
 # The name of a cell is that of a folder: a path would lead elsewhere.
 NAME = Annotated[str, StringConstraints(pattern=r"^\w[\w.+\-]*$", max_length=200)]
-CELL = TypeAdapter(Cell)
 
 
 class _Sweep(BaseModel):
@@ -42,12 +41,9 @@ class _Sweep(BaseModel):
     model_config = ConfigDict(strict=True, extra="allow")
 
     format: Literal[1]
-    protocol: str | None
-    axes: dict[str, list[Any]]
     episodes: PositiveInt
     loggers: list[str] = []
     versions: dict[str, str | None]
-    games: dict[str, str]
     cells: dict[NAME, dict[str, Any]]
 
 
@@ -67,19 +63,11 @@ class Progress:
 
 def describe_sweep(spec: SweepSpec, cells: Sequence[Cell]) -> dict[str, Any]:
     """Returns the content of `sweep.json` for a sweep, before it is merged with what the folder holds."""
-    axes: dict[str, list[Any]] = {axis.name: [] for axis in spec.axes}
-    for cell in cells:
-        for name, values in axes.items():
-            if cell.values[name] not in values:
-                values.append(cell.values[name])
     return {
         "format": FORMAT,
-        "protocol": spec.protocol,
-        "axes": axes,
         "episodes": spec.episodes,
         "loggers": list(spec.loggers),
         "versions": versions(),
-        "games": {cell.game: cell.hash for cell in cells},
         "cells": {cell.name: cell.described() for cell in cells},
     }
 
@@ -102,21 +90,16 @@ def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
             raise ExperimentError(f"{folder} is not empty and holds no sweep to resume ({', '.join(inside[:3])}); name another folder")
         return dict(wanted)
     if fault := _fault(before, wanted):
-        advice = "Ask for new values of its axes with all else as it was, the games' files included, or name another folder"
+        advice = "Ask for other cells with all else as it was, the games' files included, or name another folder"
         raise ExperimentError(f"{folder} holds another sweep: {fault}. {advice}")
-    axes = {name: [*values, *(value for value in wanted["axes"][name] if value not in values)] for name, values in before["axes"].items()}
-    both = {key: {**before[key], **wanted[key]} for key in ("games", "cells")}
-    return {**before, "axes": axes, "loggers": wanted["loggers"], **both}
+    return {**before, "loggers": wanted["loggers"], "cells": {**before["cells"], **wanted["cells"]}}
 
 
 def _fault(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
     """Returns the first difference for which the wanted sweep can't be added to the one from before; empty if there is none."""
     if fault := _format_fault(before):
         return fault
-    there, here = (
-        {"axes": [*sweep["axes"]], **{key: sweep[key] for key in ("protocol", "episodes", "versions")}} for sweep in (before, wanted)
-    )
-    if fault := first_difference(there, here):
+    if fault := first_difference(*({key: sweep[key] for key in ("episodes", "versions")} for sweep in (before, wanted))):
         return fault
     for cell in cells_of(before):
         if cell.name in wanted["cells"] and (fault := first_difference(cell.described(), wanted["cells"][cell.name])):
@@ -141,8 +124,7 @@ def _format_fault(known: Mapping[str, Any]) -> str:
         _Sweep.model_validate(known)
         for name, described in known["cells"].items():
             where = ("cells", name)
-            CELL.validate_python({**described, "name": name})
-            stored_config(described["config"])
+            Cell.read(name, described).configuration()
     except ValidationError as error:
         fault = error.errors()[0]
         return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join(map(str, (*where, *fault['loc'])))}`: {fault['msg']}"

@@ -7,60 +7,37 @@ operation that is divided among threads; with cores of its own each waits for no
 import multiprocessing
 import os
 import signal
-from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+import sys
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
-from sjdsl.sweeps.folder import cell_at, progress_of, record_failure
-from sjdsl.sweeps.work import Tell, run_cell
-
-INTERRUPTED = 130  # the exit status of what Ctrl-C ended
-KILLED = "its process was killed, perhaps because memory ran out; --retry resumes it from its last checkpoint"
+from sjdsl.sweeps.work import REFUSALS, Watch, run_cell
 
 
-def run_in_processes(folders: Sequence[Path], workers: int, tell: Tell) -> None:
-    """Runs the cells in these folders, each once. If a process is killed, its cell fails, and another process replaces it.
+def run_in_processes(folders: Sequence[Path], workers: int, run: Callable[[Path, Watch], Any] = run_cell) -> bool:
+    """Runs the cells in these folders in processes that share them: each goes through all, and runs those that nobody runs or has run.
 
-    Raises:
-      DiskError, OSError: a disk is full; what was written before stays.
+    Their lines go to standard error. Returns whether all came to the end; one that is killed, or whose disk is full, leaves its cell stopped.
     """
-    left = [*folders]
-    running: dict[Future[str], tuple[Path, ProcessPoolExecutor, tuple[int, ...]]] = {}
-    with ExitStack() as stack:
-
-        def start(cores: tuple[int, ...]) -> ProcessPoolExecutor:
-            """Returns a pool of one process, which ends with the others."""
-            spawn = multiprocessing.get_context("spawn")
-            pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=_keep_to, initargs=(cores,))
-            stack.callback(pool.shutdown, cancel_futures=True)
-            return pool
-
-        free = [(start(cores), cores) for cores in shares_of(_usable_cores(), min(workers, len(left)))]
-        while left or running:
-            while left and free:
-                pool, cores = free.pop(0)
-                try:
-                    with _interrupts_held_back():  # here the process starts
-                        future = pool.submit(run_cell, left[0])
-                except BrokenProcessPool:  # its process was killed while idle
-                    free.append((start(cores), cores))
-                    continue
-                running[future] = left.pop(0), pool, cores
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                folder, pool, cores = running.pop(future)
-                sweep, known, cell = cell_at(folder)
-                try:
-                    future.result()
-                except BrokenProcessPool:
-                    if progress_of(sweep, cell, known["episodes"]).state in ("waiting", "stopped"):  # not done, or run by another process
-                        record_failure(sweep, cell, KILLED)
-                    pool = start(cores)
-                free.append((pool, cores))
-                tell(f"{cell.name}: {progress_of(sweep, cell, known['episodes']).summary}")
+    spawn = multiprocessing.get_context("spawn")
+    shares = shares_of(_usable_cores(), min(workers, len(folders)))
+    processes = [spawn.Process(target=_run_all, args=(run, folders, cores), daemon=True) for cores in shares]
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # they inherit this: Ctrl-C is for this process, which then ends them
+    try:
+        try:
+            for process in processes:
+                process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        for process in processes:
+            process.join()
+    finally:
+        for process in processes:
+            if process.is_alive():
+                process.terminate()
+    return all(process.exitcode == 0 for process in processes)
 
 
 def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:
@@ -76,21 +53,14 @@ def _usable_cores() -> list[int]:
     return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 
-def _keep_to(cores: tuple[int, ...]) -> None:
-    """Keeps this process to its cores; called before the process has started JAX, whose threads are then as many."""
+def _run_all(run: Callable[[Path, Watch], Any], folders: Sequence[Path], cores: Sequence[int]) -> None:
+    """Runs cells in this process, which has not started JAX yet: that starts as many threads as it has cores."""
     if cores:
         os.sched_setaffinity(0, cores)
-    try:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    except KeyboardInterrupt:  # pressed while modules were loaded: nothing has begun
-        os._exit(INTERRUPTED)
-
-
-@contextmanager
-def _interrupts_held_back() -> Iterator[None]:
-    """Delays Ctrl-C, which reaches all processes of a terminal: one that starts inherits this, and would print a traceback while it loads."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    watch = Watch(tell=lambda line: print(line, file=sys.stderr, flush=True))
+    for folder in folders:
+        try:
+            run(folder, watch)
+        except (OSError, *REFUSALS) as error:
+            watch.tell(f"{folder.name}: {error}")
+            sys.exit(1)

@@ -23,7 +23,7 @@ from sjdsl.trainers.metrics_files import METRICS_JSONL
 RESULTS = "results.csv"
 Row = dict[str, str]
 
-OF_CELL = ("cell", "game", "hash", "protocol", "stage", "point", "algorithm", "reward", "sharing", "variant")
+OF_CELL = ("cell", "game", "hash", "algorithm", "reward", "sharing", "variant")
 OF_RUN = ("seed", "updates", "env_steps", "episodes", "hardware")
 FIRST = ("collective_return", "collective_return_low", "collective_return_high", "equality", "episode_length")
 KINDS = ("return_agent_", "event_", "mean_", "final_")  # of further figures
@@ -47,8 +47,7 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
             assert evaluation is not None
             manifest, last = manifest_of(path), _last_row(seeds[seed] / METRICS_JSONL)
             device = manifest.get("device", {})
-            place = {"cell": cell.name, "game": cell.game, "hash": cell.hash, "protocol": known["protocol"]}
-            place |= {"stage": cell.stage, "point": cell.point}
+            place = {"cell": cell.name, "game": cell.game, "hash": cell.hash}
             way = {key: cell.config.get(key) for key in ("algorithm", "reward", "sharing")} | {"variant": cell.provenance.get("variant")}
             run = {
                 "seed": seed,
@@ -60,14 +59,6 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
             texts = {key: as_text(value) for key, value in {**cell.values, **place, **way}.items()}
             rows.append(texts | {key: str(value) for key, value in run.items()} | figures(evaluation["summary"]))
     return rows
-
-
-def collective_returns(folder: Path, known: Mapping[str, Any]) -> dict[str, list[float]]:
-    """Returns the mean collective return of each seed of each finished cell."""
-    found: dict[str, list[float]] = {}
-    for row in results(folder, known):
-        found.setdefault(row["cell"], []).append(float(row["collective_return"]))
-    return found
 
 
 def _last_row(path: Path) -> dict[str, Any]:

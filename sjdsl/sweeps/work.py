@@ -30,7 +30,7 @@ from sjdsl.sweeps.folder import (
     seed_dirs,
 )
 from sjdsl.sweeps.locks import take
-from sjdsl.sweeps.tables import collective_returns, write_results
+from sjdsl.sweeps.tables import results, write_results
 from sjdsl.trainers.config import ConfigError, make_config, stored_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
 from sjdsl.trainers.manifest import MANIFEST
@@ -85,7 +85,7 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
     write_results(sweep, known)
     progress = progress_of(sweep, cell, episodes)
     if ran and progress.state == "done":
-        returns = collective_returns(sweep, known)[cell.name]
+        returns = [float(row["collective_return"]) for row in results(sweep, known) if row["cell"] == cell.name]
         seeds = f"mean of {len(returns)} seeds" if len(returns) > 1 else "one seed"
         watch.tell(f"{cell.name}: done, collective return {sum(returns) / len(returns):.4g} ({seeds})")
     elif ran and progress.state == "failed":

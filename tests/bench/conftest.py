@@ -17,6 +17,7 @@ game meadow "Meadow" {
   schedule walk -> eat
   phase walk { move each agent }
   phase eat { each agent on soil where soil.fruit is ripe { set soil.fruit = none  give 1 to agent } }
+  variant dry "nothing grows" { observe { window ahead 2, behind 0, left 1, right 1 } }
   observe { window ahead 1, behind 0, left 1, right 1 }
 }
 """

@@ -107,6 +107,7 @@ def test_a_page_is_made_of_the_files(tmp_path: Path) -> None:
         assert part in text
     page.write_text("<!-- speed gpu -->\n<!-- end speed gpu -->\n")
     assert "kernels gpu" in CliRunner().invoke(main, asked).output
+    assert page.read_text() == "<!-- speed gpu -->\n<!-- end speed gpu -->\n"
     assert "is there already" in CliRunner().invoke(main, ["everything", str(tmp_path / "gpu")]).output
 
 

@@ -1,14 +1,16 @@
-"""Which forms of the games are measured: own and other numbers of agents, both observations; nothing is compiled by XLA here."""
+"""Which forms of the games are measured: with many agents too, both observations; nothing is compiled by XLA here."""
 
+from pathlib import Path
+
+import click
 import pytest
 
-from sjdsl.cli.bench import choose_tasks
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from bench.speed.__main__ import forms_of
 from tests.games.environments import NINE
 
 
 def test_a_game_without_room_comes_as_its_crowd_and_one_that_refuses_is_named() -> None:
-    tasks, refused = choose_tasks(["coins", "clean_up", "pd_arena"], None, ["tokens"], [None, 20])
+    tasks, refused = forms_of(["coins", "clean_up", "pd_arena"], ["tokens"], crowd=True)
     assert [(task.name, task.num_agents, task.crowd) for task in tasks] == [
         ("coins", 2, None),
         ("clean_up", 7, None),
@@ -21,18 +23,20 @@ def test_a_game_without_room_comes_as_its_crowd_and_one_that_refuses_is_named() 
 
 
 def test_each_observation_is_a_task() -> None:
-    tasks, refused = choose_tasks(["coins"], "socialjax", ["tokens", "onehot"], [None])
-    assert [(task.name, task.observation) for task in tasks] == [("coins+socialjax", "tokens"), ("coins+socialjax", "onehot")]
+    tasks, refused = forms_of(["coins"], ["tokens", "onehot"], crowd=False)
+    assert [(task.name, task.observation) for task in tasks] == [("coins", "tokens"), ("coins", "onehot")]
     assert refused == []
 
 
 def test_all_nine_but_coins_come_with_twenty_agents() -> None:
-    tasks, refused = choose_tasks(NINE, None, ["tokens"], [20])
-    assert [task.name.split("+")[0] for task in tasks] == [game for game in NINE if game != "coins"]
-    assert {task.num_agents for task in tasks} == {20}
+    tasks, refused = forms_of(NINE, ["tokens"], crowd=True)
+    crowds = [task for task in tasks if task.crowd]
+    assert [task.name.split("+")[0] for task in crowds] == [game for game in NINE if game != "coins"]
+    assert {task.num_agents for task in crowds} == {20}
     assert len(refused) == 1
 
 
-def test_what_is_wrong_with_a_game_is_no_refusal_of_a_number() -> None:
-    with pytest.raises(CompileError):
-        choose_tasks(["coins"], "no_such_variant", ["tokens"], [20])
+def test_what_is_wrong_with_a_game_is_no_refusal_of_a_number(tmp_path: Path) -> None:
+    (tmp_path / "wrong.sj").write_text("sj 1\ngame wrong {")
+    with pytest.raises(click.ClickException):
+        forms_of([str(tmp_path / "wrong.sj")], ["tokens"], crowd=True)

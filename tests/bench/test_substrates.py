@@ -7,10 +7,9 @@ import pytest
 from click.testing import CliRunner
 
 from bench.speed.__main__ import main
-from bench.speed.outputs import section_of
 from bench.speed.stored import read_found
 from bench.speed.substrates import Substrates, measure_substrates, substrate_tasks
-from bench.speed.tables import tables_of
+from bench.speed.tables import section_of, tables_of
 from sjdsl.bench import Task, game_task
 from sjdsl.bench.stored import write_found
 from sjdsl.library.substrates import written_substrates
@@ -30,11 +29,11 @@ def test_a_run_that_is_stopped_keeps_the_rows_it_has(meadow_env: Environment, tm
     found = read_found(tmp_path / "found.json")
     assert found == kept[-1]
     assert section_of(found) == "substrates cpu"
-    (table,) = tables_of(found)
-    assert table.headings == ("substrate", "agents", "step compile", "StableHLO lines", "1 env", "2 envs")
-    (row,) = table.rows
-    assert row[:2] == ("first", "2")
-    assert all(" x" in cell for cell in row[4:])
+    speeds, costs = tables_of(found)
+    (row,) = speeds.rows
+    assert row[:3] == ("first", "2", "tokens")
+    assert all(" x" in cell for cell in row[3:])
+    assert [cells[0] for cells in costs.rows] == ["first"]
     assert [speed.num_envs for speed in kept[-1].speeds] == [1, 2]
 
 

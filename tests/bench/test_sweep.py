@@ -104,10 +104,12 @@ def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
 def test_the_command_writes_a_sweep(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "page.md"
     page.write_text("<!-- sweep orchard apple cpu -->\n<!-- end sweep orchard apple cpu -->\n")
-    asked = ["sweep", str(file), "apple", *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--markdown"], str(page)]
+    figures = str(tmp_path / "sweep.json")
+    asked = ["sweep", str(file), "apple", *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--json"], figures]
     monkeypatch.setattr("sys.argv", ["bench.speed", *asked])
     found = CliRunner().invoke(main, asked)
     assert "2 values of apple of orchard, 2 environments each" in found.output
+    assert CliRunner().invoke(main, ["tables", figures, "--markdown", str(page)]).exit_code == 0
     assert page.read_text().startswith("<!-- sweep orchard apple cpu -->\n`python -m bench.speed sweep ")
 
 

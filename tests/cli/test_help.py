@@ -41,7 +41,7 @@ def test_the_examples_are_calls(name: str) -> None:
         command(name).make_context(name, arguments, parent=ABOVE)
 
 
-@pytest.mark.parametrize("name", [name for name in COMMANDS if name != "bench"])  # it has options for its pages as well
+@pytest.mark.parametrize("name", COMMANDS)
 def test_the_help_fits_one_screen(name: str) -> None:
     """As it is printed in a terminal of 80 columns."""
     shown = command(name).get_help(click.Context(command(name), parent=ABOVE, info_name=name, terminal_width=80)).splitlines()

@@ -4,10 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from bench.game_pages import released_game, released_table, unread
+from sjdsl.compiler import build, ir
 from sjdsl.compiler.lower import token_planes
-from sjdsl.interop.socialjax_table import NOT_HERE, channels_of, differences, entries
+from sjdsl.compiler.syntax.read import read_source
+from sjdsl.interop.socialjax_table import NOT_HERE, Entry, channels_of, entries
 from sjdsl.interpreter.planes import planes
+from sjdsl.library.games_folder import find_game
 from sjdsl.runtime.planes import channel_names
 
 PAGE = Path(__file__).parent.parent.parent / "docs" / "games.md"
@@ -35,6 +37,21 @@ PLANES = {
         "agent.heading",
     ],
 }
+HEADINGS = ("agent: self", "agent: other same heading", "agent: other turned right", "agent: other opposite", "agent: other turned left")
+OWN_HEADING = tuple(f"agent.heading: {way}" for way in ("north", "east", "south", "west"))  # in the page's row on windows
+
+
+def released_game(name: str) -> ir.Game:
+    """Returns the rules of a game as released."""
+    return build(read_source(find_game(name)), ("socialjax",)).game
+
+
+def unread(entry: Entry, game: ir.Game) -> list[str]:
+    """Returns our channels that say more than the released ones."""
+    read = {name for source in [*entry.tiles, *entry.rest] for name in channels_of(source, game.agents.number)}
+    read |= {name for layer in entry.layers for name in layer}
+    known = {*read, *HEADINGS, *OWN_HEADING, "agent: none", *(f"content: {look}" for look in entry.plain)}
+    return [name for name in channel_names(token_planes(game)) if name not in known]
 
 
 @pytest.mark.parametrize("game", LOOKS)
@@ -56,11 +73,8 @@ def test_every_channel_is_in_the_table_or_in_the_program(theirs: str) -> None:
     assert unread(entry.model_copy(update=less), game) != []
 
 
-def test_the_page_has_a_row_for_each_difference() -> None:
+def test_the_page_has_what_no_channel_of_ours_shows() -> None:
     page = PAGE.read_text(encoding="utf-8")
-    rows = [line for line in released_table() if line.startswith("| ")][2:]
-    assert all(row in page for row in rows)
-    wanted = {d.what for d in differences()}
-    wanted |= {s.removeprefix(NOT_HERE) for e in entries().values() for s in e.rest if s.startswith(NOT_HERE)}
-    assert {row.split(" | ")[1] for row in rows} == wanted
-    assert {game for d in differences() for game in d.games} <= set(entries())
+    for entry in entries().values():
+        for source in entry.rest:
+            assert f"| {source.removeprefix(NOT_HERE)} | shown | not shown |" in page or not source.startswith(NOT_HERE)

@@ -83,9 +83,14 @@ def test_families_are_found_by_name_and_meant_by_near_names() -> None:
 
 
 def test_each_difference_is_a_sentence() -> None:
-    for entry in written_substrates():
-        for text in (*entry.differs, *entry.wanting):
-            assert text[0].isupper() and text.endswith("."), f"{entry.name}: {text}"
+    """The page has a row for each game that differs; a colon follows the names of some of its substrates."""
+    games = {entry.game for entry in written_substrates()}
+    section = PAGE.read_text(encoding="utf-8").partition("## What differs")[2].partition("\n## ")[0]
+    rows = [line.strip("| ").split(" | ") for line in section.splitlines() if line.startswith("| `")]
+    assert {row[0].strip("`") for row in rows} <= games
+    for game, *texts in rows:
+        for text in texts:
+            assert text.endswith("."), f"{game}: {text[-80:]}"
 
 
 def test_the_page_is_up_to_date() -> None:

@@ -22,8 +22,8 @@ STRANGE = [None, True, -1, 0.5, 10**400, "x", "\udcff", [], {}, [[]], [5], {"a":
 @pytest.fixture(scope="module")
 def asked() -> dict[str, Any]:
     """What `sweep.json` says of a sweep of two cells."""
-    wanted = SweepSpec(("coins",), [read_axis("reward=individual,common")], None, {"total_timesteps": 64}, None, None, {}, 1, ())
-    return json.loads(json.dumps(describe_sweep(wanted, plan_sweep(wanted, describe_with_make).cells)))
+    wanted = SweepSpec(("coins",), [read_axis("reward=individual,common")], {"total_timesteps": 64}, episodes=1)
+    return json.loads(json.dumps(describe_sweep(wanted, plan_sweep(wanted, describe_with_make))))
 
 
 def put(folder: Path, content: Any) -> None:

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.sweeps.axes import read_axis
-from sjdsl.sweeps.cells import SweepSpec
-from sjdsl.sweeps.plan import Plan, plan_sweep
+from sjdsl.sweeps.cells import Cell, SweepSpec
+from sjdsl.sweeps.plan import plan_sweep
 
 GAME = str(Path(__file__).parents[1] / "experiments" / "games" / "matrix_game.sj")
 TINY: dict[str, Any] = {"network": "mlp", "network_width": 4, "num_envs": 4, "num_steps": 4, "num_minibatches": 1, "num_epochs": 1}
@@ -24,7 +24,7 @@ def describe(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple
     return provenance, name, f"{name}-{variant}"
 
 
-def plan(*axes: str, games: Sequence[str] = ("coins",), protocol: str | None = None, **changes: Any) -> Plan:
-    """Returns a plan without anything being made. `changes`: fields of `SweepSpec`."""
+def plan(*axes: str, games: Sequence[str] = ("coins",), **changes: Any) -> tuple[Cell, ...]:
+    """Returns the cells of a sweep without anything being made. `changes`: fields of `SweepSpec`."""
     settings = {"seeds": 2, **changes.pop("settings", {})}
-    return plan_sweep(SweepSpec(games, [read_axis(axis) for axis in axes], protocol, settings, **changes), describe)
+    return plan_sweep(SweepSpec(games, [read_axis(axis) for axis in axes], settings, **changes), describe)

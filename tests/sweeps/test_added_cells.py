@@ -1,4 +1,4 @@
-"""New values of its axes add cells to a sweep, and so does another game."""
+"""New values of its axes add cells to a sweep, and so do other axes and another game."""
 
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,11 @@ from sjdsl.sweeps.plan import plan_sweep
 from tests.sweeps.described import describe
 
 
-def add(folder: Path, axis: str, game: str = "coins", protocol: str | None = None, **changes: Any) -> set[str]:
+def add(folder: Path, axis: str, game: str = "coins", **changes: Any) -> set[str]:
     """Adds a sweep's cells to a folder; returns the names of all it has."""
     settings = {"seeds": 2, **changes.pop("settings", {})}
-    plan = plan_sweep(SweepSpec([game], [read_axis(axis)] if axis else [], protocol, settings, **changes), describe)
-    return {*write_sweep(folder, describe_sweep(plan.spec, plan.cells))["cells"]}
+    spec = SweepSpec([game], [read_axis(axis)], settings, **changes)
+    return {*write_sweep(folder, describe_sweep(spec, plan_sweep(spec, describe)))["cells"]}
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ def add(folder: Path, axis: str, game: str = "coins", protocol: str | None = Non
         ("param.apple=1", "param.apple=2", {"params": {"regrow": {"red": 0.1, "blue": 0.2}}}),
         ("algorithm=ippo", "algorithm=mappo", {"preset": "two_cores", "settings": {"seed": 3}}),
         ("reward=individual", "reward=svo", {"preset": "paper"}),
-        ("gamma=0.9", "gamma=0.99", {"protocol": "svo"}),
+        ("gamma=0.9", "learning_rate=0.1", {}),
     ],
 )
 def test_new_values_with_all_else_as_it_was(tmp_path: Path, before: str, now: str, changes: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""From axes and protocols to cells: names, configurations, seeds, and what is refused."""
+"""From axes to cells: names, configurations, seeds, and what is refused."""
 
 import re
 from typing import Any
@@ -7,38 +7,37 @@ import pytest
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import read_axis, with_number
-from sjdsl.sweeps.plan import second_stage
 from sjdsl.trainers import register
 from tests.sweeps.described import plan
 
 
 def test_a_value_is_one_however_it_is_written() -> None:
-    (cell,) = plan("exchange_ratio=.50", settings={"reward": "exchange"}).cells
+    (cell,) = plan("exchange_ratio=.50", settings={"reward": "exchange"})
     assert cell.values == {"exchange_ratio": 0.5}
     assert cell.name == "coins_exchange_ratio-0.5"
-    (cell,) = plan("total_timesteps=1e3").cells
+    (cell,) = plan("total_timesteps=1e3")
     assert cell.values == {"total_timesteps": 1000}
 
 
 def test_values_with_commas_stand_in_brackets() -> None:
     axis = read_axis('param.regrow=[0.1,0.2],{"red":0.5,"blue":[1]}')
     assert axis.values == ("[0.1,0.2]", '{"red":0.5,"blue":[1]}')
-    (first, second) = plan("roles=[0,0,1],[0,1,1]", settings={"sharing": "by_role"}).cells
-    assert first.values == {"roles": [0, 0, 1]}
-    assert second.config["roles"] == [0, 1, 1]
+    first, second = plan("svo_angle=[45,90],[0,90]", settings={"reward": "svo"})
+    assert first.values == {"svo_angle": [45.0, 90.0]}
+    assert second.config["svo_angle"] == [0.0, 90.0]
 
 
 def test_entries_of_tables() -> None:
     assert with_number({"a": 1}, "regrow[red]", 2) == {"a": 1, "regrow": {"red": 2}}
     assert with_number({"regrow": {"blue": 1}}, "regrow[red]", 2) == {"regrow": {"blue": 1, "red": 2}}
-    (cell,) = plan("param.regrow[red][x]=0.1").cells
+    (cell,) = plan("param.regrow[red][x]=0.1")
     assert cell.provenance["params"] == {"regrow": {"red": {"x": 0.1}}}
     assert re.fullmatch(r"[\w.-]+", cell.name)
 
 
 def test_presets_lay_their_tables_under_each_cell() -> None:
     """`paper` has another learning schedule for the reward svo than for the others, and another seed than 0."""
-    own, other = plan("reward=individual,svo", preset="paper").cells
+    own, other = plan("reward=individual,svo", preset="paper")
     assert own.config["anneal_learning_rate"] is True
     assert other.config["anneal_learning_rate"] is False
     assert own.seeds == range(30, 32)
@@ -50,11 +49,11 @@ def learner(env: Any, config: Any, *, bonus: float = 0.5) -> None:
 
 def test_settings_of_ones_own_on_axes() -> None:
     register("algorithm", "mine", learner)
-    first, second = plan("own.bonus=.10,2", settings={"algorithm": "mine"}).cells
+    first, second = plan("own.bonus=.10,2", settings={"algorithm": "mine"})
     assert (first.name, first.values, first.config["own"]) == ("coins_own.bonus-0.1", {"own.bonus": 0.1}, {"bonus": 0.1})
     assert second.config["own"] == {"bonus": 2}
     for settings in ({"own.bonus": "3"}, {"own": {"bonus": 3}}):  # of those cells that take it
-        ippo, mine = plan("algorithm=ippo,mine", settings=settings).cells
+        ippo, mine = plan("algorithm=ippo,mine", settings=settings)
         assert (ippo.config["own"], mine.config["own"], mine.configuration().own) == ({}, {"bonus": 3}, (("bonus", 3),))
         with pytest.raises(ExperimentError, match=r"`own\.bonus` does nothing in any cell"):
             plan("algorithm=ippo,mappo", settings=settings)
@@ -64,45 +63,9 @@ def test_settings_of_ones_own_on_axes() -> None:
         plan("own.bonus=1,2", settings={"algorithm": "mine", "own": {"bonus": 1}})
 
 
-def test_the_protocol_algorithms_has_six_columns() -> None:
-    found = {cell.point: cell.config for cell in plan(protocol="algorithms", settings={"network": "mlp"}).cells}
-    assert [*found] == ["ippo_individual", "ippo_common", "mappo", "vdn", "exchange", "svo_90"]
-    assert [found[column]["algorithm"] for column in found] == ["ippo", "ippo", "mappo", "vdn", "ippo", "ippo"]
-    assert found["mappo"]["reward"] == found["vdn"]["reward"] == "common"
-    assert found["exchange"]["exchange_ratio"] == 0.5  # the paper's for Coins
-    assert found["svo_90"]["svo_angle"] == [90.0]
-    (cell,) = [
-        cell
-        for cell in plan(protocol="algorithms", games=("clean_up",), settings={"exchange_ratio": 0.1}).cells
-        if cell.point == "exchange"
-    ]
-    assert cell.config["exchange_ratio"] == 0.1
-
-
 def test_a_setting_of_all_cells_is_for_those_that_read_it() -> None:
-    own, exchanged = plan("reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores").cells
+    own, exchanged = plan("reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores")
     assert (own.config["exchange_ratio"], exchanged.config["exchange_ratio"]) == (0.5, 0.9)
-
-
-def test_the_second_stage_of_svo_has_the_best_weight_and_fresh_seeds() -> None:
-    """For each game and learning rate apart; of equal means the smallest weight."""
-    asked = plan("learning_rate=0.1,0.2", protocol="svo", settings={"seed": 5, "seeds": 3})
-    assert len(asked.cells) == 12
-    best = {0.1: 0.4, 0.2: 0.0}
-
-    def earned(weight: float, rate: float) -> list[float]:
-        return [1.0, 2.0, 3.0] if weight == best[rate] or (rate == 0.2 and weight == 0.8) else [0.0, 0.0, 5.0]
-
-    returns = {cell.name: earned(cell.values["svo_weight"], cell.values["learning_rate"]) for cell in asked.cells}
-    found = second_stage(asked, returns)
-    assert [(cell.values["svo_weight"], cell.values["svo_angle"], cell.values["learning_rate"]) for cell in found] == [
-        *((0.4, angle, 0.1) for angle in (0, 22.5, 45, 67.5, 90)),
-        (0.0, 90, 0.2),  # without weight all angles are alike
-    ]
-    assert {cell.seeds for cell in asked.cells} == {range(5, 8)}
-    assert {cell.seeds for cell in found} == {range(8, 11)}
-    assert {cell.stage for cell in found} == {2}
-    assert not {cell.name for cell in found} & {cell.name for cell in asked.cells}
 
 
 def test_what_no_command_line_can_ask_for_is_refused() -> None:

@@ -1,16 +1,15 @@
-"""Processes that work side by side: cores of their own, and one that is killed costs the cells it ran and no others."""
+"""Processes that work side by side: cores of their own, and one that is killed costs the cell it ran and no others."""
 
 import os
 import signal
 import time
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from sjdsl.sweeps import processes
 from sjdsl.sweeps.processes import run_in_processes, shares_of
+from sjdsl.sweeps.work import Watch
 
 
 @pytest.mark.parametrize(
@@ -28,35 +27,37 @@ def test_shares(cores: list[int], workers: int, shares: list[tuple[int, ...]]) -
     assert shares_of(cores, workers) == shares
 
 
-def run_beside_another(path: Path) -> None:
+def run_beside_another(path: Path, watch: Watch) -> None:
     """Stands in for `run_cell`: writes which cores it may use, and waits until two processes have; `killed` is killed by the system."""
-    path.write_text(f"{os.getpid()} {sorted(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else ''}")
+    try:
+        file = path.open("x")
+    except FileExistsError:
+        return  # another process has the cell
+    with file:
+        file.write(f"{os.getpid()} {sorted(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else ''}")
+        file.flush()
     if path.name == "killed":
         os.kill(os.getpid(), signal.SIGKILL)
     end = time.monotonic() + 60
     while len([*path.parent.iterdir()]) < 2 and time.monotonic() < end:
         time.sleep(0.01)
-
-
-@pytest.fixture
-def failed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of the cells that have failed."""
-    found: list[str] = []
-    monkeypatch.setattr(processes, "run_cell", run_beside_another)
-    monkeypatch.setattr(processes, "cell_at", lambda path: (Path(), {"episodes": 1}, SimpleNamespace(name=path.name)))
-    monkeypatch.setattr(processes, "record_failure", lambda _, cell, __: found.append(cell.name))
-    monkeypatch.setattr(processes, "progress_of", lambda *_: SimpleNamespace(state="stopped", summary="stopped"))
-    return found
+    if path.name == "full":
+        raise OSError("no room")
+    watch.tell(f"{path.name}: done")
 
 
 @pytest.mark.thorough
-def test_processes_have_cores_of_their_own_and_one_that_is_killed_is_replaced(tmp_path: Path, failed: list[str]) -> None:
-    told: list[str] = []
-    run_in_processes([tmp_path / name for name in ("first", "killed", "second", "third")], 2, told.append)
-    assert failed == ["killed"]
-    assert sorted(told) == [f"{name}: stopped" for name in ("first", "killed", "second", "third")]
+@pytest.mark.parametrize(("last", "whole"), [("killed", False), ("full", False), ("fourth", True)])
+def test_processes_have_cores_of_their_own_and_one_that_ends_costs_no_other_cell(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], last: str, whole: bool
+) -> None:
+    names = [last, "first", "second", "third"]
+    assert run_in_processes([tmp_path / name for name in names], 2, run_beside_another) is whole
     seen: Any = {path.name: path.read_text().split(" ", 1) for path in tmp_path.iterdir()}
-    assert seen.keys() == {"first", "killed", "second", "third"}
-    assert seen["killed"][0] not in {seen[name][0] for name in ("first", "second", "third")}
+    assert seen.keys() == {*names}
+    told = capfd.readouterr().err.splitlines()
+    assert {f"{name}: done" for name in ("first", "second", "third")} < {*told, ""}
+    assert [line for line in told if last in line] == {"killed": [], "full": ["full: no room"], "fourth": ["fourth: done"]}[last]
+    assert (seen[last][0] in {seen[name][0] for name in ("first", "second", "third")}) <= whole
     if hasattr(os, "sched_getaffinity") and len(os.sched_getaffinity(0)) > 1:
-        assert seen["first"][1] != seen["killed"][1]
+        assert seen["first"][1] != seen[last][1]

@@ -22,7 +22,7 @@ from sjdsl.sweeps.running import Outcome, prepare, sweep
 from sjdsl.sweeps.work import Watch
 from sjdsl.trainers import evaluate, load_policy
 from sjdsl.trainers.evaluation import evaluation_key
-from sjdsl.trainers.run_errors import DiskError
+from sjdsl.trainers.run_errors import DiskError, RunError
 from tests.sweeps.described import GAME, TINY
 
 LOW, HIGH = "matrix_game_exchange_ratio-0.25", "matrix_game_exchange_ratio-0.75"
@@ -76,9 +76,8 @@ def test_a_new_value_only_adds_cells(grown: tuple[Path, list[str], Outcome]) -> 
     folder, lines, outcome = grown
     assert [line.partition(":")[0] for line in lines] == [LOW, LOW, HIGH, HIGH]
     assert outcome.done == (HIGH,)
-    assert outcome.complete and not outcome.failed
+    assert not outcome.failed
     known = json.loads((folder / "sweep.json").read_text())
-    assert known["axes"] == {"exchange_ratio": [0.25, 0.75]}
     assert [*known["cells"]] == [LOW, HIGH]
     assert known["cells"][HIGH]["values"] == {"exchange_ratio": 0.75}
     assert states_of(folder) == {LOW: "done", HIGH: "done"}
@@ -160,14 +159,9 @@ def test_an_evaluation_of_something_else_is_not_taken_for_a_result(grown: tuple[
 REFUSED: list[tuple[Any, str]] = [
     (
         asked(0.25, settings={"seeds": 3}),
-        f"its cell {LOW} has config seeds 2 there, 3 here. Ask for new values of its axes with all else as it was",
+        f"its cell {LOW} has config seeds 2 there, 3 here. Ask for other cells with all else as it was",
     ),
     (asked(0.25, settings={"learning_rate": 0.5}), "learning_rate 0.0005 there, 0.5 here"),
-    (
-        SweepSpec([GAME], [Axis("svo_weight", (0.5,))], settings={**TINY, "reward": "svo"}, episodes=3),
-        "its axes differ",
-    ),
-    (SweepSpec([GAME], (), "exchange", settings=TINY, episodes=3), "protocol None there, exchange here"),
     (
         SweepSpec([GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}),
         "episodes 3 there, 30 here",
@@ -334,3 +328,29 @@ def test_the_python_lines_of_the_page(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.chdir(tmp_path)
     exec(lines, {})
     assert capsys.readouterr().out.splitlines()[-1] == "('coins_reward-individual', 'coins_reward-common') {}"
+
+
+def finish(path: Path, seeds: range) -> None:
+    """Writes what is read of a run that is done."""
+    for seed in seeds:
+        own = path / f"seed_{seed}"
+        own.mkdir(parents=True)
+        (own / "metrics.jsonl").write_text('{"update": 4, "env_steps": 64, "seconds": 1.5}\n')
+        summary = {"collective return": {"mean": float(seed), "low": 0.0, "high": None}}
+        asked = {"policy": "last", "seed": seed, "greedy": None, "episodes": 2}
+        (own / "evaluation.json").write_text(json.dumps({**asked, "summary": summary}))
+    (path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}, "status": "finished", "updates": 4}))
+
+
+@pytest.mark.thorough
+def test_a_cell_that_does_not_fit_into_memory_has_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def train(_: Any, config: Any, run_dir: Path, *__: Any) -> None:
+        if config.learning_rate == 0.2:
+            raise RunError("an update needs more")
+        finish(run_dir, range(2))
+
+    monkeypatch.setattr(work, "train", train)
+    rates = SweepSpec([GAME], [Axis("learning_rate", (0.1, 0.2, 0.3, 0.4, 0.5))], settings=TINY, episodes=2)
+    outcome = sweep(rates, tmp_path / "sweep")
+    assert outcome.failed == {"matrix_game_learning_rate-0.2": "an update needs more"}
+    assert len(outcome.done) == 4

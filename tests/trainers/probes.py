@@ -38,7 +38,6 @@ class Probe:
     truncates: bool | Array = False  # episodes end by the time limit
     num_agents: int = 2
     num_actions: int = 2
-    roles: tuple[int, ...] | None = None
     episode_length: int = 100
     hash: str = "probe"
     params: tuple[float, ...] = ()
@@ -266,7 +265,7 @@ def quick(**changes: Any) -> Config:
 
 def run_of(env: Probe, config: Config, seeds: int = 1) -> Callable[[Array], Run]:
     """Returns a whole run as a function of its key: to the last state and all updates' metrics. With more seeds, of as many keys."""
-    form = Probe("form", reward=lambda _, __: 0.0, num_agents=env.num_agents, num_actions=env.num_actions, roles=env.roles)
+    form = Probe("form", reward=lambda _, __: 0.0, num_agents=env.num_agents, num_actions=env.num_actions)
     return lambda key: _run_of_form(form, config, seeds)(key, tables_of(env))
 
 
@@ -281,7 +280,7 @@ def _run_of_form(form: Probe, config: Config, seeds: int) -> Callable[[Array, Ta
         return jax.lax.scan(lambda state, _: program.update(state), program.init(key), length=config.num_updates)
 
     runs = jax.vmap(run, in_axes=(0, None)) if seeds > 1 else run
-    name = (form.num_agents, form.num_actions, form.roles, config, seeds)
+    name = (form.num_agents, form.num_actions, config, seeds)
     return _FORMS.setdefault(name, jax.jit(runs, compiler_options=FAST_TO_COMPILE))
 
 

@@ -1,7 +1,6 @@
 """Which agents share a network, and that sharing changes nothing else."""
 
 import dataclasses
-import re
 from typing import Any
 
 import jax
@@ -12,9 +11,7 @@ from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, oppo
 
 from sjdsl.trainers import ConfigError, PPOConfig, make_train
 from sjdsl.trainers.actor_critics import ActorCritics, make_actor_critics
-from sjdsl.trainers.teams import bundle_teams
 
-ROLES = (0, 0, 1)
 CENTRAL = {"algorithm": "mappo"}
 
 
@@ -29,36 +26,15 @@ def three(**changes: Any) -> tuple[Probe, ActorCritics]:
 @pytest.mark.parametrize(
     ("changes", "teams"),
     [
-        ({}, [[(0, 1, 2)]]),
-        ({"sharing": "per_agent"}, [[(0,), (1,), (2,)]]),
-        ({"sharing": "by_role", "roles": (0, 0, 1)}, [[(2,)], [(0, 1)]]),
-        ({"sharing": "by_role", "roles": (1, 0, 1)}, [[(1,)], [(0, 2)]]),
-        ({"sharing": "by_role", "roles": (5, 5, 5)}, [[(0, 1, 2)]]),
-        ({"sharing": "by_role", "roles": (2, 7, 1)}, [[(2,), (0,), (1,)]]),
-        ({"sharing": "by_role", "roles": "0,1,0"}, [[(1,)], [(0, 2)]]),
+        ({}, ((0, 1, 2),)),
+        ({"sharing": "per_agent"}, ((0,), (1,), (2,))),
+        ({"partners": "1=random"}, ((0, 2),)),
+        ({"sharing": "per_agent", "partners": "1=random"}, ((0,), (2,))),
     ],
 )
-def test_teams_of_one_size_are_computed_together(changes: dict[str, Any], teams: list[list[tuple[int, ...]]]) -> None:
+def test_agents_that_learn_share_a_network_or_have_one_each(changes: dict[str, Any], teams: tuple[tuple[int, ...], ...]) -> None:
     _, networks = three(**changes)
-    assert [list(bundle.agents) for bundle in networks.bundles] == teams
-
-
-def test_roles_are_the_games_unless_said() -> None:
-    env = dataclasses.replace(three()[0], roles=(1, 0, 0))
-    assert [bundle.agents for bundle in bundle_teams(env, PPOConfig(sharing="by_role"))] == [((0,),), ((1, 2),)]
-    assert [bundle.agents for bundle in bundle_teams(env, PPOConfig(sharing="by_role", roles=ROLES))] == [((2,),), ((0, 1),)]
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"sharing": "by_role"}, "`matching` gives its agents no lasting roles; list them, one number an agent, such as roles=0,0,1,1"),
-        ({"sharing": "by_role", "roles": (0, 1)}, "`roles` must be a number for each of the 3 agents of `matching`, not 2 numbers"),
-    ],
-)
-def test_what_does_not_fit_the_agents_is_refused(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(ConfigError, match=re.escape(message)):
-        three(**changes)
+    assert networks.teams.agents == teams
 
 
 class _Blind:
@@ -87,10 +63,10 @@ def test_a_critic_of_the_state_needs_one() -> None:
     [
         {},
         pytest.param(CENTRAL, marks=pytest.mark.thorough),
-        pytest.param({"sharing": "by_role", "roles": ROLES}, marks=pytest.mark.slow),
+        pytest.param({"partners": "2=random"}, marks=pytest.mark.slow),
         pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
     ],
-    ids=["shared", "mappo", "by role", "memory"],
+    ids=["shared", "mappo", "partner", "memory"],
 )
 def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(changes: dict[str, Any]) -> None:
     """Agents 0 and 1 share a network in each case; a central critic says a value for each without numbers as well."""
@@ -131,21 +107,20 @@ def test_agents_of_one_network_learn_their_own_parts(changes: dict[str, Any]) ->
 
 
 def _alone(sharing: str) -> tuple[Probe, dict[str, Any]]:
-    return dataclasses.replace(matching(1), roles=(0,)), {"sharing": sharing}
+    return matching(1), {"sharing": sharing}
 
 
 def test_one_agent_is_one_network_however_it_is_shared() -> None:
-    shared, *others = (make_actor_critics(env, quick(**changes)) for env, changes in map(_alone, ("shared", "per_agent", "by_role")))
-    assert [other == shared for other in others] == [True, True]
+    shared, apart = (make_actor_critics(env, quick(**changes)) for env, changes in map(_alone, ("shared", "per_agent")))
+    assert apart == shared
 
 
 @pytest.mark.slow
 def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
     """Bit for bit."""
-    (shared, figures), *others = (learn(env, **changes) for env, changes in map(_alone, ("shared", "per_agent", "by_role")))
-    for state, told in others:
-        jax.tree.map(np.testing.assert_array_equal, shared.learner[0].params, state.learner[0].params)
-        jax.tree.map(np.testing.assert_array_equal, figures, told)
+    (shared, figures), (state, told) = (learn(env, **changes) for env, changes in map(_alone, ("shared", "per_agent")))
+    jax.tree.map(np.testing.assert_array_equal, shared.learner[0].params, state.learner[0].params)
+    jax.tree.map(np.testing.assert_array_equal, figures, told)
 
 
 # several networks
@@ -155,11 +130,10 @@ def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
     "changes",
     [
         {"sharing": "per_agent"},
-        pytest.param({"sharing": "by_role", "roles": (0, 1, 0)}, marks=pytest.mark.slow),
-        pytest.param({"sharing": "by_role", "roles": (0, 1, 0), "algorithm": "mappo"}, marks=pytest.mark.slow),
-        pytest.param({"sharing": "by_role", "roles": (0, 1, 0), "memory": "gru", "agent_id": True}, marks=pytest.mark.thorough),
+        pytest.param({"sharing": "per_agent", "algorithm": "mappo"}, marks=pytest.mark.slow),
+        pytest.param({"sharing": "per_agent", "memory": "gru", "agent_id": True}, marks=pytest.mark.thorough),
     ],
-    ids=["per agent", "by role", "mappo", "memory and numbers"],
+    ids=["per agent", "mappo", "memory and numbers"],
 )
 def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]) -> None:
     """Logits, values and memory of all agents at once are those of each team's network on its own."""
@@ -173,15 +147,11 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
         start = networks.start_memory(4)
         _, logits, values = networks.apply(parameters, start, seen, None, fresh)
         apart = []
-        for bundle, network, stacked in zip(networks.bundles, networks.networks, parameters, strict=True):
-            for index, agents in enumerate(bundle.agents):
-                own = jax.tree.map(lambda leaf: leaf[index], stacked)  # noqa: B023
-                _, says, worth = network.apply(
-                    own, network.start_memory(4), seen[:, :, np.asarray(agents)], joint, fresh, np.asarray(agents)
-                )
-                apart += [(agent, says[:, :, place], worth[:, :, place]) for place, agent in enumerate(agents)]
-        order = [index for index, _ in sorted(enumerate(apart), key=lambda entry: entry[1][0])]
-        return (logits, values), tuple(jnp.stack([apart[index][part] for index in order], axis=2) for part in (1, 2))
+        for index, agents in enumerate(networks.teams.agents):
+            own = jax.tree.map(lambda leaf: leaf[index], parameters[0])  # noqa: B023
+            network = networks.network
+            apart.append(network.apply(own, network.start_memory(4), seen[:, :, np.asarray(agents)], joint, fresh, np.asarray(agents))[1:])
+        return (logits, values), tuple(jnp.concatenate(part, axis=2) for part in zip(*apart, strict=True))
 
     together, apart = jax.jit(both, compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-6), together, apart)
@@ -196,11 +166,3 @@ def test_networks_of_agents_start_different() -> None:
     assert len(kernels) == 5
     for kernel in kernels:
         assert np.abs(kernel[0] - kernel[1]).max() > 1e-3
-
-
-@pytest.mark.slow
-def test_teams_of_unequal_sizes_learn() -> None:
-    env = dataclasses.replace(matching(), num_agents=3)
-    state, metrics = learn(env, sharing="by_role", roles=ROLES)
-    assert [leaf.shape[0] for learner in state.learner for leaf in jax.tree.leaves(learner.params)[:1]] == [1, 1]
-    np.testing.assert_allclose(metrics["agent_return"][-1], 1.0, atol=0.1)

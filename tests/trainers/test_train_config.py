@@ -26,9 +26,7 @@ def test_the_last_update_is_whole() -> None:
 
 
 def test_lists_may_come_as_text_or_as_one_number() -> None:
-    config = make_config(reward="svo", svo_angle="45, 90", sharing="by_role", roles="0,0,1")
-    assert isinstance(config, PPOConfig)
-    assert (config.svo_angle, config.roles) == ((45.0, 90.0), (0, 0, 1))
+    assert make_config(reward="svo", svo_angle="45, 90").svo_angle == (45.0, 90.0)
     assert make_config(reward="svo", svo_angle=45).svo_angle == (45.0,)
 
 

@@ -34,7 +34,6 @@ def test_what_nothing_reads_is_refused_however_it_is_set() -> None:
         {"algorithm": "mappo", "joint_optimiser": True, "critic": "state"},
         {"algorithm": "mappo", "critic": "state"},
         {"algorithm": "vdn", "match_socialjax": True, "common_reward": "mean"},
-        {"sharing": "by_role", "roles": "0,1"},
         {"evaluate_every": 1, "evaluation_episodes": 2},
         {"checkpoint_minutes": 1},
     ],
