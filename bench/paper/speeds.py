@@ -1,4 +1,7 @@
-"""Speed of random play and hours of training, beside the published ones: read from files of `sjdsl bench --json`, and as sections."""
+"""Speed of random play and hours of training, beside the published ones: read from JSON of benchmarks, and as sections.
+
+JSON of benchmarks: of `sjdsl bench --json`, or of `python -m bench.speed race` or `training` with `--json`.
+"""
 
 import statistics
 from collections.abc import Iterable, Iterator
@@ -34,7 +37,7 @@ HOURS = 1e9 / 3600  # of 1e9 environment steps, times the rate
 
 
 def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
-    """Returns the tables `speeds` and `updates` of the data of the page, with the figures of files of `sjdsl bench --json` added."""
+    """Returns the tables `speeds` and `updates` of the data of the page, with the figures of JSON of benchmarks (see above) added."""
     frames = {name: pd.read_csv(data / file) for name, file in FILES.items()}
     for file in files:
         found = read_found(file)

@@ -41,6 +41,12 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{ACCESS}::test_nothing_else_is_written",
         f"{FILES}::test_saving_in_the_studio_writes_nothing_elsewhere",
     ),
+    "Outside it, it reads only": (
+        f"{ACCESS}::test_only_games_and_maps_inside_the_folder_are_read",
+        f"{ACCESS}::test_the_command_opens_bundled_games_as_examples_and_others_in_its_folder",
+        f"{ACCESS}::test_nothing_else_is_written",
+        f"{FILES}::test_saving_in_the_studio_writes_nothing_elsewhere",
+    ),
     "Compiling and playing have limits": (f"{CHILD}::test_what_takes_too_long_is_stopped",),
     "**Files are written**": (
         f"{FILES}::test_what_fails_leaves_what_was_there_and_nothing_else",
