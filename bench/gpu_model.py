@@ -70,7 +70,8 @@ SUITE = {  # the suite's environments of the same games: module and class, and a
     "mushrooms": ("mushrooms.mushrooms:Mushrooms", 5),
     "pd_arena": ("pd_arena.pd_arena:PD_Arena", 4),
 }
-GROUPS = {"nine": NINE, "ten": TEN}
+TWENTY = (*(f"{game}+crowd" for game in NINE if game not in ("coins", "pd_arena")), "pd_arena*20")  # coins is for two
+GROUPS = {"nine": NINE, "ten": TEN, "twenty": TWENTY}
 SECTION = "gpu model"
 
 
@@ -120,7 +121,7 @@ class Program:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("games", nargs="*", help="games, GAME+VARIANT, substrates, `nine`, `ten`; none: only tables")
+    parser.add_argument("games", nargs="*", help="games, GAME+VARIANT, GAME*AGENTS, substrates, `nine`, `ten`, `twenty`; none: only tables")
     parser.add_argument("--gpu", choices=GPUS, default="h100")
     parser.add_argument("--envs", type=numbers, default=(4096,), help="environments side by side, such as 1024,4096")
     parser.add_argument("--observation", default="tokens", help="tokens, onehot, or both with a comma")
@@ -170,12 +171,13 @@ def shaped(tree: Any, target: Any, batch: tuple[int, ...] = ()) -> Any:
 
 
 def make(name: str, observation: str) -> Any:
-    """Returns the environment of a game, of a variant, or of a substrate."""
+    """Returns the environment of a game, of a variant, of a game with more agents, or of a substrate."""
     if name in TEN or ("__" in name and name in substrates()):
         substrate = substrates()[name]
         return sjdsl.make(substrate.game, substrate.variant or None, observation=observation)
-    game, _, variant = name.partition("+")
-    return sjdsl.make(game, variant or None, observation=observation)
+    game, _, agents = name.partition("*")
+    game, _, variant = game.partition("+")
+    return sjdsl.make(game, variant or None, num_agents=int(agents) if agents else None, observation=observation)
 
 
 def step_of(name: str, observation: str, envs: int, target: Any) -> Program:
@@ -317,6 +319,7 @@ def page(rows: dict[Any, Row]) -> str:
     tables = [
         step_table(f"one step of a game, {title}", names, of, observation, found) for of, observation, title in steps for names in [NINE]
     ]
+    tables += [step_table("one step of a game with 20 agents, tokens", TWENTY, "ours", "tokens", found)]
     tables += [step_table(f"one step of a substrate, {title}", TEN, of, observation, found) for of, observation, title in steps[:2]]
     tables += [checked_table(found), update_table(found)]
     parts = [f"{table.title[0].upper()}{table.title[1:]}:\n\n{markdown_table(table)}" for table in tables if table.rows]
@@ -334,6 +337,7 @@ def step_table(title: str, names: tuple[str, ...], of: str, observation: str, ro
         ("times the least", lambda row: f"{row.bytes / row.least_bytes:.1f}"),
         ("1,000 operations an env", lambda row: f"{row.operations / 1e3:.0f}"),
         ("million steps/s, estimated", millions),
+        ("seconds to compile", lambda row: f"{row.compile_seconds:.0f}"),
     ]
     by_key = {(row.name, row.envs): row for row in mine}
     lines = []

@@ -6,8 +6,9 @@ from typing import get_args
 import jax
 import jax.numpy as jnp
 
-from .config import Config, ConfigError, PPOConfig, RewardMode, VDNConfig
+from .config import Config, ConfigError, PPOConfig, VDNConfig
 from .environment import Environment
+from .extensions import RewardMode
 from .own_algorithm import make_own
 from .policies import load_parameters, make_partners
 from .ppo import make_ppo

@@ -25,22 +25,12 @@ from pydantic import (
 from sjdsl.near_names import meant
 
 from .config_errors import RETIRED, ConfigError, sentence_of
-from .extensions import Kind, a, find, is_own, lasting, name_of, require_allowed
+from .extensions import BUILT_IN, Kind, RewardMode, a, find, is_own, lasting, name_of, require_allowed
 from .own_settings import OWN, Own, gathered, missing_own, spread, unread_own
 from .policy_names import lasting_name, split_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
-Algorithm = Literal["ippo", "mappo", "vdn"]
-RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
-NetworkKind = Literal["mlp", "cnn"]
-# The built-in names of each kind of hook, which a configuration may replace by custom code.
-BUILT_IN: Mapping[Kind, tuple[str, ...]] = {
-    "algorithm": get_args(Algorithm),
-    "loss": ("ppo",),
-    "network": get_args(NetworkKind),
-    "reward": get_args(RewardMode),
-}
 MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
 FORMER = (

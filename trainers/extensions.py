@@ -11,13 +11,24 @@ import importlib
 import importlib.util
 import shlex
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from .config_errors import ConfigError
 
 Kind = Literal["algorithm", "callback", "loss", "network", "policy", "reward"]
+Algorithm = Literal["ippo", "mappo", "vdn"]
+RewardMode = Literal["individual", "common", "svo", "exchange", "inequity"]
+NetworkKind = Literal["mlp", "cnn"]
+# The built-in names of each kind of hook, which a configuration may replace by custom code.
+BUILT_IN: Mapping[Kind, tuple[str, ...]] = {
+    "algorithm": get_args(Algorithm),
+    "loss": ("ppo",),
+    "network": get_args(NetworkKind),
+    "reward": get_args(RewardMode),
+}
 
 _REGISTERED: dict[tuple[Kind, str], Any] = {}
 _ALLOWED: set[str] = set()  # names of code that the caller has allowed
@@ -39,8 +50,6 @@ def register(kind: Kind, name: str, thing: object) -> None:
       TypeError: the object can't be called.
       ValueError: the name is that of a built-in algorithm, loss, network or reward.
     """
-    from .config import BUILT_IN  # which imports this module
-
     if name in BUILT_IN.get(kind, ()):
         raise ValueError(f"`{name}` is a built-in {kind}; register yours under another name")
     if not callable(thing) and not hasattr(thing, "act"):

@@ -31,7 +31,8 @@ from typing import Any, get_args
 
 from sjdsl.near_names import meant
 
-from .config import KEYS_OF, Algorithm, Config, ConfigError, RewardMode, make_config
+from .config import KEYS_OF, Config, ConfigError, make_config
+from .extensions import Algorithm, RewardMode
 from .own_settings import OWN, spread
 
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}

@@ -11,7 +11,8 @@ from typing import get_args
 import jax.numpy as jnp
 from jax import Array
 
-from .config import Config, ConfigError, RewardMode
+from .config import Config, ConfigError
+from .extensions import RewardMode
 from .own_settings import filled
 from .step_record import Step
 

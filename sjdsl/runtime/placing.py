@@ -210,12 +210,17 @@ def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, posi
     return lax.while_loop(waiting, place_one, start)[2:]
 
 
+AT_ONCE = 8  # agents that one kernel places on many cells: with 12, XLA takes minutes to compile it
+FEW_WORDS = 4  # of cells, up to which one kernel places all agents
+
+
 def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
     """The form for GPUs: one agent after the other, on scalars, none of which is written to memory."""
     fitting = None if own is None else bits.pack(own)
     agents = position.shape[0]
     index = jnp.arange(agents, dtype=jnp.int32)
     left = bits.apart(bits.pack(free))
+    stops = range(AT_ONCE - 1, agents - 1, AT_ONCE) if len(left) > FEW_WORDS else ()
     going = bits.as_bits(sent, jnp.uint32)
     given = [jnp.uint32(0) for _ in range(0, agents, 2)]  # half a word for each agent: the number of its cell, one up; 0: none
     for who in range(agents):
@@ -228,6 +233,8 @@ def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, positi
         left = [lax.select(lax.eq(number, np.int32(place)), lax.bitwise_and(one, kept), one) for place, one in enumerate(left)]
         found = jnp.where(there, number * bits.WIDTH + bit + 1, 0).astype(jnp.uint32)
         given[who // 2] = given[who // 2] | (found << (who % 2 * 16))
+        if who in stops:
+            left, given = lax.optimization_barrier((left, given))
     given = lax.optimization_barrier(given)  # stored, or the lane of each agent would compute them all
     site = bits.field(given, index, 16, 2).astype(jnp.int32) - 1
     placed = site >= 0

@@ -201,7 +201,7 @@ def test_settings_are_numbers_texts_and_truths(given: dict[str, Any], read: Any)
         ({"own": 3}, "`own` must be a table of numbers, texts, true or false, by name, not 3"),
         ({"algorithm": "vdn", "loss": penalised}, "unknown key `loss` here: it is one of ippo and mappo"),
         ({"algorithm": as_it_is, "critic": "state"}, "`critic` has no effect while `algorithm` is test_own_algorithms:as_it_is"),
-        ({"algorithm": "dqn"}, "unknown algorithm 'dqn'; known: ippo, mappo, vdn"),
+        ({"algorithm": "dqn"}, "unknown algorithm 'dqn'; did you mean `vdn`?"),
         ({"algorithm": "none.py:f"}, "none.py does not exist"),
         ({"loss": "mse"}, "`loss` must be 'ppo', the name of a loss that was registered, or FILE.py:NAME, not 'mse'"),
     ],

@@ -11,7 +11,8 @@ import pytest
 from probes import constant, quick
 
 from sjdsl.trainers import Config, ConfigError, PPOConfig, RunError, VDNConfig, load_preset, make_config, make_train, register, resume
-from sjdsl.trainers.config import RewardMode, dependent_settings
+from sjdsl.trainers.config import dependent_settings
+from sjdsl.trainers.extensions import RewardMode
 from sjdsl.trainers.manifest import MANIFEST
 from sjdsl.trainers.policy_file import read_policy, write_policy
 from sjdsl.trainers.run_files import write_json
