@@ -302,7 +302,7 @@ class Program:
             if name not in left_out and not name.startswith("mark_"):
                 held = getattr(state, name)
                 parts.append(_counts(_some(self._kinds[held] if name in places else held)))
-        numbers = jnp.concatenate([part.reshape(-1) for part in parts]).astype(jnp.uint32)
+        numbers = jnp.concatenate([part.reshape(-1).astype(jnp.int32) for part in parts]).astype(jnp.uint32)
         factors = np.random.default_rng(0).integers(0, 2**32, numbers.size, np.uint32) | np.uint32(1)
         mixed = (numbers + np.uint32(COUNTED)) * factors
         return jnp.sum((mixed ^ (mixed >> 15)) * np.uint32(0x9E3779B1))
