@@ -1,5 +1,6 @@
 """The studio's page in a browser, with its real server, for the tests of the studio."""
 
+import contextlib
 import os
 import re
 import signal
@@ -47,7 +48,8 @@ class Studio:
         self.port = int(re.findall(r":(\d+)/", self.address)[0])
 
     def stop(self) -> None:
-        os.killpg(self.process.pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):  # a test may have stopped it before
+            os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
 
 
