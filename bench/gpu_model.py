@@ -38,17 +38,7 @@ from sjdsl.bench.tables import Table
 from sjdsl.library.substrates import substrates
 from sjdsl.runtime.forms import forced
 
-NINE = (
-    "coins",
-    "harvest_open",
-    "harvest_closed",
-    "harvest_partnership",
-    "clean_up",
-    "coop_mining",
-    "gift_refinement",
-    "mushrooms",
-    "pd_arena",
-)
+NINE = published.suite()
 TEN = (  # of Melting Pot's substrates: one of each family of rules
     "allelopathic_harvest__open",
     "chemistry__two_metabolic_cycles",

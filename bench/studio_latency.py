@@ -21,19 +21,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from paper.published import suite  # bench/paper, beside this script
 from playwright.sync_api import Page, sync_playwright
 
-GAMES = [
-    "coins",
-    "harvest_open",
-    "harvest_closed",
-    "harvest_partnership",
-    "clean_up",
-    "coop_mining",
-    "mushrooms",
-    "gift_refinement",
-    "pd_arena",
-]
 LOADED = 4.0  # seconds that a server has before its first page
 WATCH = """() => {
   window.answers = [];
@@ -89,7 +79,7 @@ def keystrokes(page: Page, count: int, pause: float) -> list[float]:
 def main() -> None:
     """Prints a row of a Markdown table for each game."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--games", default=",".join(GAMES))
+    parser.add_argument("--games", default=",".join(suite()))
     parser.add_argument("--keystrokes", type=int, default=40)
     parser.add_argument("--pause", type=float, default=0.25, help="seconds between an answer and the next key")
     given = parser.parse_args()

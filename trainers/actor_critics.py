@@ -40,7 +40,7 @@ class ActorCritics:
         fresh = jnp.ones((1, 1), bool)
         memory = self.network.start_memory(1)
         own, agents = seen[:, :, : self.teams.indices.shape[1]], jnp.asarray(self.teams.indices[0])
-        (teams_key,) = jax.random.split(key, 1)
+        (teams_key,) = jax.random.split(key, 1)  # so that a seed gives the weights that stored runs began with
         keys = jax.random.split(teams_key, len(self.teams.agents))
         drawn = [self.network.init(team_key, memory, own, joint, fresh, agents) for team_key in keys]
         return (jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn),)

@@ -33,14 +33,8 @@ __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
 MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
-FORMER = (
-    *RETIRED,
-    "team_reward",
-    "similarity_clip",
-    "individual_kl",
-    "team_kl",
-    "roles",
-)  # keys of stored configurations that nothing reads
+# Keys of stored configurations that nothing reads.
+FORMER = (*RETIRED, "team_reward", "similarity_clip", "individual_kl", "team_kl", "roles")
 SEEDS = 2**32  # the number of seeds: JAX uses the lower 32 bits, so a larger seed would repeat the run of a smaller one
 
 

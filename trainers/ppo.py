@@ -233,7 +233,7 @@ def learn_teams(
 ) -> tuple[tuple[Learner], Metrics]:
     """Returns the learners after their epochs; teams learn side by side, and losses are means over teams."""
     (learner,), (memory,) = learners, jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), batch.memory)
-    agents, (teams_key,) = networks.teams.indices, jax.random.split(key, 1)
+    agents, (teams_key,) = networks.teams.indices, jax.random.split(key, 1)  # split once, so that stored runs draw on as they began
     number = len(agents)
     orders = draw_orders(teams_key, number, config)
 

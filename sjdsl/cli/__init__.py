@@ -131,7 +131,7 @@ def main() -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1
     gc.freeze()
-    if status == INTERRUPTED:  # XLA may still be compiling: it can't be stopped, and crashes when Python ends
+    if status == INTERRUPTED:  # XLA may still be compiling: it can't be stopped, and would crash when Python exits
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

@@ -210,8 +210,8 @@ def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, posi
     return lax.while_loop(waiting, place_one, start)[2:]
 
 
-AT_ONCE = 8  # agents that one kernel places on many cells: with 12, XLA takes minutes to compile it
-FEW_WORDS = 4  # of cells, up to which one kernel places all agents
+AT_ONCE = 8  # agents that one kernel places on many cells: with 12, it takes minutes to compile
+FEW_WORDS = 4  # words of 32 cells: on so few, one kernel places all agents
 
 
 def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:

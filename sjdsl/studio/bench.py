@@ -272,5 +272,5 @@ class Bench:
 
 
 def _policies(game: ir.Game) -> list[str]:
-    """Returns what agents that nobody drives can follow: policies by their names."""
+    """Returns the names of the policies that agents can follow if nobody controls them."""
     return ["random", "stay", *(policy.name for policy in game.policies)]

@@ -36,7 +36,7 @@ class Text(Request):
 
 
 class Step(Request):
-    """Takes a step. `actions`: of the agents that somebody drives, by the number of the agent."""
+    """Takes a step. `actions`: by number of agent, of those that somebody controls."""
 
     do: Literal["step"]
     actions: dict[int, int] = {}
@@ -57,7 +57,7 @@ class Begin(Request):
 
 
 class Others(Request):
-    """Says what the agents do that nobody drives: `random`, `stay`, or a policy of the file."""
+    """Chooses the policy of the agents that nobody controls: `random`, `stay`, or one of the file."""
 
     do: Literal["others"]
     policy: NAME
