@@ -13,6 +13,7 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.library.games_folder import bundled, find_game
+from sjdsl.library.stored_hashes import current_hash
 
 ROUNDING = 1e-5  # tolerance for numbers that were stored as float32
 
@@ -44,12 +45,15 @@ def variant_now(name: str, rules: str) -> str | None:
 
 
 def other_numbers(described: Mapping[str, Any]) -> list[str]:
-    """Returns the numbers of a run's game that differ from the bundled game's, as `name=value`; empty for another game.
+    """Returns the numbers of a run's game that differ from those of the bundled game or variant with its rules, as `name=value`.
 
     Args:
-      described: the game in a manifest, with `name` and `params`.
+      described: the game in a manifest, with `name`, `hash` and `params`.
+
+    Returns:
+      Those numbers; for the rules of no bundled variant, the ones that differ from the bundled game's; none for another game.
     """
-    game = _game(described["name"], "")
+    game = _game(described["name"], variant_now(described["name"], current_hash(described["hash"])) or "")
     usual = {} if game is None else {param_attribute(param.name): param.value for param in game.params}
     params: Mapping[str, Any] = described["params"]
     return [f"{name}={params[name]}" for name in sorted(usual.keys() & params.keys()) if not _same(params[name], usual[name])]

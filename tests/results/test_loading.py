@@ -11,7 +11,7 @@ from report_folders import described as describe
 
 import sjdsl
 from sjdsl.results import ResultsError, load, load_curves
-from sjdsl.results.bundled import variant_now
+from sjdsl.results.bundled import other_numbers, variant_now
 from sjdsl.results.loading import COLUMNS, POINTS, load_both, write_frame
 from sjdsl.results.sections import diagrams
 
@@ -202,6 +202,12 @@ def test_which_variant_of_a_bundled_game_rules_are_of() -> None:
     own, socialjax = (sjdsl.make("coins", variant=variant).hash for variant in (None, "socialjax"))
     assert [variant_now("coins", rules) for rules in (own, socialjax, "0")] == ["", "socialjax", None]
     assert variant_now("orchard", own) is None
+
+
+def test_numbers_that_a_variant_sets_are_not_other_numbers() -> None:
+    released = {"name": "coop_mining", "hash": sjdsl.make("coop_mining", variant="socialjax").hash}
+    assert other_numbers({**released, "params": {"spawn_iron": 0.0002, "spawn_gold": 0.00008}}) == []
+    assert other_numbers({**released, "params": {"spawn_iron": 0.0004, "spawn_gold": 0.00008}}) == ["spawn_iron=0.0004"]
 
 
 def test_an_experiment_that_is_not_finished(tmp_path: Path) -> None:
