@@ -1,6 +1,6 @@
 sj 1
 game berries "Berries" {
-  size players : count = 2 in 1 .. 8
+  size players : count = 2 in 1 .. 3
   episode 100
 
   kind grass "."

@@ -1,6 +1,6 @@
 sj 1
 game berries "Berries" {
-  size  players : count       = 2 in 1 .. 8
+  size  players : count       = 2 in 1 .. 3
   param berry   : reward      = 1
   param regrow  : probability = 0.02 in 0 .. 0.5
   episode 100
@@ -25,7 +25,7 @@ game berries "Berries" {
   phase start { each agent { send agent to gate facing east } }
   schedule grow -> walk -> eat
   phase grow {
-    each bush where bush.fruit is none and nobody on bush {
+    each bush where bush.fruit is none {
       let near = count(bush as other in disc(1) of bush where other.fruit is ripe)
       chance case near { 0: 0, 1: regrow, 2..: 2 * regrow } { set bush.fruit = ripe }
     }
