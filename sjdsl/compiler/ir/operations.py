@@ -221,7 +221,7 @@ OPERATIONS: tuple[Function, ...] = (
     Function("count", (("count(D)", "how many members a domain has"),), ir.Count, word=True),
     Function(
         "sum",
-        (("sum(e over D)", "the sum of e over a domain"), ("sum(row)", "the sum of the entries")),
+        (("sum(e over D)", "the sum of e over a domain"), ("sum(row)", "the sum of a row's entries")),
         ir.Sum,
         word=True,
         reduces=Reduction(sum, True, "sum", 0, "total"),
@@ -230,7 +230,7 @@ OPERATIONS: tuple[Function, ...] = (
         name="min",
         uses=(
             ("min(a, b, …)", "the least of two to eight numbers"),
-            ("min(row)", "the least entry"),
+            ("min(row)", "the least entry of a row"),
             ("min(e over D otherwise v)", "the least e over a domain, v where it has no member"),
         ),
         least=2,
@@ -246,7 +246,7 @@ OPERATIONS: tuple[Function, ...] = (
         name="max",
         uses=(
             ("max(a, b, …)", "the greatest of two to eight numbers"),
-            ("max(row)", "the greatest entry"),
+            ("max(row)", "the greatest entry of a row"),
             ("max(e over D otherwise v)", "the greatest e over a domain, v where it has no member"),
         ),
         least=2,
@@ -282,7 +282,7 @@ OPERATIONS: tuple[Function, ...] = (
     ),
     Function(
         "shift",
-        (("shift(row, n, x)", "every entry n places further on, x where none comes from"),),
+        (("shift(row, n, x)", "the row with each entry moved n places on, x in the n places that this empties"),),
         ir.ShiftRow,
         least=3,
         most=3,
@@ -326,9 +326,9 @@ OPERATIONS: tuple[Function, ...] = (
         slope=lambda parts, _: _scaled(*parts[0]),
         array="jnp.abs",
     ),
-    Function("lowest", (("lowest(row)", "the first word with something in it"),), ir.Lowest),
-    Function("highest", (("highest(row)", "the last word with something in it"),), ir.Lowest, last=True),
-    Function("mix", (("mix(row)", "the shares of a row as an index: payoff[mix(a.bag)][mix(b.bag)]"),), ir.Mix),
+    Function("lowest", (("lowest(row)", "the first word of the row whose entry is above 0"),), ir.Lowest),
+    Function("highest", (("highest(row)", "the last word of the row whose entry is above 0"),), ir.Lowest, last=True),
+    Function("mix", (("mix(row)", "as a table's index: payoff[mix(a.bag)] is the mean of the payoffs, weighted with the row's entries"),), ir.Mix),
     PayoffClass(
         name="prisoners_dilemma",
         uses=(("prisoners_dilemma(table)", "in `require`: T > R > P > S and 2R > T + S"),),
