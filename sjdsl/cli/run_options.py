@@ -38,7 +38,11 @@ class RunOptions:
 def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
     """Adds the options of a run; the command gets them together as `run`. `seeds`: the default number."""
     options = (
-        click.option("--preset", metavar="P", help="Settings to start from: two_cores (minutes on a CPU), paper, released, overnight, quick or FILE.toml."),
+        click.option(
+            "--preset",
+            metavar="P",
+            help="Settings to start from: two_cores (minutes on a CPU), paper, released, overnight, quick or FILE.toml.",
+        ),
         click.option("--algorithm", metavar="A", help=f"Learn by {', '.join(ALGORITHMS)} or FILE.py:NAME."),
         click.option("--reward", metavar="R", help=f"Learn from {', '.join(REWARDS)} or FILE.py:NAME."),
         click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help="A setting; `sjdsl train --keys` lists them all."),
