@@ -328,7 +328,9 @@ OPERATIONS: tuple[Function, ...] = (
     ),
     Function("lowest", (("lowest(row)", "the first word of the row whose entry is above 0"),), ir.Lowest),
     Function("highest", (("highest(row)", "the last word of the row whose entry is above 0"),), ir.Lowest, last=True),
-    Function("mix", (("mix(row)", "as a table's index: payoff[mix(a.bag)] is the mean of the payoffs, weighted with the row's entries"),), ir.Mix),
+    Function(
+        "mix", (("mix(row)", "as a table's index: payoff[mix(a.bag)] is the mean of the payoffs, weighted with the row's entries"),), ir.Mix
+    ),
     PayoffClass(
         name="prisoners_dilemma",
         uses=(("prisoners_dilemma(table)", "in `require`: T > R > P > S and 2R > T + S"),),
