@@ -130,7 +130,10 @@ RULES = {  # name: rule, check
     "a number at its maximum": (f"when high == 9 {PAY}", NEVER_PAID),
     "two numbers at opposite ends": (f"when low == 9 and high == 0 {PAY}", NEVER_PAID),
     "a chance that is certain": (f"when rate >= 1 and {_count('on plate')} > 0 {PAY}", NEVER_PAID),
-    "a reward at its maximum for agents that act on a plate": (f"when bonus >= 5 {{ each agent on plate where agent chose red {PAY} }}", NEVER_PAID),
+    "a reward at its maximum for agents that act on a plate": (
+        f"when bonus >= 5 {{ each agent on plate where agent chose red {PAY} }}",
+        NEVER_PAID,
+    ),
     "as many agents as allowed press red": (f"when {_count('where agent chose red')} == 4 {PAY}", NEVER_PAID),
     "low above high when two press blue": (f"when low > high and {_count('where agent chose blue')} == 2 {PAY}", NEVER_PAID),
 }
