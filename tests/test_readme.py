@@ -70,10 +70,13 @@ def test_the_python_lines_of_training(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 @pytest.mark.slow
-def test_the_python_lines_of_playing() -> None:
+def test_the_python_lines_of_playing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     names: dict = {}
-    exec(block("python", "docs/playing.md"), names)
+    for lines in re.findall(r"```python\n(.*?)```", (ROOT / "docs/playing.md").read_text("utf-8"), re.DOTALL):
+        exec(lines, names)
     assert len(names["player"].actions) == 1000
+    assert names["moment"].done
 
 
 @pytest.mark.slow

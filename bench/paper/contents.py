@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from bench.paper import published
-from sjdsl.results.bundled import rules_now
+from sjdsl.results.bundled import numbers_now, rules_now
 from sjdsl.results.figures import Cell
 from sjdsl.results.selecting import SHARED, Setting, cell_of, games, select
 
@@ -81,13 +81,19 @@ def exchanged(ratio: float) -> Way:
 def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
     """Returns the results with those under the paper's rules marked: experiments by their hash, runs by the numbers of the released code.
 
-    Numbers that the released configurations set for one way of training in a game count as its rules, not as changes.
+    Numbers that the released configurations set for one way of training in a game count as its rules, not as changes; a run of this way
+    without them shows the numbers that it had instead.
     """
     frame = frame.copy()
     for place, row in frame.iterrows():
         theirs = published.variant(row.game)
-        if row.record == "seed" and row.variant == theirs and _numbers(row.params) == published.params(row.game, row.algorithm, row.reward):
-            frame.loc[place, "params"] = ""
+        if row.record == "seed" and row.variant == theirs:
+            wanted = published.params(row.game, row.algorithm, row.reward)
+            if _numbers(row.params) == wanted:
+                frame.loc[place, "params"] = ""
+            elif not row.params:
+                now = numbers_now(row.game, theirs)
+                frame.loc[place, "params"] = " ".join(f"{name}={now[name]:g}" for name in sorted(wanted))
         elif row.record in ("diagram", "mixture") and row.hash == (rules_now(row.game, theirs) or ("",))[0]:
             frame.loc[place, "variant"] = theirs
     return frame

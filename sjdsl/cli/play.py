@@ -11,7 +11,7 @@ import numpy as np
 
 from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.policies import NAMES, check_policy, choose_policy, code_option
+from sjdsl.cli.policies import FROM_FILE, NAMES, SIDE_BY_SIDE, check_policy, choose_policy, code_option
 from sjdsl.cli.stages import stages
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
@@ -42,7 +42,13 @@ Steering = Iterable[Mapping[int, int]]  # for each step, the actions of the agen
 @click.argument("game")
 @click.option("--agent", type=click.IntRange(min=0), metavar="N", default=0, show_default=True, help="The agent to control.")
 @click.option("--watch", is_flag=True, help="Control no agent: all follow the policy of --others.")
-@click.option("--others", default="random", show_default=True, metavar="P", help=f"The other agents' policy: {NAMES}")
+@click.option(
+    "--others",
+    default="random",
+    show_default=True,
+    metavar="P",
+    help=f"The other agents' policy: {NAMES} {SIDE_BY_SIDE}: {FROM_FILE}.",
+)
 @code_option
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
 @click.option("--steps", type=click.IntRange(min=1), metavar="N", help="Most steps to play; by default the whole episode.")

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or FILE.py:FUNCTION."
 SIDE_BY_SIDE = "file"
+FROM_FILE = "agent 0 follows the first policy of the game's file, agent 1 the second, and so on; random agents where it has none"
 policy_option = click.option(
     "--policy",
     default=SIDE_BY_SIDE,
     show_default=True,
     metavar="P",
-    help=f"Who plays. {SIDE_BY_SIDE}: the policies of the game's file in turn, agent by agent, such as cooperators beside defectors; "
-    f"random agents where it has none. Or all agents: {NAMES}",
+    help=f"Who plays. {SIDE_BY_SIDE}: {FROM_FILE}. Or one policy for all agents: {NAMES}",
 )
 
 

@@ -26,7 +26,7 @@ INDENT = " " * 14
     default=200,
     show_default=True,
     metavar="N",
-    help="How much random play; its steps are in proportion.",
+    help="How much random play, in units of 655,360 cell updates (steps x cells of the map); without JAX, of 10 steps.",
 )
 @click.option(
     "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the random play."

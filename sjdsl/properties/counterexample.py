@@ -69,7 +69,7 @@ def describe_episode(
 def episode_opening(family: GameFamily, episode: Episode, policies: Sequence[ir.Policy]) -> str:
     """Returns which episode it is, and the policies as they are written."""
     names = dict.fromkeys(family.text_of(p) if p.origin is not None else p.name for p in policies)
-    return f"episode {episode.number}, the agents in turn: {', '.join(names)}"
+    return f"episode {episode.number}, with {', '.join(names)}"
 
 
 def _step(family: GameFamily, moment: Moment, before: World) -> Iterator[str]:

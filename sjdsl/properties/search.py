@@ -66,7 +66,7 @@ class Search:
                 self._look_at(scenario, len(scenario.actions), [number])
             self.steps, self.ran, self.triggered = self.steps + worlds.steps, self.ran | worlds.ran, self.triggered | worlds.triggered
         names, steps = [policy.name for policy in self.family.own.policies], SCRIPTED if self._is_compiled else FEW
-        for followed in [*([name] for name in names), *((names, names[::-1]) if len(names) > 1 else ())]:  # the agents in turn
+        for followed in [*([name] for name in names), *((names, names[::-1]) if len(names) > 1 else ())]:  # dealt out to the agents
             if self.missing():
                 policies = (ir.Policy(name="scripted", scripted=followed[i % len(followed)]) for i in range(self.family.own.agents.number))
                 self._look_at(Scenario(self._random.randrange(2**16), policies=tuple(policies)), steps, self.left, self._has_all)

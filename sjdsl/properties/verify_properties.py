@@ -181,9 +181,9 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
         case "always" | "once" if _in_all_sizes(family, number, lambda game: bool(decide(game.checks[number].values[-1]))):
             return make_verdict(family, check, True, "proved", "the ranges of the values it reads imply it")
         case "conserved" if is_untouched(check.values[0], game, family.sends_later):
-            return make_verdict(family, check, True, "proved", "no rule writes anything that it reads")
+            return make_verdict(family, check, True, "proved", "no rule writes anything that the check reads")
         case "monotone" if _in_all_sizes(family, number, lambda game: decide_monotone(game.checks[number], game)):
-            return make_verdict(family, check, True, "proved", "every operation between the two is monotone")
+            return make_verdict(family, check, True, "proved", "every operation that leads from one to the other is monotone")
         case _:
             return None
 

@@ -44,6 +44,12 @@ def variant_now(name: str, rules: str) -> str | None:
     return next((variant for variant in variants if (rules_now(name, variant) or ("",))[0] == rules), None)
 
 
+def numbers_now(name: str, variant: str) -> dict[str, Any]:
+    """Returns the values of a bundled game's parameters by their Python names; none of another game."""
+    game = _game(name, variant)
+    return {} if game is None else {param_attribute(param.name): param.value for param in game.params}
+
+
 def other_numbers(described: Mapping[str, Any]) -> list[str]:
     """Returns the numbers of a run's game that differ from those of the bundled game or variant with its rules, as `name=value`.
 
@@ -53,8 +59,7 @@ def other_numbers(described: Mapping[str, Any]) -> list[str]:
     Returns:
       Those numbers; for the rules of no bundled variant, the ones that differ from the bundled game's; none for another game.
     """
-    game = _game(described["name"], variant_now(described["name"], current_hash(described["hash"])) or "")
-    usual = {} if game is None else {param_attribute(param.name): param.value for param in game.params}
+    usual = numbers_now(described["name"], variant_now(described["name"], current_hash(described["hash"])) or "")
     params: Mapping[str, Any] = described["params"]
     return [f"{name}={params[name]}" for name in sorted(usual.keys() & params.keys()) if not _same(params[name], usual[name])]
 
@@ -69,7 +74,7 @@ def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
     game = _game(name, variant)
     if game is None:
         return False
-    usual = {param_attribute(own.name): own.value for own in game.params} | {"num_agents": game.agents.number}
+    usual = numbers_now(name, variant) | {"num_agents": game.agents.number}
     if param not in usual:
         return False
     if _is_numeric(value) and _is_numeric(usual[param]):

@@ -73,10 +73,17 @@ def make_away(game: ir.Game, number: int, ticks: int, phase: str | None, sort: i
             raise ValueError(f"{who}: nobody is removed for good in this game, so give the ticks until it returns")
         return Away(0, None, None)
     pools, labels = away_pools(game, sort), {phase.name: phase.label for phase in phases_of(game)}
-    fitting = {pool: send for pool, send in pools.items() if phase in (None, labels[pool.phase])}
-    if len(fitting) != 1 or ticks < 0:
-        phases = sorted({labels[pool.phase] for pool in pools})
-        wanted = f"one of {', '.join(phases)}" if phases else "none: nobody is sent away `after` some steps in this game"
-        raise ValueError(f"{who}: an agent away is given as (ticks, phase that has sent it); the phase here is {wanted}")
-    (pool, send), *_ = fitting.items()
+    phases = sorted({labels[pool.phase] for pool in pools})
+    if ticks < 0:
+        raise ValueError(f"{who}: the ticks until it returns are 0 (never) or more, not {ticks}")
+    if not phases:
+        raise ValueError(f"{who}: nobody is sent away `after` some steps in this game")
+    if phase is None and len(phases) > 1:
+        raise ValueError(f"{who}: say which phase sent it away ({', '.join(phases)}), as ({ticks}, {phases[0]!r})")
+    if phase not in (None, *phases):
+        raise ValueError(f"{who}: no phase `{phase}` sends it away `after` some steps; {', '.join(phases)} can")
+    fitting = [(pool, send) for pool, send in pools.items() if phase in (None, labels[pool.phase])]
+    if len(fitting) > 1:
+        raise ValueError(f"{who}: the phase {phase or phases[0]} sends away to several destinations, and a scene can't say to which")
+    ((pool, send),) = fitting
     return Away(ticks, pool, send.facing)

@@ -68,7 +68,7 @@ RULES = {  # name: rule, check
         NEVER_PAID,
     ),
     "one number in 2,000": (f"draw x from 1 .. 2000  when x == 777 {PAY}", NEVER_PAID),
-    "a rare chance of who acts on a plate": (f"each agent on plate where agent chose red {{ chance 0.001 {PAY} }}", NEVER_PAID),
+    "a rare chance for agents that act on a plate": (f"each agent on plate where agent chose red {{ chance 0.001 {PAY} }}", NEVER_PAID),
     "all six chances at once": (
         "each tile { chance 0.1 { set tile.lit = yes } otherwise { set tile.lit = no } }",
         "always count(tile where tile.lit is yes) < 6",
@@ -127,10 +127,13 @@ RULES = {  # name: rule, check
     ),
     "red in each of the last four steps": (f"when step >= 56 and {_count('where agent chose red')} > 0 {ONWARDS}", "always stage < 4"),
     "a rare chance in the last step": (f"when step == 59 {{ chance 0.01 {PAY} }}", NEVER_PAID),
-    "a number at its top": (f"when high == 9 {PAY}", NEVER_PAID),
+    "a number at its maximum": (f"when high == 9 {PAY}", NEVER_PAID),
     "two numbers at opposite ends": (f"when low == 9 and high == 0 {PAY}", NEVER_PAID),
     "a chance that is certain": (f"when rate >= 1 and {_count('on plate')} > 0 {PAY}", NEVER_PAID),
-    "a reward at its top for who acts on a plate": (f"when bonus >= 5 {{ each agent on plate where agent chose red {PAY} }}", NEVER_PAID),
+    "a reward at its maximum for agents that act on a plate": (
+        f"when bonus >= 5 {{ each agent on plate where agent chose red {PAY} }}",
+        NEVER_PAID,
+    ),
     "as many agents as allowed press red": (f"when {_count('where agent chose red')} == 4 {PAY}", NEVER_PAID),
     "low above high when two press blue": (f"when low > high and {_count('where agent chose blue')} == 2 {PAY}", NEVER_PAID),
 }

@@ -6,22 +6,22 @@ from sjdsl.properties import Effort, verify_properties
 
 from .planted_faults import FAULTS, GAMES, RULES, look_for, planted
 
-QUICK = (  # all but the last are found before the game is compiled
+QUICK = (  # all but the last two are found before the game is compiled
     "buckets",
     "gate",
     "lock",
     "raft",
     "one chance in 2,000",
     "two rare chances, one after the other",
-    "a rare chance of who acts on a plate",
+    "a rare chance for agents that act on a plate",
     "all six chances at once",
     "four chances in a row",
     "three press red",
     "red, green and blue in one step",
     "four tiles visited in the last step",
     "a chance that is certain",
-    "a reward at its top for who acts on a plate",
     "low above high when two press blue",
+    "a reward at its maximum for agents that act on a plate",
     "red in the last step",
 )
 MISSED = ("as many agents as allowed press red",)  # the file has three agents

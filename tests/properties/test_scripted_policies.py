@@ -37,7 +37,7 @@ def test_both_engines_play_the_same(orchard: GameFamily) -> None:
 def test_what_does_not_hold_under_them_is_found(orchard: GameFamily) -> None:
     verdicts = verify_properties(orchard).verdicts
     assert [verdict.passed for verdict in verdicts] == [True, True, False, False]
-    assert "the agents in turn: eater, shooter" in verdicts[2].trace[0]
+    assert "episode 0, with eater, shooter" in verdicts[2].trace[0]
 
 
 def test_a_policy_that_is_not_there_is_refused() -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
+import pandas as pd
 import pytest
 from report_folders import (
     AGENTS,
@@ -19,6 +20,7 @@ from report_folders import (
 )
 
 from bench.paper import __main__ as paper
+from bench.paper.contents import under_the_papers_rules
 from bench.paper.speeds import FILES, read_speeds
 
 ROOT = Path(__file__).parents[2]
@@ -43,6 +45,15 @@ def test_everything(tmp_path: Path, golden: Callable[[Path, str], None]) -> None
     write_everything(tmp_path)
     text = page_of(tmp_path).replace(str(tmp_path), "runs")
     golden(Path(__file__).with_name("paper_page.txt"), text[: text.index("<!-- speed -->")])
+
+
+def test_ore_in_coop_mining_is_that_of_each_released_configuration() -> None:
+    """SVO was released with twice the ore of IPPO: a run of SVO without it is not one under the paper's rules."""
+    twice = "spawn_gold=0.00016 spawn_iron=0.0004"
+    runs = [("common", ""), ("common", twice), ("svo", twice), ("svo", "")]
+    row = {"record": "seed", "game": "coop_mining", "variant": "socialjax", "algorithm": "ippo"}
+    frame = pd.DataFrame([{**row, "reward": reward, "params": params} for reward, params in runs])
+    assert under_the_papers_rules(frame).params.to_list() == ["", twice, "", "spawn_gold=8e-05 spawn_iron=0.0002"]
 
 
 def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:

@@ -81,8 +81,8 @@ MISTAKES: list[tuple[Callable[[], Any], str]] = [
     (fields("rate", "much"), "`rate` is a number, not 'much'"),
     (fields("agent.tired", {0: 1000}), "the timer `tired` holds up to 255 steps in this game, not 1000"),
     # away
-    (put("PPP.v#", "..TT..", "...<..", away={1: (2, "walk")}), "the phase here is one of fire"),
-    (put("PPP.v#", "..TT..", "...<..", away={1: -1}), "given as (ticks, phase that has sent it)"),
+    (put("PPP.v#", "..TT..", "...<..", away={1: (2, "walk")}), "no phase `walk` sends it away `after` some steps; fire can"),
+    (put("PPP.v#", "..TT..", "...<..", away={1: -1}), "the ticks until it returns are 0 (never) or more, not -1"),
     (put(away={1: 2}), "the game has 3 agents and 1 away; the picture has 3 arrows"),
     (lambda: Stage("coins", ("CP", "PC")).put("CP", ">C", away={1: 0}), "nobody is removed for good in this game"),
     (lambda: Stage("coins", ("CP", "PC")).put("CP", ">C", away={1: 3}), "nobody is sent away `after` some steps in this game"),
@@ -114,3 +114,34 @@ def test_mistakes(mistake: Callable[[], Any], message: str) -> None:
 def test_a_game_that_is_not_there() -> None:
     with pytest.raises(FileNotFoundError, match="did you mean `coins`"):
         Stage("coin").put("CP")
+
+
+SENDERS = """sj 1
+game senders "Two phases that send away, one of them to two places" {
+  episode 9
+  kind grass "."
+  kind gate "g"
+  map { "..gg" }
+  agents 2 { acts stay, forward, leave }
+  phase start { each agent { send agent to grass } }
+  schedule tick -> leave -> flee
+  phase leave { each agent where agent chose leave { send agent to gate after 3 } }
+  phase flee {
+    each agent where agent chose forward {
+      when agent.heading is north { send agent to gate after 2 } otherwise { send agent to grass after 2 otherwise stay }
+    }
+  }
+}
+"""
+
+
+def test_who_is_away_needs_one_destination(tmp_path: Path) -> None:
+    """If several phases could have sent it away, one is named; if that one has several destinations, the scene can't be put."""
+    game = tmp_path / "senders.sj"
+    game.write_text(SENDERS, encoding="utf-8")
+    stage = Stage(game, interpreted=True)
+    with pytest.raises(ValueError, match=re.escape("say which phase sent it away (flee, leave), as (2, 'flee')")):
+        stage.put(">.gg", away={1: 2})
+    with pytest.raises(ValueError, match="the phase flee sends away to several destinations"):
+        stage.put(">.gg", away={1: (2, "flee")})
+    assert stage.put(">.gg", away={1: (2, "leave")}).value("agent.ticks") == [0, 2]
