@@ -319,6 +319,11 @@ def dependent_settings(kind: type[Config]) -> dict[str, Only]:
     return {name: mark for name, field in kind.model_fields.items() for mark in field.metadata if isinstance(mark, Only)}
 
 
+def only_of_others(name: str, kind: type[Config]) -> bool:
+    """Whether a setting is one of other algorithms, and not of those whose configuration has this class."""
+    return name not in kind.model_fields and any(name in keys for keys in KEYS_OF.values())
+
+
 def make_config(values: Mapping[str, Any] | None = None, *, asked: Collection[str] | None = None, **more: Any) -> Config:
     """Returns the configuration of the algorithm that `values` name; ippo by default.
 
@@ -371,6 +376,8 @@ def class_of(algorithm: Any) -> type[Config]:
 def _config(given_values: Mapping[str, Any], given: Given) -> Config:
     values = {"algorithm": "ippo", **spread(given_values)}
     kind = class_of(values["algorithm"])
+    if given.asked is not None and not given.stored:
+        values = {name: value for name, value in values.items() if name in given.asked or not only_of_others(name, kind)}
     config = kind.model_validate(gathered(values), context=given)
     if given.asked is None:
         return config

@@ -31,7 +31,7 @@ from typing import Any, get_args
 
 from sjdsl.near_names import meant
 
-from .config import KEYS_OF, Config, ConfigError, make_config
+from .config import KEYS_OF, Config, ConfigError, make_config, only_of_others
 from .extensions import Algorithm, RewardMode
 from .own_settings import OWN, spread
 
@@ -75,7 +75,8 @@ def load_preset(
     changes = spread(changes or {})
     values = _layered(content, own, changes)
     config = make_config(values, asked=changes if asked is None else asked)
-    unread = {*config.unread, *(key for key in values if key.startswith(OWN))} - {f"{OWN}{name}" for name, _ in config.own}
+    unread = {*config.unread, *(key for key in values if key.startswith(OWN) or only_of_others(key, type(config)))}
+    unread -= {f"{OWN}{name}" for name, _ in config.own}
     left_out = tuple(key for key in values if key in unread and key not in changes)
     return Preset(chosen, {**kept, **own.get("environment", {})}, config, left_out)
 

@@ -204,7 +204,8 @@ def _choose(game: str | None, run: RunOptions, needed: bool) -> tuple[str, dict[
         )
     for name in loaded.left_out:
         mark = loaded.config.unread.get(name)
-        where = f" while `{mark.setting}` is {getattr(loaded.config, mark.setting)}" if mark else ": no hook takes it"
+        setting = mark.setting if mark else "algorithm"
+        where = ": no hook takes it" if name.startswith(OWN) else f" while `{setting}` is {getattr(loaded.config, setting)}"
         click.echo(f"the preset's `{name}` has no effect{where}", err=True)
     return loaded.game or "", dict(loaded.environment), loaded.config
 

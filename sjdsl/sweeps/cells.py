@@ -100,8 +100,7 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
         preset = load_preset(spec.preset, changes, game, asked) if spec.preset is not None else None
         config = make_config(changes, asked=asked) if preset is None else preset.config
     except ConfigError as error:
-        advice = ". In a sweep over algorithms, put the keys of one into a preset of your own, in its table [algorithm.NAME]"
-        raise ExperimentError(f"{where}: {error}{advice if 'it is one of' in str(error) else ''}") from None
+        raise ExperimentError(f"{where}: {error}") from None
     kept = {} if preset is None else dict(preset.environment)
     params = {**kept.pop("params", {}), **spec.params}
     for name, value in chosen.items():

@@ -8,6 +8,7 @@ from pathlib import Path
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import PARAM, VARIANT
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec, make_cell
+from sjdsl.trainers.config import KEYS_OF, only_of_others
 from sjdsl.trainers.own_settings import OWN, spread
 
 MOST = 10_000  # cells
@@ -44,12 +45,16 @@ def _check_angles(cells: Sequence[Cell]) -> None:
 
 def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
     """Raises ExperimentError for a setting that no cell reads."""
-    unread = [cell.configuration().unread for cell in cells]
+    configurations = [cell.configuration() for cell in cells]
+    unread = [config.unread for config in configurations]
     for name in spread(spec.settings):
         if name.startswith(OWN) and not any(name.removeprefix(OWN) in cell.config["own"] for cell in cells):
             raise ExperimentError(f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your own takes it")
-        if all(name in of_cell for of_cell in unread):
-            mark = unread[0][name]
+        if all(only_of_others(name, type(config)) for config in configurations):
+            owners = " and ".join(algorithm for algorithm, keys in KEYS_OF.items() if name in keys)
+            raise ExperimentError(f"`{name}` does nothing in any cell: it is a key of {owners}")
+        if all(name in of_cell or only_of_others(name, type(config)) for config, of_cell in zip(configurations, unread, strict=True)):
+            mark = next(of_cell[name] for of_cell in unread if name in of_cell)
             raise ExperimentError(f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is {mark.values}")
 
 

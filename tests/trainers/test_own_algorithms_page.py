@@ -74,7 +74,9 @@ def smaller(command: list[str]) -> list[str]:
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
-    "command", [command for command in COMMANDS if command[1] == "train" and "--keys" not in command], ids=lambda command: command[2]
+    "command",
+    [command for command in COMMANDS if command[1] == "train" and not {"--keys", "--resume"} & {*command}],
+    ids=lambda command: command[2],
 )
 def test_the_commands_train(command: list[str], folder: Path) -> None:
     run_dir = ["--run", "run"] if "--run" not in command else []
