@@ -1,4 +1,4 @@
-"""What the tests of the command line share: a small game, and what a command leaves behind."""
+"""What the tests of the command line share: a small game, the same with a policy and scenarios, and what a command leaves behind."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -39,6 +39,18 @@ game orchard "A Small Orchard" {
   metrics { event eaten  mean left = count(soil where soil.fruit is ripe) }
   variant rich "apples are worth more" { set apple = 2 }
 }
+"""
+PLAYED = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
+  scenario guest "one among those who eat" { slots 1 focal  slots players - 1 policy eater }
+  scenario pair  "two who are the same" { slots 2 focal }
+}
+"""
+GROVE = GAME.rstrip().removesuffix("}").replace("game orchard", "game grove") + PLAYED
+INTERRUPTIBLE = """
+import signal, sys
+from sjdsl.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs the tests in the background has it ignored
+sys.exit(main())
 """
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from command_line import GAME, Output, Sjdsl
+from command_line import GAME, GROVE, Output, Sjdsl
 
 from sjdsl.cli import run
 
@@ -14,6 +14,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "orchard.sj").write_text(GAME)
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def grove(folder: Path) -> None:
+    """`grove.sj` beside it, which has a policy and scenarios."""
+    (folder / "grove.sj").write_text(GROVE)
 
 
 @pytest.fixture

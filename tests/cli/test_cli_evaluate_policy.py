@@ -5,21 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import GAME, Sjdsl
+from command_line import Sjdsl
 
 from sjdsl.cli.environment_options import EnvironmentOptions, make_environment
 from sjdsl.experiments import cross_play
 from tests.experiments.stored_policies import store
 
-POLICY = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
-}
-"""
 PLAYED = ("--game", "grove.sj", "--episodes", "3", "--seed", "4")
 
-
-@pytest.fixture(autouse=True)
-def _grove(folder: Path) -> None:
-    (folder / "grove.sj").write_text(GAME.rstrip().removesuffix("}").replace("game orchard", "game grove") + POLICY)
+pytestmark = pytest.mark.usefixtures("grove")
 
 
 @pytest.mark.thorough

@@ -9,13 +9,8 @@ from pathlib import Path
 
 import psutil
 import pytest
+from command_line import INTERRUPTIBLE
 
-INTERRUPTIBLE = """
-import signal, sys
-from sjdsl.cli import main
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs the tests in the background has it ignored
-sys.exit(main())
-"""
 TRAIN = ("train", "orchard.sj", "--preset", "quick", "--run", "run")
 SWEEP = ("sweep", "orchard.sj", "--preset", "quick", "--axis", "reward=individual,common", "--workers", "2", "--run", "sweep")
 

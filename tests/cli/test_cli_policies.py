@@ -6,16 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import GAME, Sjdsl
+from command_line import Sjdsl
 
-POLICY = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
-}
-"""
-
-
-@pytest.fixture(autouse=True)
-def _grove(folder: Path) -> None:
-    (folder / "grove.sj").write_text(GAME.rstrip().removesuffix("}").replace("game orchard", "game grove") + POLICY)
+pytestmark = pytest.mark.usefixtures("grove")
 
 
 def test_play_follows_a_policy_without_jax(folder: Path) -> None:

@@ -4,24 +4,14 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import GAME, Sjdsl
+from command_line import Sjdsl
 
 from sjdsl.cli.environment_options import EnvironmentOptions, make_environment
 from tests.experiments.stored_policies import store_pool
 
-SCENARIOS = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
-  scenario guest "one among those who eat" { slots 1 focal  slots players - 1 policy eater }
-  scenario pair  "two who are the same"    { slots 2 focal }
-}
-"""
 SCRIPTED = ("evaluate", "eater", "--game", "grove.sj", "--scenario")
 
-
-@pytest.fixture(autouse=True)
-def _grove(folder: Path) -> None:
-    """A game with scenarios, beside one without."""
-    written = GAME.rstrip().removesuffix("}") + SCENARIOS
-    (folder / "grove.sj").write_text(written.replace("game orchard", "game grove"))
+pytestmark = pytest.mark.usefixtures("grove")
 
 
 @pytest.mark.thorough

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import GAME, Sjdsl
+from command_line import GAME, INTERRUPTIBLE, Sjdsl
 
 from sjdsl.properties import Verification
 
@@ -93,14 +93,6 @@ def test_json_of_an_interruption_has_both(sjdsl: Sjdsl, monkeypatch: pytest.Monk
     (document,) = json.loads(shown.out)
     assert [check["check"].split()[0] for check in document["checks"]] == ["require", "symmetric"]
     assert [check["check"].split()[0] for check in document["undecided"]] == ["always", "always", "expect"]
-
-
-INTERRUPTIBLE = """
-import signal, sys
-from sjdsl.cli import main
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs the tests in the background has it ignored
-sys.exit(main())
-"""
 
 
 def test_ctrl_c_ends_it_with_130_and_no_traceback(game: Path) -> None:

@@ -7,16 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from command_line import GAME
+from command_line import GAME, GROVE
 
-GROVE = """  policy eater "walks to fruit" { seek soil where soil.fruit is ripe }
-  scenario guest "one among those who eat" { slots 1 focal  slots players - 1 policy eater }
-  scenario pair  "two who are the same" { slots 2 focal }
-}
-"""
 FILES = {
     "orchard.sj": GAME,
-    "grove.sj": GAME.rstrip().removesuffix("}").replace("game orchard", "game grove") + GROVE,
+    "grove.sj": GROVE,
     "wrong.sj": GAME.replace("give apple", "give aple"),
     "orchard.npz": "episodes of before",
     "kept/notes.txt": "mine",

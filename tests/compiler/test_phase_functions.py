@@ -1,4 +1,4 @@
-"""The functions that phases become: one for all uses of a phase, with the phase's own text, its lines said once, masks named after conditions."""
+"""The functions that phases become: one for all uses of a phase, with the phase's own text, its lines said once."""
 
 import re
 from itertools import pairwise
@@ -35,12 +35,6 @@ def test_uses_that_differ_by_more_than_numbers_have_functions_of_their_own() -> 
     assert len([name for name in found if name.startswith("roll")]) == 2
 
 
-def test_marks_of_each_use_are_kept_apart() -> None:
-    found = functions((GENERATED / "allelopathic_harvest.py").read_text("utf-8"))
-    assert re.findall(r"state.replace\(mark_sow_(\w+)=marked\)", found["step"]) == ["sow_red_red", "sow_green_green", "sow_blue_blue"]
-    assert "mark_" not in found["sow"]
-
-
 @pytest.mark.parametrize("name", main_games())
 def test_a_function_has_the_text_of_its_phase(name: str) -> None:
     sources = " ".join(source.text for source in build(read_source(find_game(name))).sources.values()).replace('"', "'")
@@ -60,10 +54,3 @@ def test_a_line_of_the_game_is_said_once_for_all_that_follows(name: str) -> None
     for text in functions((GENERATED / f"{name}.py").read_text("utf-8")).values():
         said = re.findall(r"# (\S+\.sj:\d+)$", text, re.MULTILINE)
         assert all(one != following for one, following in pairwise(said))
-
-
-def test_masks_are_named_after_their_conditions() -> None:
-    settle = functions((GENERATED / "coop_mining.py").read_text("utf-8"))["settle"]
-    assert "hitters = size_of_set(state.rock_miners)" in settle
-    assert "hitters_below_fewest = (hitters < params.fewest) & (state.rock_ore == ROCK_GOLD)" in settle
-    assert not re.search(r"\b(active|holds|times|subject)\w* =", settle)

@@ -1,5 +1,6 @@
 """A small game to ask about, and a text with a cursor in it."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from lsprotocol import types
@@ -79,3 +80,13 @@ def texts(session: Session, locations: list[types.Location]) -> list[tuple[str, 
         start, end = (document.lines.offset(p) for p in (location.range.start, location.range.end))
         found.append((location.uri.rpartition("/")[2], location.range.start.line + 1, document.text[start:end]))
     return found
+
+
+def edited(session: Session, uri: str, edits: Sequence[types.TextEdit]) -> str:
+    """Returns a text after edits of the protocol."""
+    document = session.documents.get(uri)
+    assert document is not None
+    text = document.text
+    for edit in sorted(edits, key=lambda edit: document.lines.offset(edit.range.start), reverse=True):
+        text = text[: document.lines.offset(edit.range.start)] + edit.new_text + text[document.lines.offset(edit.range.end) :]
+    return text

@@ -6,7 +6,7 @@ from lsprotocol import types
 from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Suggestion
 from sjdsl.compiler.diagnostics.source import Source
-from tests.editor.asked import ORCHARD, opened, place
+from tests.editor.asked import ORCHARD, edited, opened, place
 from tests.suggestions.frame import Case, cases
 
 CASES = cases()
@@ -48,8 +48,6 @@ def test_a_quick_fix_repairs_the_game(old: str, new: str, title: str) -> None:
     assert old in ORCHARD
     text = ORCHARD.replace(old, new, 1)
     session, uri = opened(text)
-    document = session.documents.get(uri)
-    assert document is not None
     told = session.diagnostics(uri)
     found = {action.title: action for d in told for action in session.quick_fixes(uri, d.range)}
     assert title in found, (list(found), [d.message for d in told])
@@ -57,10 +55,7 @@ def test_a_quick_fix_repairs_the_game(old: str, new: str, title: str) -> None:
     assert action.edit is not None and action.edit.document_changes is not None
     (change,) = action.edit.document_changes
     assert isinstance(change, types.TextDocumentEdit)
-    for edit in sorted(change.edits, key=lambda e: document.lines.offset(e.range.start), reverse=True):
-        assert isinstance(edit, types.TextEdit)
-        text = text[: document.lines.offset(edit.range.start)] + edit.new_text + text[document.lines.offset(edit.range.end) :]
-    session.open(uri, text, 2)
+    session.open(uri, edited(session, uri, change.edits), 2)  # type: ignore[arg-type]
     assert len(session.diagnostics(uri)) < len(told)
     assert change.text_document.version == 1
     assert [d.code for d in action.diagnostics or ()] == [told[0].code]

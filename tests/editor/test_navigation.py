@@ -6,7 +6,7 @@ import pytest
 from lsprotocol import types
 
 from sjdsl.editor.navigation import Refused
-from tests.editor.asked import ORCHARD, opened, place, texts
+from tests.editor.asked import ORCHARD, edited, opened, place, texts
 
 SMALL = """sj 1
 game small "A smaller one" extends "orchard.sj" {
@@ -106,13 +106,8 @@ def test_a_new_name_reaches_every_file(tmp_path: Path) -> None:
     after = {}
     for change in edit.document_changes:
         assert isinstance(change, types.TextDocumentEdit)
-        document = session.documents.get(change.text_document.uri)
-        assert document is not None
-        text = document.text
-        for e in sorted(change.edits, key=lambda e: document.lines.offset(e.range.start), reverse=True):
-            assert isinstance(e, types.TextEdit)
-            text = text[: document.lines.offset(e.range.start)] + e.new_text + text[document.lines.offset(e.range.end) :]
-        after[Path(change.text_document.uri).name] = (text, change.text_document.version)
+        uri = change.text_document.uri
+        after[Path(uri).name] = (edited(session, uri, change.edits), change.text_document.version)  # type: ignore[arg-type]
     assert after["orchard.sj"] == (
         ORCHARD.replace("param apple ", "param reward_of_apple ")
         .replace("give apple", "give reward_of_apple")

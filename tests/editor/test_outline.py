@@ -2,7 +2,7 @@
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.format import format_source
-from tests.editor.asked import ORCHARD, opened
+from tests.editor.asked import ORCHARD, edited, opened
 
 
 def test_the_outline_has_what_is_declared_inside_what_declares_it() -> None:
@@ -22,12 +22,8 @@ def test_the_outline_has_what_is_declared_inside_what_declares_it() -> None:
 
 def test_layout_changes_only_lines_that_differ() -> None:
     session, uri = opened(ORCHARD.replace("  episode 20", "episode   20").replace("phase walk {", "phase walk{"))
-    document = session.documents.get(uri)
-    assert document is not None
-    text, edits = document.text, session.formatting(uri)
-    for edit in reversed(edits):
-        start, end = document.lines.offset(edit.range.start), document.lines.offset(edit.range.end)
-        text = text[:start] + edit.new_text + text[end:]
+    edits = session.formatting(uri)
+    text = edited(session, uri, edits)
     assert text == format_source(Source("x.sj", ORCHARD))
     assert {edit.range.start.line for edit in edits} >= {5, 23}
     assert len(edits) < 8

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from sjdsl.experiments.contrasts import JOINT_CONFIDENCE, Returns, contrast_samples, estimate_contrasts, estimate_lines, preferences
+from sjdsl.experiments.contrasts import JOINT_CONFIDENCE, Returns, contrast_samples, estimate_contrasts, estimate_lines
 from sjdsl.experiments.verdict import judge, samples_wanted, share_that_may_differ
 
 DATA_SETS = 2000
@@ -21,41 +21,6 @@ def returns_of(cooperating: list[float], defecting: list[float], replicates: int
     return Returns(cooperators, defectors, everybody)
 
 
-def verdict_of(returns: Returns) -> tuple[str, str]:
-    found = judge(contrast_samples(returns))
-    return found.outcome, found.shape
-
-
-@pytest.mark.parametrize("players", range(2, 9))
-@pytest.mark.parametrize("episodes", [2, 7])
-def test_linear_public_goods(players: int, episodes: int) -> None:
-    """Each contributes 1, which is multiplied by r and shared: a dilemma exactly if 1 < r < N, with fear and greed alike."""
-    for r in (0.5, 1.0, 1.25, (1 + players) / 2, players - 0.25, float(players), players + 1.0):
-        cooperating = [r * (others + 1) / players - 1 for others in range(players)]
-        defecting = [r * others / players for others in range(players)]
-        found = judge(contrast_samples(returns_of(cooperating, defecting, episodes=episodes)))
-        assert found.outcome == ("dilemma" if 1 < r < players else "no dilemma"), r
-        assert found.shape == ("fear and greed" if r < players else "neither")
-        assert found.wanted is None
-
-
-@pytest.mark.parametrize("players", range(2, 9))
-def test_threshold_public_goods(players: int) -> None:
-    """Everybody has b where k agents at least have paid c: only the agent who makes them k prefers to pay."""
-    b, c = 4.0, 1.0
-    for k in range(1, players + 1):
-        cooperating = [b * (others + 1 >= k) - c for others in range(players)]
-        defecting = [b * (others >= k) for others in range(players)]
-        returns = returns_of(cooperating, defecting)
-        assert [sign for _, sign in preferences(returns)] == ["cooperate" if others == k - 1 else "defect" for others in range(players)]
-        alone, all_needed = k == 1, k == players
-        expected = "no dilemma" if alone else "dilemma"  # one who pays has no less than all who pay
-        assert verdict_of(returns) == (
-            expected,
-            {(False, False): "fear and greed", (False, True): "fear", (True, False): "greed"}[alone, all_needed],
-        )
-
-
 def test_equal_samples_have_an_interval_of_no_width() -> None:
     """Also those whose mean is rounded: 0.1 three times makes 0.30000000000000004."""
     returns = returns_of([0.1, 0.7], [0.3, 1.1], episodes=3)
@@ -68,7 +33,8 @@ def test_equal_samples_have_an_interval_of_no_width() -> None:
 
 
 def test_contrasts_that_are_all_zero_are_no_dilemma() -> None:
-    assert verdict_of(returns_of([1.0, 1.0], [1.0, 1.0])) == ("no dilemma", "neither")
+    found = judge(contrast_samples(returns_of([1.0, 1.0], [1.0, 1.0])))
+    assert (found.outcome, found.shape) == ("no dilemma", "neither")
 
 
 SPREAD, ZERO, ABOVE = np.array([-1.0, -1.1, -0.9]), np.zeros(3), np.ones(3)
@@ -120,14 +86,6 @@ def test_training_seeds_are_the_samples_where_there_are_two() -> None:
 
 
 def noisy(
-    key: np.random.Generator, sets: int, corners: tuple[float, float, float, float], noise: float, units: int
-) -> list[dict[str, np.ndarray]]:
-    """Returns contrasts of data sets of a game of two with payoffs S, R, P, T (C(0), C(1), D(0), D(1)) and Gaussian noise."""
-    s, r, p, t = corners
-    return noisy_lines(key, sets, (s, r), (p, t), noise, units)
-
-
-def noisy_lines(
     key: np.random.Generator, sets: int, cooperating: Sequence[float], defecting: Sequence[float], noise: float, units: int
 ) -> list[dict[str, np.ndarray]]:
     """Returns contrasts of data sets of a game with lines C(l) and D(l), l = 0..N-1, and Gaussian noise on every point of both."""
@@ -141,55 +99,42 @@ def noisy_lines(
     return [one(*data) for data in lines]
 
 
-CORNERS = {  # S, R, P, T
-    "prisoner's dilemma": (0.0, 3.0, 1.0, 5.0),
-    "stag hunt": (0.0, 4.0, 1.0, 3.0),
-    "chicken": (1.0, 3.0, 0.0, 4.0),
-    "harmony": (2.0, 4.0, 1.0, 3.0),
-    "deadlock": (0.0, 1.0, 2.0, 3.0),
-    "public goods": (-0.5, 1.0, 0.0, 1.5),  # linear, four players, doubled: the ends of its two lines
+LINES: dict[str, tuple[Sequence[float], Sequence[float]]] = {  # C(l) and D(l); of two agents S, R and P, T
+    "prisoner's dilemma": ((0, 3), (1, 5)),
+    "stag hunt": ((0, 4), (1, 3)),
+    "chicken": ((1, 3), (0, 4)),
+    "harmony": ((2, 4), (1, 3)),
+    "deadlock": ((0, 1), (2, 3)),
+    # public goods of N agents: what is paid is doubled; or a benefit of 3 at a cost of 1 where more than half pay
+    **{f"linear, {n}": ([2 * (other + 1) / n - 1 for other in range(n)], [2 * other / n for other in range(n)]) for n in range(2, 9)},
+    **{
+        f"threshold, {n}": ([3 * (other >= n // 2) - 1 for other in range(n)], [3 * (other > n // 2) for other in range(n)])
+        for n in range(2, 9)
+    },
 }
+USUAL = ("prisoner's dilemma", "linear, 4", "threshold, 4")  # the others only with the thorough tests
 
 
 @pytest.mark.parametrize("units", [3, 30])
-@pytest.mark.parametrize("game", ["prisoner's dilemma", *(pytest.param(g, marks=pytest.mark.thorough) for g in list(CORNERS)[1:])])
+@pytest.mark.parametrize("game", [name if name in USUAL else pytest.param(name, marks=pytest.mark.thorough) for name in LINES])
 def test_the_four_intervals_hold_together(game: str, units: int) -> None:
     """At least 95 % of 2,000 data sets, less three standard errors of such a share."""
-    s, r, p, t = CORNERS[game]
-    truth = {"A": r - p, "B": r - s, "fear": p - s, "greed": t - r}
+    c, d = LINES[game]
+    truth = {"A": c[-1] - d[0], "B": c[-1] - c[0], "fear": d[0] - c[0], "greed": d[-1] - c[-1]}
     held = 0
-    for samples in noisy(np.random.default_rng(units), DATA_SETS, CORNERS[game], 2.0, units):
+    for samples in noisy(np.random.default_rng(units), DATA_SETS, c, d, 2.0, units):
         found = estimate_contrasts(samples)
         held += all(found[name].low <= value <= found[name].high for name, value in truth.items())
     assert held / DATA_SETS >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / DATA_SETS)
     assert pytest.approx(0.9875) == JOINT_CONFIDENCE
 
 
-@pytest.mark.parametrize(("corners", "right"), [((0.0, 1.0, 1.0, 2.0), "no dilemma"), ((1.0, 3.0, 0.0, 3.0), "no dilemma")])
-def test_verdicts_at_the_border_are_seldom_wrong(corners: tuple[float, float, float, float], right: str) -> None:
-    """R = P, and neither fear nor greed (T = R, P < S): the other verdict in at most 5 % of 2,000 data sets."""
-    outcomes = [judge_fast(samples) for samples in noisy(np.random.default_rng(5), DATA_SETS, corners, 1.0, 12)]
-    wrong = sum(outcome not in (right, "undecided") for outcome in outcomes)
+@pytest.mark.parametrize(("cooperating", "defecting"), [((0, 1), (1, 2)), ((1, 3), (0, 3))])
+def test_verdicts_at_the_border_are_seldom_wrong(cooperating: tuple[float, float], defecting: tuple[float, float]) -> None:
+    """R = P, and neither fear nor greed (T = R, P < S), which is no dilemma: the other verdict in at most 5 % of 2,000 data sets."""
+    outcomes = [judge_fast(samples) for samples in noisy(np.random.default_rng(5), DATA_SETS, cooperating, defecting, 1.0, 12)]
+    wrong = outcomes.count("dilemma")
     assert wrong / DATA_SETS <= 0.05
-
-
-LINES = {  # of N players: C(l) and D(l)
-    "linear": lambda n, other: (2.0 * (other + 1) / n - 1, 2.0 * other / n),  # doubled
-    "threshold": lambda n, other: (3.0 * (other + 1 >= n // 2 + 1) - 1, 3.0 * (other >= n // 2 + 1)),  # a benefit of 3 at a cost of 1
-}
-
-
-@pytest.mark.parametrize("players", [4, *(pytest.param(n, marks=pytest.mark.thorough) for n in (2, 3, 5, 6, 7, 8))])
-@pytest.mark.parametrize("goods", LINES)
-def test_the_intervals_hold_together_for_games_of_more_agents(goods: str, players: int) -> None:
-    """Noise on both lines, for N = 2..8: at least 95 % of 2,000 data sets, less three standard errors of such a share."""
-    c, d = zip(*(LINES[goods](players, other) for other in range(players)), strict=True)
-    truth = {"A": c[-1] - d[0], "B": c[-1] - c[0], "fear": d[0] - c[0], "greed": d[-1] - c[-1]}
-    held = 0
-    for samples in noisy_lines(np.random.default_rng(players), DATA_SETS, c, d, 2.0, 10):
-        found = estimate_contrasts(samples)
-        held += all(found[name].low <= value <= found[name].high for name, value in truth.items())
-    assert held / DATA_SETS >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / DATA_SETS)
 
 
 def judge_fast(samples: dict[str, np.ndarray]) -> str:
@@ -202,18 +147,18 @@ def judge_fast(samples: dict[str, np.ndarray]) -> str:
 def test_the_number_wanted_settles_it_most_often() -> None:
     """Of data sets as large as was advised, drawn with the means and deviations found, nine tenths to the power of three at least are settled."""
     key = np.random.default_rng(0)
-    corners = (0.0, 1.5, 1.0, 2.5)
-    pilot = noisy(key, 1, corners, 1.0, 8)[0]
+    lines = (0, 1.5), (1, 2.5)
+    pilot = noisy(key, 1, *lines, 1.0, 8)[0]
     exact = {name: (values - values.mean()) / values.std(ddof=1) for name, values in pilot.items()}
     pilot = {"A": 0.5 + 1.4 * exact["A"], "B": 1.5 + 1.4 * exact["B"], "fear": 1 + 1.4 * exact["fear"], "greed": 1 + 1.4 * exact["greed"]}
     found = judge(pilot)
     assert found.outcome == "undecided"
     assert found.wanted is not None
     assert found.wanted > 8
-    many = noisy(key, 300, corners, 1.4 / np.sqrt(2), found.wanted)
+    many = noisy(key, 300, *lines, 1.4 / np.sqrt(2), found.wanted)
     settled = np.mean([judge_fast(samples) == "dilemma" for samples in many])
     assert settled > 0.9**3 - 3 * np.sqrt(0.25 / 300)
-    few = noisy(key, 300, corners, 1.4 / np.sqrt(2), found.wanted // 3)
+    few = noisy(key, 300, *lines, 1.4 / np.sqrt(2), found.wanted // 3)
     assert np.mean([judge_fast(samples) == "dilemma" for samples in few]) < settled
 
 

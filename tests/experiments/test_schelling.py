@@ -44,7 +44,7 @@ def test_matrix_games_exactly(variant: str | None) -> None:
     assert {name: (figure.low, figure.mean, figure.high) for name, figure in found.contrasts.items()} == {
         name: (STEPS * value,) * 3 for name, value in exact.items()
     }
-    assert (found.verdict.outcome, found.verdict.shape) == (outcome, shape)
+    assert (found.verdict.outcome, found.verdict.shape, found.verdict.wanted) == (outcome, shape, None)
     assert [sign for _, sign in found.preferences] == ["defect" if value > 0 else "cooperate" for value in (p - s, t - r)]
 
 
@@ -64,6 +64,7 @@ def test_linear_public_goods_exactly(players: int) -> None:
         assert [figure.mean for figure in found.defecting] == exact, r
         assert [figure.high - figure.low for figure in found.everybody] == [0.0] * (players + 1)
         assert found.verdict.outcome == ("dilemma" if 1 < r < players else "no dilemma"), r
+        assert found.verdict.shape == ("fear and greed" if r < players else "neither"), r
         assert [sign for _, sign in found.preferences] == ["defect" if r < players else "equal" if r == players else "cooperate"] * players
 
 
@@ -78,6 +79,9 @@ def test_threshold_public_goods_exactly(players: int) -> None:
         assert [figure.mean for figure in found.defecting] == [2 * b * (others >= k) for others in range(players)], k
         assert [sign for _, sign in found.preferences] == ["cooperate" if others == k - 1 else "defect" for others in range(players)], k
         assert found.verdict.outcome == ("no dilemma" if k == 1 else "dilemma"), "where one who pays is enough, all who pay have no more"
+        assert (
+            found.verdict.shape == {(False, False): "fear and greed", (False, True): "fear", (True, False): "greed"}[k == 1, k == players]
+        )
 
 
 def test_what_a_cooperator_earns_is_in_the_cooperators_line() -> None:

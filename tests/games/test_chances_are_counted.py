@@ -12,13 +12,13 @@ from .found import forms, rules_of
 DRAWING = (ir.Chance, ir.Draw, ir.Pick, ir.Match, ir.Send, ir.Move)
 STARTS = "test_starts.py test_starts"
 ENDINGS = "test_melting_pot_chances.py test_an_episode_ends_by_chance_after_whole_intervals"
-CONTESTED = "test_a_contested_cell_goes_to_each_alike"
+CONTESTED = "test_contested_cells.py test_a_contested_cell_goes_to_each_alike"
 # game or variant, phase -> the test of its draws; the three rooms of Harvest are one game
 TESTS = {
     "clean_up start": STARTS,
     "clean_up grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
     "clean_up pollute": "test_clean_up_chances.py test_dirt_comes_to_every_clean_cell_alike",
-    "clean_up walk": f"test_clean_up_chances.py {CONTESTED}",
+    "clean_up walk": CONTESTED,
     "clean_up rinse": "test_clean_up_chances.py test_a_cell_that_several_clean_counts_once_and_for_each_alike",
     "clean_up fire": "test_clean_up_chances.py test_home_is_every_free_gate_alike",
     "clean_up+meltingpot grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
@@ -26,11 +26,11 @@ TESTS = {
     "clean_up+meltingpot finish": ENDINGS,
     "coins start": STARTS,
     "coins grow": "test_coins_chances.py test_coins_come_so_often",
-    "coins walk": f"test_coins_chances.py {CONTESTED}",
+    "coins walk": CONTESTED,
     "coins+meltingpot grow": "test_coins_chances.py test_coins_come_so_often",
     "coins+meltingpot finish": ENDINGS,
     "coop_mining start": STARTS,
-    "coop_mining walk": f"test_coop_mining_chances.py {CONTESTED}",
+    "coop_mining walk": CONTESTED,
     "coop_mining settle": "test_coop_mining_chances.py test_contested_iron_goes_to_each_miner_alike",
     "coop_mining grow": "test_coop_mining_chances.py test_iron_and_gold_come_so_often",
     "coop_mining+socialjax grow": "test_coop_mining_chances.py test_iron_and_gold_come_so_often",
@@ -38,11 +38,11 @@ TESTS = {
     "coop_mining+meltingpot finish": ENDINGS,
     "gift_refinement start": STARTS,
     "gift_refinement grow": "test_gift_refinement_chances.py test_a_token_in_five_thousand_cells_and_steps",
-    "gift_refinement walk": f"test_gift_refinement_chances.py {CONTESTED}",
+    "gift_refinement walk": CONTESTED,
     "gift_refinement+meltingpot finish": ENDINGS,
     "harvest_closed start": STARTS,
     "harvest_closed regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
-    "harvest_closed walk": f"test_harvest_chances.py {CONTESTED}",
+    "harvest_closed walk": CONTESTED,
     "harvest_closed fire": "test_harvest_chances.py test_home_is_every_free_gate_alike",
     "harvest_closed+meltingpot regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
     "harvest_closed+meltingpot fire": "test_harvest_chances.py test_who_was_away_comes_to_every_free_gate_alike",
@@ -50,7 +50,7 @@ TESTS = {
     "harvest_open+meltingpot regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
     "harvest_open+meltingpot fire": "test_harvest_chances.py test_who_was_away_comes_to_every_free_gate_alike",
     "mushrooms start": STARTS,
-    "mushrooms walk": f"test_mushrooms_chances.py {CONTESTED}",
+    "mushrooms walk": CONTESTED,
     **{
         f"mushrooms sprout({kind})": "test_mushrooms_chances.py test_what_grows_after_a_meal" for kind in ("red", "green", "blue", "orange")
     },
@@ -65,7 +65,7 @@ TESTS = {
     "mushrooms+meltingpot finish": ENDINGS,
     "pd_arena start": STARTS,
     "pd_arena grow": "test_pd_arena_chances.py test_growth",
-    "pd_arena walk": f"test_pd_arena_chances.py {CONTESTED}",
+    "pd_arena walk": CONTESTED,
     "pd_arena meet": "test_pd_arena_chances.py test_both_rest_each_for_its_own_time",
     "pd_arena+socialjax rest": "test_pd_arena_chances.py test_as_released_only_targets_rest",
 }

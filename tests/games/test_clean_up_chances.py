@@ -1,4 +1,4 @@
-"""The chances of Clean Up, counted: growth at each measure of dirt, new dirt and where, homes, contested cells."""
+"""The chances of Clean Up, counted: growth at each measure of dirt, new dirt and where, homes."""
 
 from functools import cache
 from typing import Any
@@ -37,7 +37,7 @@ def counter(variant: str | None) -> Any:
     env = environment("clean_up", variant)
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
-    def look(before: Any, after: Any, reward: Any) -> Any:
+    def look(before: Any, after: Any, _: Any) -> Any:
         grown = after.orchard_fruit == 1
         dirtied = (before.water_state == 0) & (after.water_state == 1)
         return {
@@ -50,7 +50,6 @@ def counter(variant: str | None) -> Any:
             "last_twins": grown & dirtied[WATER - ORCHARD :],
             "place": jax.nn.one_hot(after.position[:3], sizes, dtype=jnp.int32),
             "heading": jax.nn.one_hot(after.heading[:2], 4, dtype=jnp.int32),
-            "reward": reward,
         }
 
     return many(env, look)
@@ -89,18 +88,6 @@ def test_every_orchard_cell_grows_alike(counted: Any) -> None:
     params = env.params.replace(best_rate=jnp.float32(0.5))
     for site in counted(1, state_with(0), STAYS, params, 4)["grown"]:
         assert_share(site, 4 * BATCH, 0.5, 0.05)
-
-
-@pytest.mark.thorough
-def test_nothing_grows_under_agents(counted: Any) -> None:
-    """Nor on the cell one leaves; with a chance of 1 everywhere else, the cell one comes to among them."""
-    env = environment("clean_up")
-    sure = env.params.replace(best_rate=jnp.float32(1))
-    orchard = cells_of(env, "orchard")
-    under = [(17, c) for c in range(7)]
-    seen = counted(8, state_with(0, under), [4, *STAYS[1:]], sure, 1)
-    assert seen["reward"].tolist() == [BATCH, 0, 0, 0, 0, 0, 0]
-    assert seen["grown"].tolist() == [0 if cell in (*under, (16, 0)) else BATCH for cell in orchard]
 
 
 def test_new_dirt_in_half_of_the_steps_from_the_fiftieth_on(counted: Any) -> None:
@@ -181,12 +168,3 @@ def test_a_cell_that_several_clean_counts_once_and_for_each_alike(number: int) -
     assert (found.sum(axis=1) == 1).all()
     assert found[:, number:].sum() == 0
     assert_uniform(found[:, :number].sum(axis=0), 0.13)
-
-
-def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
-    env = environment("clean_up")
-    places = [(11, 5), (12, 6), (11, 7), *SAND[:4]]
-    seen = counted(6, state_with(0, places, [1, 0, 3, 0, 0, 0, 0]), [4, 4, 4, 6, 6, 6, 6], env.params, 16)
-    winners = seen["place"][:, frame_cells(env, (11, 6))]
-    assert winners.sum() == 16 * BATCH
-    assert_uniform(winners, 0.04)

@@ -73,11 +73,6 @@ def test_a_colour_is_its_agents() -> None:
     assert scene.step("step_right, step_right").reward == [-1, 1]
 
 
-def test_the_last_step_pays() -> None:
-    scene = put("CCCCP", ">rCCC", "CCCC<", "PCCCC", step=999).step("forward, stay")
-    scene.has({"reward": [1, 0], "steps": 1000, "truncated": True, "terminated": False})
-
-
 def test_moves() -> None:
     check_moves(STAGE, ("CCCCP", "CC^CC", "CCCCC", "PCCC<"), compass=False)
 

@@ -245,12 +245,6 @@ def test_numbers_of_miners_and_payments_are_parameters() -> None:
     around(1, STAGES[None], under="i").change(**params).step(mine(0)).has({"reward": [2, 0, 0, 0, 0, 0]})
 
 
-@BOTH
-def test_the_last_step_pays(stage: Stage) -> None:
-    scene = placed(stage, [(3, 3, "^")], {(2, 3): "i", (1, 3): "i"}, step=998).step("mine").has({"truncated": False})
-    scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0], "steps": 1000, "truncated": True, "terminated": False})
-
-
 # Growth
 
 
@@ -290,13 +284,6 @@ def test_a_partial_ore_stays_a_partial_ore(stage: Stage) -> None:
 @pytest.mark.parametrize(("variant", "compass"), [(None, False), ("socialjax", True)])
 def test_moves(variant: str | None, compass: bool) -> None:
     check_moves(STAGES[variant], (*ROWS[:3], "OOO^OOO", *ROWS[4:-1], "vvvvvPP"), compass)
-
-
-def test_an_episode_starts_in_the_camps_without_ore() -> None:
-    for seed in range(5):
-        scene = STAGES[None].start(seed)
-        assert len(set(scene.places())) == 6
-        scene.has({"agent.row": 7, "rock.ore": "none", "rock.miners": set(), "rock.left": 0, "steps": 0})
 
 
 def test_what_is_seen() -> None:

@@ -231,12 +231,6 @@ def test_consumption_makes_room_only_if_it_comes_first(stage: Stage, giver: int,
     assert bags(scene, 0, 1) == [(giver, 0, 0), left]
 
 
-@BOTH
-def test_the_last_step_pays(stage: Stage) -> None:
-    scene = in_line(stage, "TT>>TTTT", bags={0: (3, 0, 0), 1: (0, 2, 0)}, step=998).step("consume").has({"truncated": False})
-    scene.step("stay, consume").has({"reward": [0, 2, 0, 0, 0], "steps": 1000, "truncated": True, "terminated": False})
-
-
 # Tokens on the ground
 
 
@@ -256,13 +250,6 @@ def test_with_a_full_bag_the_token_is_lost(stage: Stage, before: int, after: int
 
 
 @BOTH
-def test_a_token_that_two_want_goes_to_one(stage: Stage) -> None:
-    scene = put(stage, "TTT^rTTT  0", "TTTT^TTT  1", *ROWS[2:-1], "vvvPPPPP").step("step_right, forward")
-    assert sorted(bags(scene, 0, 1)) == [(0, 0, 0), (1, 0, 0)]
-    assert bags(scene, 0) == [(int(scene.places()[0] == (0, 4)), 0, 0)]
-
-
-@BOTH
 def test_tokens_come_on_bare_ground_where_nobody_stands(stage: Stage) -> None:
     """With certainty: not in camps, not in walls, not under agents; and what comes can be picked up in the same step."""
     scene = put(stage, *ROWS[:1], "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP", spawn=1).step()
@@ -278,13 +265,6 @@ def test_tokens_come_on_bare_ground_where_nobody_stands(stage: Stage) -> None:
 @pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
 def test_moves(stage: Stage, compass: bool) -> None:
     check_moves(stage, ("TTTTTTTT", "TTTT^TTT", *ROWS[2:-1], "vvvvPPPP"), compass)
-
-
-def test_an_episode_starts_in_the_camps_with_empty_bags() -> None:
-    for seed in range(5):
-        scene = DEFAULT.start(seed).has({"agent.row": 4, "ground.token": "none", "steps": 0})
-        assert len(set(scene.places())) == 5
-        assert bags(scene, *range(5)) == [(0, 0, 0)] * 5
 
 
 def test_what_is_seen() -> None:

@@ -1,4 +1,4 @@
-"""The chances of Harvest, counted: growth for each number of apples near, homes, headings, contested cells."""
+"""The chances of Harvest, counted: growth for each number of apples near, homes, headings."""
 
 from functools import cache
 from typing import Any
@@ -33,14 +33,13 @@ def counter(variant: str | None) -> Any:
     env = environment(GAME, variant)
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
-    def look(before: Any, after: Any, reward: Any) -> Any:
+    def look(before: Any, after: Any, _: Any) -> Any:
         grown = (before.soil_fruit == 0) & (after.soil_fruit == 1)
         return {
             "grown": grown,
             "together": grown & jnp.roll(grown, 1),
             "place": jax.nn.one_hot(after.position[:3], sizes, dtype=jnp.int32),
             "heading": jax.nn.one_hot(after.heading[:2], 4, dtype=jnp.int32),
-            "reward": reward,
         }
 
     return many(env, look)
@@ -91,20 +90,6 @@ def test_growth_in_a_full_patch(counted: Any) -> None:
         assert near(cells, fruit)[cells.index(cell)] >= 3
         grown = counted(seed, state_with(SOUTH, fruit=fruit), [6] * 7, env.params, 20)["grown"]
         assert_share(grown[cells.index(cell)], 20 * BATCH, 0.025, 0.13)
-
-
-def test_nothing_grows_under_agents(counted: Any) -> None:
-    """Nor on the cell one leaves; with a chance of 1 everywhere else, the cell one comes to among them."""
-    env = environment(GAME)
-    one = env.params.replace(regrow_1=jnp.float32(1), regrow_2=jnp.float32(1), regrow_3=jnp.float32(1))
-    cells = cells_of(env, "soil")
-    under = [(2, 7), (2, 8), (7, 2), (7, 19), (0, 0), (0, 21), (2, 14)]
-    fruit = np.array([(r + c) % 2 == 0 and (r, c) not in under for r, c in cells])
-    seen = counted(10, state_with(under, fruit=fruit), [4, 6, 6, 6, 6, 6, 6], one, 1)
-    assert seen["reward"].tolist() == [BATCH, 0, 0, 0, 0, 0, 0]
-    can = ~fruit & (near(cells, fruit) > 0) & [cell not in (*under, (1, 7)) for cell in cells]
-    assert can.sum() > 20
-    assert seen["grown"].tolist() == (can * BATCH).tolist()
 
 
 def test_cells_grow_independently(counted: Any) -> None:
@@ -159,15 +144,3 @@ def test_who_was_away_comes_to_every_free_gate_alike() -> None:
         assert homes.sum() == 30 * BATCH
         assert_uniform(homes, 0.15)
     assert_uniform(seen["heading"][1], 0.03)
-
-
-def test_a_contested_cell_goes_to_each_alike(counted: Any) -> None:
-    """Three want it; then two."""
-    env = environment(GAME)
-    places = [(11, 5), (12, 6), (11, 7), (15, 3), (15, 4), (15, 5), (15, 6)]
-    for number, seed in ((3, 11), (2, 12)):
-        actions = [4] * number + [6] * (7 - number)
-        seen = counted(seed, state_with(places, [1, 0, 3, 0, 0, 0, 0]), actions, env.params, 15)
-        winners = seen["place"][:, frame_cells(env, (11, 6))]
-        assert winners.sum() == 15 * BATCH
-        assert_uniform(winners[:number], 0.04)

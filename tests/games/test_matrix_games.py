@@ -1,15 +1,11 @@
 """Stag Hunt and Chicken in the matrix: what a meeting pays, what is collected, and that all else is the arena's."""
 
-from typing import Any
-
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .chance import BATCH, assert_share, many
-from .environments import BRIEFLY, placed
+from .environments import BRIEFLY
 from .found import Form, rules_of, variants_of
 from .map_reading import read_map
 
@@ -59,23 +55,10 @@ def test_one_collects_what_the_arena_has(game: str) -> None:
 
 
 @EACH
-def test_growth(game: str) -> None:
-    """As in the arena, a tenth of the bare patches in a step. Source: the released code."""
-    env = STAGES[game].env
-    state = placed(env, [(3, col) for col in range(4)], patch_stock=[0, 0])
-
-    def look(_: Any, after: Any, __: Any) -> Any:
-        return jnp.append(after.patch_stock == 1, (after.patch_stock == 1).all())
-
-    seen = many(env, look)(0, state, [6] * 4, env.params, 4)
-    for patch in (0, 1):
-        assert_share(seen[patch], 4 * BATCH, 0.1, 0.15)
-    assert_share(seen[2], 4 * BATCH, 0.01, 0.5)
-
-
-@EACH
 def test_the_map_is_the_arena_s_and_nothing_is_called_released(game: str) -> None:
-    """The released suite has the arena, but not these two games."""
-    assert rules_of(Form(game)).rows == read_map("pd_arena")
+    """The released suite has the arena, but not these two games. Of the numbers the payoff alone is another."""
+    rules, arena = rules_of(Form(game)), rules_of(Form("pd_arena"))
+    assert rules.rows == read_map("pd_arena")
+    assert {param.name for param in rules.params if param not in arena.params} == {"payoff"}
     assert variants_of("pd_arena") == ("socialjax",)
     assert variants_of(game) == ()

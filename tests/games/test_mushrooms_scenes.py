@@ -79,14 +79,6 @@ def test_what_is_shared_is_split(agents: int, green: float, blue: float) -> None
         assert params.others.tolist() == pytest.approx([0, 0, blue, 0])
 
 
-@BOTH
-def test_a_mushroom_that_two_want_goes_to_one(stage: Stage) -> None:
-    for seed in range(4):
-        scene = put(stage, EMPTY, EMPTY, "..^R....  0", "...^....  1", EMPTY, ".....vvv", seed=seed).step("step_right, forward")
-        winner = int(scene.places()[1] == (2, 3))
-        assert scene.reward == [float(agent == winner) for agent in range(5)]
-
-
 # Digestion
 
 # kind -> steps whose actions are void: as the paper says, and one less in the released code
@@ -266,16 +258,6 @@ def test_beams_do_not_leave_the_map(stage: Stage, picture: tuple[str, ...]) -> N
 
 
 @BOTH
-def test_beams_come_after_moves(stage: Stage) -> None:
-    """Agent 1 walks out of the beam, agent 2 walks into it; all face north."""
-    scene = put(stage, EMPTY, "..^.....  1", "........", "..^^....  02", EMPTY, "......vv  34").step("zap, forward, stay")
-    scene.has({"event hits": 0})
-    scene = put(stage, EMPTY, EMPTY, "..^.....  1", "..^^....  02", EMPTY, "......vv  34").step("zap, forward, forward")
-    scene.has({"event hits": [2, 0, 0, 0, 0]})
-    assert scene.places()[0] == (3, 2)
-
-
-@BOTH
 def test_two_hit_each_other(stage: Stage) -> None:
     scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv").step("zap, zap")
     scene.has({"event hits": [1, 1, 0, 0, 0], "reward": 0})
@@ -285,23 +267,9 @@ def test_two_hit_each_other(stage: Stage) -> None:
 # Episodes, moves, what is seen
 
 
-@BOTH
-def test_the_last_step_pays(stage: Stage) -> None:
-    scene = meal(stage, "R", "G", step=998).step("forward").has({"truncated": False})
-    scene.step("stay, forward").has({"reward": 0.4, "steps": 1000, "truncated": True, "terminated": False})
-
-
 @pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
 def test_moves(stage: Stage, compass: bool) -> None:
     check_moves(stage, (EMPTY, EMPTY, "...^....", EMPTY, EMPTY, "....vvvv"), compass)
-
-
-def test_an_episode_starts_on_bare_floor() -> None:
-    for seed in range(5):
-        scene = DEFAULT.start(seed).has({"agent.digesting": 0, "steps": 0})
-        assert len(set(scene.places())) == 5
-        assert [scene.under(agent) for agent in range(5)] == ["."] * 5
-        assert grown(scene) == counts(red=1)
 
 
 def test_what_is_seen() -> None:

@@ -1,4 +1,4 @@
-"""The chances of the Prisoner's Dilemma arena, counted: growth, rests, homes, who meets whom, contested cells."""
+"""The chances of the Prisoner's Dilemma arena, counted: growth, rests, homes, who meets whom."""
 
 from functools import cache
 from typing import Any
@@ -14,7 +14,7 @@ from .environments import cells_of, environment, frame_cells, placed
 pytestmark = pytest.mark.optimised
 
 GAME = "pd_arena"
-STAY, FORWARD, INTERACT = 6, 4, 7
+STAY, INTERACT = 6, 7
 MIDDLE = (6, 10)  # a cell of floor with floor around it
 WEST, EAST, SOUTH = (6, 9), (6, 11), (7, 10)
 SHORTEST, LONGEST = 10, 100  # steps of rest. Source: the paper
@@ -48,7 +48,6 @@ def counter(variant: str | None) -> Any:
             "place": jax.nn.one_hot(after.position, sizes, dtype=jnp.int32),
             "headings": jax.nn.one_hot(after.heading[0] * 4 + after.heading[1], 16, dtype=jnp.int32),
             "suckers": reward == -1,
-            "bags": after.agent_bag,
         }
 
     return many(env, look)
@@ -79,17 +78,6 @@ def test_growth() -> None:
         assert_share(seen["grown"][site], 8 * BATCH, 0.1, 0.12)
     assert_share(seen["grown"].sum(), 12 * 8 * BATCH, 0.1, 0.04)
     assert_share(seen["both"].sum() / 12, 8 * BATCH, 0.01, 0.4)
-
-
-@pytest.mark.thorough
-def test_patches_in_stock_or_under_agents_have_no_chance() -> None:
-    """At the highest rate all others are in stock after a step."""
-    env = environment(GAME)
-    patches, under = cells_of(env, "patch"), [0, 3, 7, 11]
-    state = placed(env, [patches[i] for i in under], patch_stock=np.isin(np.arange(12), [1, 8]))
-    seen = counter(None)(1, state, [STAY] * 4, env.params.replace(regrow=jnp.float32(1)), 1)
-    assert seen["grown"].tolist() == [0 if i in (*under, 1, 8) else BATCH for i in range(12)]
-    assert not seen["bags"].any()
 
 
 def test_both_rest_each_for_its_own_time() -> None:
@@ -158,17 +146,6 @@ def test_of_a_round_of_four_either_two_pairs_meet() -> None:
     assert seen["resting"][0b1111] == 6 * BATCH
     assert seen["suckers"].sum() == 6 * BATCH
     assert_uniform(seen["suckers"][[0, 2]], 0.05)
-
-
-def test_a_contested_cell_goes_to_each_alike() -> None:
-    """Three want it; then two."""
-    env = environment(GAME)
-    state = meeting(WEST, SOUTH, EAST, headings=(1, 0, 3))
-    for number in (3, 2):
-        seen = counter(None)(7, state, [FORWARD] * number + [STAY] * (4 - number), env.params, 6)
-        won = seen["place"][:, frame_cells(env, MIDDLE)]
-        assert won.sum() == 6 * BATCH
-        assert_uniform(won[:number], 0.06)
 
 
 @pytest.mark.thorough

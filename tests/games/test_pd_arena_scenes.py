@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from sjdsl.testing import Scene, Stage
@@ -18,7 +17,6 @@ DEFAULT = Stage("pd_arena", ROWS, 4, looks=LOOKS)
 RELEASED = Stage("pd_arena", ROWS, 4, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
 STAGES = [DEFAULT, RELEASED]
 BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
-AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
 Bag = tuple[int, int]
 
 
@@ -68,18 +66,6 @@ def test_payoffs(stage: Stage, mine: Bag, theirs: Bag, payoff: tuple[float, floa
     scene = in_line(stage, "..><....", bags={0: mine, 1: theirs}).step("interact")
     scene.has({"reward": [*payoff, 0, 0], "event met": [1, 1, 0, 0]})
     assert bags(scene, 0, 1) == [(0, 0), (0, 0)]
-
-
-@BOTH
-def test_payoffs_of_mixtures(stage: Stage) -> None:
-    """Source: the paper's formula, v_row A v_col and v_row A' v_col for the shares v of what the two hold."""
-    matrix, random = np.array([[3, -1], [5, 1]]), np.random.default_rng(0)
-    for _ in range(8):
-        mine, theirs = (random.integers(0, 101, 2) + random.permutation([0, 1]) for _ in range(2))
-        mine, theirs = np.minimum(mine, 100), np.minimum(theirs, 100)
-        row, column = mine / mine.sum(), theirs / theirs.sum()
-        scene = in_line(stage, "..><....", bags={0: tuple(mine.tolist()), 1: tuple(theirs.tolist())}).step("interact")
-        assert scene.reward == pytest.approx([row @ matrix @ column, row @ matrix.T @ column, 0, 0], abs=1e-5)
 
 
 @BOTH
@@ -206,15 +192,6 @@ def test_in_the_released_rules_both_meet_it() -> None:
     assert (bags(scene, 0, 1, 2), scene.places()[0], scene.places()[2]) == ([(0, 0)] * 3, (2, 2), (2, 4))
 
 
-def test_in_a_chain_one_pair_meets() -> None:
-    """0 fires at 1, and 1 at 2: the two pairs are never both taken; each is in some of 20 runs (but for a chance of 2e-6)."""
-    met = set()
-    for seed in range(20):
-        scene = in_line(DEFAULT, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}, seed=seed).step("interact, interact")
-        met.add(tuple(scene.events["met"]))
-    assert met == {(1, 1, 0, 0), (0, 1, 1, 0)}
-
-
 def test_in_the_released_rules_both_pairs_meet() -> None:
     scene = in_line(RELEASED, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}).step("interact, interact")
     scene.has({"reward": [-1, 5 + 5, -1, 0], "event met": [1, 2, 1, 0]})
@@ -239,26 +216,9 @@ def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
     scene.step("interact, forward").has({"reward": [5, -1, 0, 0], "event collected[coop]": [0, 1, 0, 0]})
 
 
-@BOTH
-def test_who_is_sent_off_goes_to_a_free_gate(stage: Stage) -> None:
-    """To four of the six at least: three at most in 25 runs have a chance of 6e-7."""
-    places = set()
-    for seed in range(25):
-        scene = put(stage, *ROWS[:2], "..><....  01", *ROWS[3:5], "vvPPPPPP  23", bags={0: (1, 0), 1: (0, 1)}, seed=seed).step("interact")
-        assert len(set(scene.places())) == 4
-        places.add(scene.places()[1])
-    assert places <= {(5, column) for column in range(2, 8)} and len(places) >= 4
-
-
 def test_payoffs_are_parameters() -> None:
     payoff = {"coop": {"defect": 0}, "defect": {"coop": 4}}
     in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"payoff": payoff}).step("interact").has({"reward": [0, 4, 0, 0]})
-
-
-@BOTH
-def test_the_last_step_pays(stage: Stage) -> None:
-    scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, step=998).step().has({"truncated": False})
-    scene.step("interact").has({"reward": [-1, 5, 0, 0], "steps": 1000, "truncated": True, "terminated": False})
 
 
 # Resources
@@ -280,12 +240,6 @@ def test_a_bag_holds_a_hundred_of_each(stage: Stage, before: Bag, after: Bag) ->
     scene = put(stage, EMPTY, ROWS[1], "..^.....", *ROWS[3:5], "vvvPPPPP", bags={0: before}).step("forward")
     scene.shows(EMPTY, "..^D....", EMPTY, *ROWS[3:5], "vvvPPPPP", under={0: "c"})
     assert bags(scene, 0) == [after]
-
-
-@BOTH
-def test_a_resource_that_two_want_goes_to_one(stage: Stage) -> None:
-    scene = put(stage, EMPTY, ".^CD....  0", "..^.....  1", *ROWS[3:5], "vvPPPPPP").step("step_right, forward")
-    assert sorted(bags(scene, 0, 1)) == [(0, 0), (1, 0)]
 
 
 @BOTH
@@ -311,13 +265,6 @@ def test_moves(stage: Stage, compass: bool) -> None:
 @BOTH
 def test_walls_stop(stage: Stage) -> None:
     put(stage, *ROWS[:3], ROWS[3], "......^.  0", "vvvPPPPP").step("forward").shows(*ROWS[:4], "......^.", "vvvPPPPP")
-
-
-def test_an_episode_starts_on_gates_with_empty_bags_and_all_resources() -> None:
-    for seed in range(5):
-        scene = DEFAULT.start(seed).has({"agent.row": 5, "agent.resting": 0, "patch.stock": "ripe", "steps": 0})
-        assert len(set(scene.places())) == 4
-        assert bags(scene, *range(4)) == [(0, 0)] * 4
 
 
 def test_what_is_seen() -> None:

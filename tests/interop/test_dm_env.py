@@ -45,16 +45,6 @@ def test_an_episode_is_cut_off_and_another_begins() -> None:
     assert env.step([0, 0]).first()
 
 
-def test_a_seed_is_a_course() -> None:
-    def trajectory(seed: int) -> list[np.ndarray]:
-        env = Substrate("coins", seed=seed, **SHORT)
-        return [env.step([step % 7, (2 * step) % 7]).observation[0]["WORLD.RGB"] for step in range(60)]
-
-    first, again, other = trajectory(1), trajectory(1), trajectory(2)
-    assert all(map(np.array_equal, first, again))
-    assert not all(map(np.array_equal, first, other))
-
-
 def test_windows_are_turned_so_that_ahead_is_up() -> None:
     """Each agent's own cell, and the cell before it, are the world's, turned; off the map all is dark."""
     tile = 8

@@ -4,7 +4,6 @@ import subprocess
 import sys
 import warnings
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import jax
@@ -75,23 +74,6 @@ def test_a_step_is_the_games_own() -> None:
         collected += info["own_coins"]
     assert collected > 0
     assert len({tuple(actions) for actions in played}) > 10
-
-
-def test_seeds() -> None:
-    def trajectory(env: AgentGame, seed: int | None) -> list[Any]:
-        seen = [env.reset(seed=seed)[0]]
-        for step in range(2 * LENGTH):
-            observation, reward, _, over, _ = env.step((5 * step) % 7)
-            seen += [observation, reward]
-            if over:
-                seen.append(env.reset()[0])
-        return seen
-
-    env = AgentGame("coins", **SHORT)
-    first, again, other, on = trajectory(env, 3), trajectory(AgentGame("coins", **SHORT), 3), trajectory(env, 4), trajectory(env, None)
-    assert all(map(np.array_equal, first, again))
-    assert not all(map(np.array_equal, first, other))
-    assert not all(map(np.array_equal, first, on))
 
 
 def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:

@@ -85,7 +85,8 @@ def test_numbers_out_of_range_mean_nothing() -> None:
 def expected_harvest(env: Any, state: Any, agent: int) -> np.ndarray:
     """The 15 channels of one agent by a loop over its window; agents hide what is beneath."""
     rows = env.env.game.rows
-    ripe = {cell for cell, fruit in zip(soil_cells(rows), np.asarray(state.game.soil_fruit), strict=True) if fruit == 1}
+    soil = [(r, c) for r, row in enumerate(rows) for c, letter in enumerate(row) if letter == "A"]
+    ripe = {cell for cell, fruit in zip(soil, np.asarray(state.game.soil_fruit), strict=True) if fruit == 1}
     walls = {(r, c) for r, row in enumerate(rows) for c, letter in enumerate(row) if letter == "#"}
     row, col = (np.asarray(x) for x in env.env.cells(state.game))
     headings = np.asarray(state.game.heading)  # ours: clockwise from north
@@ -109,10 +110,6 @@ def expected_harvest(env: Any, state: Any, agent: int) -> np.ndarray:
             elif cell in ripe:
                 seen[r, c, 2] = 1
     return seen
-
-
-def soil_cells(rows: tuple[str, ...]) -> list[tuple[int, int]]:
-    return [(r, c) for r, row in enumerate(rows) for c, letter in enumerate(row) if letter == "A"]
 
 
 @pytest.mark.parametrize("name", ["harvest_common_open", "harvest_common_closed"])

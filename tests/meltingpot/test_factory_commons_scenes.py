@@ -104,12 +104,6 @@ def test_shoving_and_pulling(action: str, gap: int, after: int) -> None:
     scene.has({"agent.heading": ["east", "south"]})
 
 
-@pytest.mark.parametrize("length", [999, 1000, 1098, 1099, 1100, 1199])
-def test_an_episode_ends_by_chance_at_whole_intervals(length: int) -> None:
-    scene = OPEN.put("#########", "#>......#", "#.......#", "#......<#", "#########", step=length - 1, params={"ending": 1.0}).step()
-    scene.has({"terminated": length in (1099, 1199)})
-
-
 def test_the_start() -> None:
     """Some cubes are always there, of the others each with probability one half (four standard deviations). Nobody starts on a marked cell."""
     stage, counts = Stage("factory_commons", interpreted=True), []

@@ -131,9 +131,3 @@ def test_fans_meet_the_other_side_alone_and_each_gains_more_by_its_own() -> None
         scene = put("PPP.12", ".>.<..  02", "......", "..P<<.  13", game="bach_or_stravinsky", agents=4, fields=bags)
         scene.step(actions).has({"event met": [1, 0, 1, 0]}).step(times=2)
         assert scene.reward == pytest.approx([3 * 0.81 + 2 * 0.01, 0, 2 * 0.81 + 3 * 0.01, 0])
-
-
-def test_episodes_end_by_chance_per_interval() -> None:
-    for last, ends in ((998, False), (999, False), (1097, False), (1098, True), (1099, False), (1198, True)):
-        scene = put("PPP.12", ".>.<..", "......", "..PPP.", step=last, params={"ending": 1}).step()
-        scene.has({"terminated": ends})

@@ -78,9 +78,3 @@ def test_what_only_a_long_episode_shows_is_found_there() -> None:
     (verdict,) = verify_properties(orchard, Effort(examples=5)).verdicts
     assert verdict.passed is False
     assert verdict.reason == "fails after step 78"
-
-
-def test_a_trigger_that_never_came_is_said() -> None:
-    (verdict,) = verify_properties(small_game("once step > 900 always fruit == 0"), Effort(examples=10, compiled=False)).verdicts
-    assert verdict.passed
-    assert "never held" in verdict.reason

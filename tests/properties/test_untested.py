@@ -50,8 +50,9 @@ def test_other_checks_are_not_touched_by_it() -> None:
 
 def test_a_first_condition_that_never_came_makes_it_untested() -> None:
     (verdict,) = verify_properties(small_game("once step > 900 always fruit == 0"), FEW).verdicts
-    assert verdict.status == "untested"
+    assert (verdict.passed, verdict.status) == (True, "untested")
     assert "the first condition never held: step > 900" in verdict.untested[-1]
+    assert "never held" in verdict.reason
 
 
 def test_an_expectation_depends_on_lines_too() -> None:

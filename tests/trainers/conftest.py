@@ -5,8 +5,10 @@ from pathlib import Path
 
 import jax
 import pytest
+from probes import matching
+from run_outcomes import SHORT, compiled_once
 
-from sjdsl.trainers import recorder
+from sjdsl.trainers import recorder, train
 from sjdsl.trainers.learning_curve import LEARNING_CURVE, curve_panels
 from sjdsl.trainers.metrics_files import Row
 
@@ -31,3 +33,17 @@ def empty_curves() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(recorder, "draw_learning_curve", _leave_empty)
         yield
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[None]:
+    """Has the runs of a module share what is compiled."""
+    with compiled_once(), jax.debug_key_reuse(True):  # as in the tests: otherwise programs are traced again
+        yield
+
+
+@pytest.fixture(scope="module")
+def whole(shared: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that nothing stopped."""
+    del shared
+    return train(matching(), SHORT, tmp_path_factory.mktemp("runs") / "whole", "none").run_dir

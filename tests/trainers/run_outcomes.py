@@ -99,7 +99,7 @@ def compiled_once() -> Iterator[None]:
     """Has all runs of `matching` share what is compiled: only that makes a hundred of them quick. Configurations: `SHORT`, or how often
     it saves and evaluates changed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "compile_train", lambda _, config: _compiled(config.model_copy(update=_ALIKE)))
+        patch.setattr(run, "compile_train", lambda _, config: compiled_matching(config.model_copy(update=_ALIKE)))
         patch.setattr(recorder, "make_evaluator", lambda _, __, number: _evaluator(number))
         yield
 
@@ -108,7 +108,8 @@ _ALIKE = {"checkpoint_updates": 2, "policy_every": 2, "evaluate_every": 3}
 
 
 @cache
-def _compiled(config: Config) -> Compiled:
+def compiled_matching(config: Config) -> Compiled:
+    """Returns the program of a run of `matching`, compiled once however many runs there are."""
     return compile_train(make_train(matching(), config), config)
 
 

@@ -1,4 +1,4 @@
-"""Advantages against a plain loop over one environment and one agent at a time, and against the sum that defines them."""
+"""Advantages against a plain loop over one environment and one agent at a time."""
 
 import jax
 import jax.numpy as jnp
@@ -52,46 +52,6 @@ def test_advantages_equal_a_plain_loop(seed: int, share_done: float, gamma: floa
                 expected[step, env, agent] = advantage
                 following = values[step, env, agent]
     np.testing.assert_allclose(found(given, gamma, gae_lambda), expected, atol=1e-4)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_advantages_are_means_of_longer_and_longer_returns(seed: int) -> None:
-    """A = (1 - lambda) * sum over k of lambda^(k-1) * (k-step return - value), the last k taking all that is left.
-
-    Source: Schulman et al. 2016, equations 15 and 16.
-    """
-    gamma, gae_lambda = 0.9, 0.8
-    given = drawn(seed, 0.2)
-    rewards, values, terminal_values, last_value, done, truncated = given
-
-    def worth_after(step: int, env: int) -> np.ndarray:
-        if done[step, env]:
-            return terminal_values[step, env] if truncated[step, env] else np.zeros(AGENTS)
-        return last_value[env] if step == STEPS - 1 else values[step + 1, env]
-
-    def advantage(start: int, env: int) -> np.ndarray:
-        paid, total, left = np.zeros(AGENTS), np.zeros(AGENTS), 1.0
-        for length, step in enumerate(range(start, STEPS), start=1):
-            paid = paid + gamma ** (length - 1) * rewards[step, env]
-            last = done[step, env] or step == STEPS - 1
-            weight = left if last else (1 - gae_lambda) * gae_lambda ** (length - 1)
-            total = total + weight * (paid + gamma**length * worth_after(step, env) - values[start, env])
-            left -= weight
-            if last:
-                break
-        return total
-
-    expected = np.array([[advantage(step, env) for env in range(ENVS)] for step in range(STEPS)])
-    np.testing.assert_allclose(found(given, gamma, gae_lambda), expected, atol=1e-4)
-
-
-def test_lambda_one_is_the_discounted_return_less_the_value() -> None:
-    rewards = jnp.array([1.0, 2.0, 4.0]).reshape(3, 1, 1)
-    values = jnp.array([0.5, 0.25, 0.125]).reshape(3, 1, 1)
-    done = jnp.array([[False], [False], [True]])
-    successors = successor_values(values, jnp.full((1, 1), 9.0), jnp.full((3, 1, 1), 9.0), done, jnp.zeros((3, 1), bool))
-    advantages = generalised_advantages(rewards, values, successors, done, 0.5, 1.0)
-    np.testing.assert_allclose(advantages.ravel(), [1 + 1 + 1 - 0.5, 2 + 2 - 0.25, 4 - 0.125])
 
 
 @pytest.mark.parametrize("deviation", [0.001, 0.02, 5.0])

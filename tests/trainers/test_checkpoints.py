@@ -89,10 +89,6 @@ def test_an_unfinished_one_is_none(tmp_path: Path) -> None:
     assert sorted(path.name for path in (tmp_path / "checkpoints").iterdir()) == ["1", "2"]
 
 
-def _flipped(content: bytes) -> bytes:
-    return bytes([content[0] ^ 0xFF]) + content[1:]
-
-
 def test_damage_in_any_file_is_found_before_an_array_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Reading it would leave an event loop of orbax that is closed while threads still use it."""
     checkpoints = Checkpoints(tmp_path)
@@ -103,7 +99,7 @@ def test_damage_in_any_file_is_found_before_an_array_is_read(tmp_path: Path, mon
     assert len(files) > 5
     for path in files:
         content = path.read_bytes()
-        path.write_bytes(_flipped(content))
+        path.write_bytes(bytes([content[0] ^ 0xFF]) + content[1:])
         with pytest.raises(CheckpointError, match=f"is damaged: .*{path.name}"):
             checkpoints.restore(1, _state(1))
         path.write_bytes(content)

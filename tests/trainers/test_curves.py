@@ -63,13 +63,9 @@ def test_an_axis_is_titled_in_words(metric: str, words: str) -> None:
     assert in_words(metric) == words
 
 
-def line(label: str, points: int = 3) -> Line:
-    return Line(label, np.arange(points), np.arange(points))
-
-
 @pytest.mark.parametrize(("lines", "plots"), [(1, [1]), (5, [5]), (6, [3, 3]), (7, [4, 3]), (11, [4, 3, 4])])
 def test_a_plot_has_five_lines_at_most(lines: int, plots: list[int]) -> None:
-    panels = split_lines([line(f"run {number}") for number in range(lines)], "return")
+    panels = split_lines([Line(f"run {number}", np.arange(3), np.arange(3)) for number in range(lines)], "return")
     assert [len(panel.lines) for panel in panels] == plots
     assert [shown.label for panel in panels for shown in panel.lines] == [f"run {number}" for number in range(lines)]
     figure = draw_panels(panels)

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,12 +12,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from probes import QUICK, matching, quick, run_of
-from run_outcomes import SHORT, assert_same_end, compiled_once, counting, outcome, read_lines, read_manifest
+from run_outcomes import SHORT, assert_same_end, compiled_matching, compiled_once, counting, outcome, read_lines, read_manifest
 from safetensors.numpy import load_file
 
 from sjdsl.runtime.policy import UNTRAINED
 from sjdsl.trainers import (
-    Config,
     ConfigError,
     MemoryPolicy,
     PolicyError,
@@ -37,7 +35,6 @@ from sjdsl.trainers import (
     run,
     train,
 )
-from sjdsl.trainers.compiled import compile_train
 from sjdsl.trainers.partners import Partners
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_names import UNTRAINED as NEED_NO_FILE
@@ -325,17 +322,12 @@ def test_a_run_starts_from_a_policy_and_keeps_a_copy(brought: tuple[Path, list[U
 # longer, and ended by a callback
 
 
-@cache
-def _compiled(config: Config) -> Any:
-    return compile_train(make_train(matching(), config), config)
-
-
 @pytest.mark.thorough
 def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path) -> None:
     """Without annealing, bit for bit; the description of a policy says which run it was stored in."""
     constant = SHORT.model_copy(update={"anneal_learning_rate": False, "keep_policies": 2})
     with compiled_once(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "compile_train", lambda *_: _compiled(constant))
+        patch.setattr(run, "compile_train", lambda *_: compiled_matching(constant))
         train(matching(), constant, tmp_path / "whole", "none")
         train(matching(), constant.model_copy(update={"total_timesteps": 64 * 6}), tmp_path / "run", "none")
         with pytest.raises(RunError, match=r"a run of 384 steps that has done 384; a run can only be made longer: .*not 128"):

@@ -16,12 +16,26 @@ from sjdsl.trainers.loggers import check_loggers
 from sjdsl.trainers.run_errors import DiskError
 from sjdsl.trainers.updates import Update
 
+UNEVALUATED = SHORT.model_copy(update={"evaluate_every": 0})
+TWO_SEEDS = UNEVALUATED.model_copy(update={"seeds": 2})
+
 
 def _stand_in(name: str, monkeypatch: pytest.MonkeyPatch, **members: Any) -> None:
     module = types.ModuleType(name)
     module.__spec__ = importlib.machinery.ModuleSpec(name, None)
     vars(module).update(members)
     monkeypatch.setitem(sys.modules, name, module)
+
+
+def killed(update: Update) -> None:
+    """A callback that ends a run as a process is ended that saves nothing more."""
+    if update.number == 5:
+        raise OSError("nothing more is saved")
+
+
+@pytest.fixture(autouse=True)
+def learns_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "make_train", lambda *_: counting())
 
 
 @pytest.mark.slow
@@ -76,15 +90,9 @@ def test_tensorboard_has_each_step_once_after_a_resume(tmp_path: Path, monkeypat
 
         def close(self) -> None: ...
 
-    def killed(update: Update) -> None:
-        if update.number == 5:
-            raise OSError("nothing more is saved")
-
     _stand_in("tensorboardX", monkeypatch, SummaryWriter=SummaryWriter)
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = SHORT.model_copy(update={"evaluate_every": 0})
     with pytest.raises(DiskError):
-        train(matching(), config, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
+        train(matching(), UNEVALUATED, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
     resume(matching(), tmp_path / "run", "none")
     (never, before), (purge_step, after) = logged
     assert (never, before) == (None, [64 * update for update in range(1, 6)])
@@ -107,9 +115,7 @@ def test_wandb_gets_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.Monk
             self.kept["finished"] = True
 
     _stand_in("wandb", monkeypatch, init=lambda **named: Run(**named))
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = SHORT.model_copy(update={"seeds": 2, "evaluate_every": 0})
-    train(matching(), config, tmp_path / "run", "none", loggers=("wandb",))
+    train(matching(), TWO_SEEDS, tmp_path / "run", "none", loggers=("wandb",))
     assert [kept["name"].endswith(f"seed {seed}") for kept, seed in zip(runs, (5, 6), strict=True)] == [True, True]
     for kept in runs:
         assert kept["finished"]
@@ -141,9 +147,7 @@ def test_weights_and_biases_themselves_have_a_run_for_each_seed(tmp_path: Path, 
     """In its offline mode, which asks nobody; two seeds, stopped and gone on with."""
     pytest.importorskip("wandb")
     monkeypatch.setenv("WANDB_MODE", "offline")
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = SHORT.model_copy(update={"seeds": 2, "evaluate_every": 0})
-    train(matching(), config, tmp_path / "run", "none", loggers=("wandb",), callback=lambda update: update.number == 4)
+    train(matching(), TWO_SEEDS, tmp_path / "run", "none", loggers=("wandb",), callback=lambda update: update.number == 4)
     resume(matching(), tmp_path / "run", "none")
     for seed in (5, 6):
         name = (tmp_path / "run" / f"seed_{seed}" / "wandb_id").read_text()
@@ -152,18 +156,12 @@ def test_weights_and_biases_themselves_have_a_run_for_each_seed(tmp_path: Path, 
 
 
 @pytest.mark.thorough
-def test_tensorboard_itself_shows_each_step_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tensorboard_itself_shows_each_step_once(tmp_path: Path) -> None:
     pytest.importorskip("tensorboardX")
     reading = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = SHORT.model_copy(update={"evaluate_every": 0})
-
-    def killed(update: Update) -> None:
-        if update.number == 5:
-            raise OSError("nothing more is saved")
 
     with pytest.raises(DiskError):
-        train(matching(), config, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
+        train(matching(), UNEVALUATED, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
     resume(matching(), tmp_path / "run", "none")
     shown = reading.EventAccumulator(str(tmp_path / "run" / "tensorboard")).Reload()
     assert [event.step for event in shown.Scalars("loss")] == [64 * update for update in range(1, 13)]

@@ -4,13 +4,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from probes import FAST_TO_COMPILE
 
 import sjdsl
 from sjdsl.library.substrates import Substrate, written_substrates
 from sjdsl.trainers import PPOConfig, make_train
 
 NUM_ENVS, NUM_STEPS, UPDATES = 4, 4, 2
-FAST_TO_COMPILE = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}  # compiling is what takes the time
 
 
 @pytest.mark.thorough

@@ -2,13 +2,12 @@
 
 import shutil
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
-import jax
 import pytest
 from probes import matching
-from run_outcomes import SHORT, assert_same_end, compiled_once, copy_run, counting
+from run_outcomes import SHORT, assert_same_end, copy_run, counting
 
 from sjdsl.results import ResultsWarning, load
 from sjdsl.trainers import RunError, resume, run, train
@@ -17,22 +16,13 @@ from sjdsl.trainers.metrics_files import read_rows
 
 JSONL, EVALUATIONS = "metrics.jsonl", "evaluations.jsonl"
 Damage = Callable[[Path], None]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def shared() -> Iterator[None]:
-    with compiled_once(), jax.debug_key_reuse(True):  # as in the tests: otherwise programs are traced again
-        yield
+pytestmark = pytest.mark.usefixtures("shared")
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return train(matching(), SHORT, tmp_path_factory.mktemp("runs") / "whole", "none").run_dir
-
-
-@pytest.fixture(scope="module")
-def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def stopped(shared: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same run, stopped after update 9."""
+    del shared
     folder = tmp_path_factory.mktemp("runs") / "stopped"
     return train(matching(), SHORT, folder, "none", callback=lambda update: update.number == 9).run_dir
 

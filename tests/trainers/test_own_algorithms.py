@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from probes import FAST_TO_COMPILE, QUICK, matching
-from run_outcomes import assert_same_end, read_lines, read_manifest
+from run_outcomes import assert_same_end, compiled_matching, read_lines, read_manifest
 
 from sjdsl.cli import run as command_line
 from sjdsl.results.loading import COLUMNS, ids_of
@@ -41,7 +40,6 @@ from sjdsl.trainers import (
     run,
     train,
 )
-from sjdsl.trainers.compiled import compile_train
 from sjdsl.trainers.own_settings import taken_settings
 from sjdsl.trainers.policies import parameter_shapes
 
@@ -85,16 +83,11 @@ class Wide(nn.Module):
         return nn.Dense(self.width * self.times)(tokens.reshape(len(tokens), -1).astype(jnp.float32))
 
 
-@cache
-def _compiled(config: Config) -> Any:
-    return compile_train(make_train(matching(), config), config)
-
-
 @pytest.fixture(scope="module", autouse=True)
 def compiled_once() -> Iterator[None]:
     """Runs of one configuration share what is compiled."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "compile_train", lambda _, config: _compiled(config))
+        patch.setattr(run, "compile_train", lambda _, config: compiled_matching(config))
         yield
 
 

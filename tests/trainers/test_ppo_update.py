@@ -198,10 +198,6 @@ def test_values_follow_the_rewards_of_each_agent() -> None:
 # the loss
 
 
-def _batch(**leaves: Any) -> Batch:
-    return Batch(joint=None, memory=(), fresh=None, **leaves)
-
-
 @pytest.mark.parametrize("clip_value_loss", [True, False])
 def test_the_loss_equals_its_formula(clip_value_loss: bool) -> None:
     """Four samples, two actions; logits and values stand for a network."""
@@ -220,7 +216,10 @@ def test_the_loss_equals_its_formula(clip_value_loss: bool) -> None:
     value_loss = 0.5 * np.mean(squared_error)
     entropy = -(np.exp(log_probability) * log_probability).sum(1).mean()
 
-    batch = _batch(
+    batch = Batch(
+        joint=None,
+        memory=(),
+        fresh=None,
         observation=jnp.zeros((4, 1, 1, 1), jnp.uint8),
         action=jnp.asarray(action),
         log_probability=jnp.asarray(old_log),

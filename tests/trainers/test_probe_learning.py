@@ -5,7 +5,7 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from probes import constant, cued, delayed, different, dilemma, hidden, judge, learn, matching, opposite, recalled, stream
+from probes import cued, delayed, different, dilemma, hidden, judge, learn, matching, opposite, recalled, stream
 
 TOLERANCE = 0.1
 CENTRAL = {"algorithm": "mappo"}
@@ -15,12 +15,6 @@ CRITICS = pytest.mark.parametrize(
     [{}, pytest.param(CENTRAL, marks=pytest.mark.slow), pytest.param(OF_STATE, marks=pytest.mark.thorough)],
     ids=["own window", "all windows", "state"],
 )
-
-
-@pytest.mark.thorough
-def test_value_of_a_constant_reward() -> None:
-    state, _ = learn(constant(0.7))
-    np.testing.assert_allclose(judge(constant(0.7), state, 0)[1], 0.7, atol=TOLERANCE)
 
 
 def test_value_is_discounted_once_a_step() -> None:

@@ -39,10 +39,7 @@ def test_it_holds_the_last_entries_as_a_queue_does(rounds: int) -> None:
     assert int(replay.filled) == len(queue)
     assert sorted(kept.tolist()) == sorted(queue)
     np.testing.assert_array_equal(replay.entries["window"][: len(kept)], np.broadcast_to(kept[:, None, None], (len(kept), 2, 3)))
-
-
-def test_bytes_stay_bytes() -> None:
-    assert filled_with(1).entries["window"].dtype == jnp.uint8
+    assert replay.entries["window"].dtype == jnp.uint8
 
 
 @pytest.mark.parametrize("rounds", [1, 2, 3, 7])

@@ -7,7 +7,7 @@ import os
 import shutil
 import signal
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,22 +20,13 @@ from sjdsl.trainers import RunError, make_config, metrics_files, resume, run, tr
 from sjdsl.trainers.checkpoints import Checkpoints
 from sjdsl.trainers.recorder import Recorder
 
-
-@pytest.fixture(scope="module", autouse=True)
-def shared() -> Iterator[None]:
-    with compiled_once(), jax.debug_key_reuse(True):  # as in the tests: otherwise programs are traced again
-        yield
+pytestmark = pytest.mark.usefixtures("shared")
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run that nothing stopped."""
-    return train(matching(), SHORT, tmp_path_factory.mktemp("runs") / "whole", "none").run_dir
-
-
-@pytest.fixture(scope="module")
-def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def stopped(shared: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same run as it lies there when its process was killed in update 8: checkpoints of 4 and 6, metrics until 7."""
+    del shared
     run_dir = tmp_path_factory.mktemp("runs") / "stopped"
     _photograph(run_dir, run_dir.parent / "photographs", 7)
     return run_dir.parent / "photographs" / "7"

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -26,16 +27,21 @@ def shaped(raw: jax.Array, trace: jax.Array | None = None, **values: object) -> 
     return np.asarray(shaping.shape(raw, raw if trace is None else trace))
 
 
-def test_individual_is_the_raw_reward() -> None:
-    np.testing.assert_array_equal(shaped(REWARD, reward="individual"), REWARD)
+MEAN = [[[1.0] * 3], [[0.5 / 3] * 3]]
 
 
-def test_common_is_the_sum_for_everyone() -> None:
-    np.testing.assert_array_equal(shaped(REWARD, reward="common"), [[[3.0, 3.0, 3.0]], [[0.5, 0.5, 0.5]]])
-
-
-def test_common_may_be_the_mean() -> None:
-    np.testing.assert_allclose(shaped(REWARD, reward="common", common_reward="mean"), [[[1.0] * 3], [[0.5 / 3] * 3]], rtol=1e-6)
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ({"reward": "individual"}, REWARD),
+        ({"reward": "common"}, [[[3.0] * 3], [[0.5] * 3]]),
+        ({"reward": "common", "common_reward": "mean"}, MEAN),
+        ({"reward": "exchange", "exchange_ratio": 0}, REWARD),
+        ({"reward": "exchange", "exchange_ratio": 1}, MEAN),
+    ],
+)
+def test_own_rewards_and_those_of_all(values: dict[str, Any], expected: Any) -> None:
+    np.testing.assert_allclose(shaped(REWARD, **values), expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -132,12 +138,6 @@ def test_exchange_counts_others_rewards_by_the_ratio() -> None:
     wanted = np.array([reward[i] + 0.3 * (reward.sum() - reward[i]) for i in range(4)])
     wanted *= reward.sum() / wanted.sum()
     np.testing.assert_allclose(exchanged(jnp.asarray(reward), kept_share(0.3, 4)), wanted, rtol=1e-5)
-
-
-def test_exchange_reaches_from_individual_to_the_common_mean() -> None:
-    np.testing.assert_array_equal(shaped(REWARD, reward="exchange", exchange_ratio=0), REWARD)
-    mean = shaped(REWARD, reward="common", common_reward="mean")
-    np.testing.assert_allclose(shaped(REWARD, reward="exchange", exchange_ratio=1), mean, rtol=1e-6)
 
 
 # inequity aversion
@@ -247,6 +247,3 @@ def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
     assert np.asarray(restored.trace[:, 0] > 0).any()
     on, again = (play(state, jax.random.key(2))[1] for state in (between, restored))
     np.testing.assert_array_equal(on.shaped_reward, again.shaped_reward)
-
-
-# whole runs
