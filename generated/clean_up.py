@@ -282,7 +282,7 @@ def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     """
     happens = (random_bits(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # clean_up.sj:54
     active = (state.step >= params.grace) & happens
-    water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2, 1)[0])
+    water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2))
     to_water = jnp.where(active & found, water, NUM_WATER)
     water_state = state.water_state.at[to_water].set(WATER_DIRTY, mode="drop")
     return state.replace(water_state=water_state), out
@@ -348,9 +348,7 @@ def rinse(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     has_cleaners = state.water_cleaners != 0  # clean_up.sj:68
     picked = pick_of_sets(  # clean_up.sj:69
-        jnp.where(has_cleaners, state.water_cleaners, 0),
-        key,
-        lambda key: random_bits(key, STREAM_RINSE, NUM_WATER, 1)[:, 0],
+        jnp.where(has_cleaners, state.water_cleaners, 0), key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER)
     )
     cleaned = times_in(picked, NUM_AGENTS)
     event_cleaned = out.event_cleaned + cleaned

@@ -294,7 +294,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     picked = pick_of_sets(  # coop_mining.sj:52
         jnp.where(has_miners_and_is_iron, state.rock_miners, 0),
         key,
-        lambda key: random_bits(key, STREAM_SETTLE, NUM_ROCK, 1)[:, 0],
+        lambda key: random_bits(key, STREAM_SETTLE, NUM_ROCK),
     )
     num_iron_pays = times_in(picked, NUM_AGENTS)
     reward = out.reward + num_iron_pays.astype(jnp.float32) * params.iron_pays

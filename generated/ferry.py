@@ -261,7 +261,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     place_2 = ((CELLS_DOCK // FRAME_COLS - PAD) << 8) + (CELLS_DOCK % FRAME_COLS - PAD)
     e, found = pick(
         ((row - PAD)[None, :] == (row - PAD)[:, None]) & (place_2[None, :] != place_2[:, None]),
-        random_bits(key, STREAM_START, NUM_DOCK, 1)[:, 0],
+        random_bits(key, STREAM_START, NUM_DOCK),
     )
     place_3 = ((CELLS_DOCK[e] // FRAME_COLS - PAD) << 8) + (CELLS_DOCK[e] % FRAME_COLS - PAD)
     dock_across = jnp.where(found, place_3, state.dock_across)

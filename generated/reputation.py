@@ -401,7 +401,7 @@ def choose_(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     trusts = params.credit * state.agent_opinion.astype(jnp.float32) > 5.0  # reputation.sj:76
     b, found = pick(
         from_bits(state.agent_neighbours, NUM_AGENTS) & (state.agent_health == AGENT_ILL)[None, :] & trusts,
-        random_bits(key, STREAM_CHOOSE_, NUM_AGENTS, 1)[:, 0],
+        random_bits(key, STREAM_CHOOSE_, NUM_AGENTS),
     )
     agent_patient = jnp.where(found, b, state.agent_patient)
     agent_patient = jnp.where(~found, NOBODY, agent_patient)

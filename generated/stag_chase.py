@@ -402,7 +402,7 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     num_stag = jnp.sum(present[None, :] & (distance_3 <= 1), axis=1, dtype=jnp.int32)
     a, found = pick(
         (distance_2 <= 1) & (actions == ACTION_STRIKE)[None, :] & (~(num_stag > 0))[None, :],
-        random_bits(key, STREAM_HUNT, NUM_HARE, 1)[:, 0],
+        random_bits(key, STREAM_HUNT, NUM_HARE),
     )
     a_found = present_2 & found
     num_game_ = jnp.sum(  # stag_chase.sj:61
@@ -457,7 +457,7 @@ def stagger(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     distance = jnp.abs(row[:, None] - row_2[None, :]) + jnp.abs(col[:, None] - col_2[None, :])
     stag, found = pick(
         present[None, :] & (distance <= 1) & (state.stag_bolts.astype(jnp.int32) == params.bolting)[None, :],
-        random_bits(key, STREAM_STAGGER, NUM_AGENTS, 1)[:, 0],
+        random_bits(key, STREAM_STAGGER, NUM_AGENTS),
     )
     sent = chose_strike & found
     position = state.stag_position[stag]

@@ -425,8 +425,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     has_rivals = state.brick_rivals != 0  # territory.sj:55
     present = state.position != NOWHERE  # territory.sj:56
     winner, found = pick(
-        present[None, :] & from_bits(state.brick_rivals, NUM_AGENTS),
-        random_bits(key, STREAM_SETTLE, NUM_BRICK, 1)[:, 0],
+        present[None, :] & from_bits(state.brick_rivals, NUM_AGENTS), random_bits(key, STREAM_SETTLE, NUM_BRICK)
     )
     # territory.sj:57
     where_winner_is_not_owner = has_rivals & found & (winner != state.brick_owner) & (state.brick_damage < 2)

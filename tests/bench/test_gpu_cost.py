@@ -107,6 +107,17 @@ def test_a_product_of_matrices_and_convolutions() -> None:
         assert [kernel.operations for kernel in cost_of(text).kernels] == [number]
 
 
+def test_a_kernel_of_triton_reads_and_writes_all_that_it_is_given() -> None:
+    text = """ENTRY %main (a: u8[64,276], b: u32[64,20]) -> u32[64,9] {
+  %a = u8[64,276]{1,0} parameter(0)
+  %b = u32[64,20]{1,0} parameter(1)
+  ROOT %picked = u32[64,9]{1,0} custom-call(%a, %b), custom_call_target="__gpu$xla.gpu.triton", backend_config={ir = "ML\\EF", num_warps = 4 : i32}
+}
+"""
+    (kernel,) = cost_of(text).kernels
+    assert kernel.bytes == 64 * (276 + 4 * 20 + 4 * 9)
+
+
 def test_the_time_is_that_of_the_launch_or_of_the_bytes() -> None:
     text = "ENTRY %main (a: f32[{n}]) -> f32[{n}] {{\n  %a = f32[{n}]{{0}} parameter(0)\n  ROOT %b = f32[{n}]{{0}} copy(%a)\n}}\n"
     assert cost_of(text.format(n=8)).seconds(GPUS["a100"]) == pytest.approx((2e-6, 3.5e-6))

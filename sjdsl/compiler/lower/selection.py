@@ -48,9 +48,9 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     member = inner.variables[s.domain.var.name]
     is_near = isinstance(s.domain.restriction, ir.Near) and isinstance(member, CellVar)
     total = axis.extent if is_near else w.module.extent(member.sort)
-    turns = w.axis("turn", min(s.most, total.size))
     if number == literal(1, "i32"):
-        return _pick_one(s, scope, inner, turns, total, w)
+        return _pick_one(s, scope, inner, total, w)
+    turns = w.axis("turn", min(s.most, total.size))
     word = random_bits(s.stream, scope, w, turns)
     outer_axes = union(word.axes[:-1], tuple(a for a in inner.mask.axes if a != axis))
     axes = (*outer_axes, axis)
@@ -63,22 +63,19 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     return replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))), invert(found)
 
 
-def _pick_one(
-    s: ir.Pick, scope: IterationScope, inner: IterationScope, turns: Axis, total: array.Literal, w: Writer
-) -> tuple[IterationScope, Value]:
+def _pick_one(s: ir.Pick, scope: IterationScope, inner: IterationScope, total: array.Literal, w: Writer) -> tuple[IterationScope, Value]:
     """A `pick 1`: the number of the member instead of a mask over all."""
     axis, name = inner.axes[-1], s.domain.var.name
     member = inner.variables[name]
-    word = random_bits(s.stream, scope, w, turns)
-    single = Value(array.Index(word.node, (*[array.ALL] * (len(word.axes) - 1), array.Literal(0))), "u32", word.axes[:-1])
+    word = random_bits(s.stream, scope, w)  # no axis for the one turn: on a GPU, XLA would store the words, to look at them without it
     members = whole_set(s.domain, scope, w)
     around = (members or inner.mask).axes
-    axes = union(single.axes, tuple(a for a in around if a != axis))
-    drawn = spread(single, axes)
+    axes = union(word.axes, tuple(a for a in around if a != axis))
+    drawn = spread(word, axes)
     source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
     large = members is not None and members.levels > 0
     many = members is not None and not large and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
-    if many and need_no_state((*scope.digits, (iota(turns), turns.extent))):  # most steps need none of the random bits
+    if many and need_no_state(scope.digits):  # most steps need none of the random bits
         source = source if scope.mask == TRUE else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
         alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
