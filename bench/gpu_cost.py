@@ -7,7 +7,7 @@ data, or a branch, counts once: its predicate goes to the host, which waits for 
 Bytes: what a kernel reads of its operands and writes of its results, each byte once. Of an operand that is only sliced the slices count, of
 one that is looked up the entries (32 bytes each at least: what a GPU reads at once), and of a result that is an operand with new values in
 some places, those values. Of a kernel that Triton compiles, such as one of Pallas, whole operands and results count; its operations aren't in
-the text, so that only one for each number of its result does.
+the text, so one is counted for each number of its result.
 """
 
 import math

@@ -81,8 +81,8 @@ def exchanged(ratio: float) -> Way:
 def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
     """Returns the results with those under the paper's rules marked: experiments by their hash, runs by the numbers of the released code.
 
-    Numbers that the released configurations set for one way of training in a game count as its rules, not as changes; a run of this way
-    without them shows the numbers that it had instead.
+    Numbers that the released configurations set for one way of training in a game count as its rules, not as changes. A run that was
+    trained in this way without them shows the numbers that it had instead.
     """
     frame = frame.copy()
     for place, row in frame.iterrows():

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or FILE.py:FUNCTION."
 SIDE_BY_SIDE = "file"
-FROM_FILE = "agent 0 follows the first policy of the game's file, agent 1 the second, and so on; random agents where it has none"
+FROM_FILE = "agent 0 follows the first policy of the game's file, agent 1 the second, and so on; random agents if it has none"
 policy_option = click.option(
     "--policy",
     default=SIDE_BY_SIDE,

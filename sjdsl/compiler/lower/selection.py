@@ -67,7 +67,7 @@ def _pick_one(s: ir.Pick, scope: IterationScope, inner: IterationScope, total: a
     """A `pick 1`: the number of the member instead of a mask over all."""
     axis, name = inner.axes[-1], s.domain.var.name
     member = inner.variables[name]
-    word = random_bits(s.stream, scope, w)  # no axis for the one turn: on a GPU, XLA would store the words, to look at them without it
+    word = random_bits(s.stream, scope, w)  # no axis for the one turn: on a GPU, XLA would store the words before it drops the axis
     members = whole_set(s.domain, scope, w)
     around = (members or inner.mask).axes
     axes = union(word.axes, tuple(a for a in around if a != axis))
