@@ -21,7 +21,7 @@ from sjdsl.runtime.geometry import (
     values_of,
 )
 from sjdsl.runtime.movement import resolve
-from sjdsl.runtime.placing import choose, place
+from sjdsl.runtime.placing import choose_by_chance, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
@@ -354,10 +354,15 @@ def sprout(
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
     covered = occupied(ground_under, NUM_GROUND)
     member = (state.ground_grows == GROUND_NONE) & ~covered
-    taken = choose(member, random_bits(key, stream, 20), state.world_trials[world_trials_what].astype(jnp.int32))
-    # mushrooms.sj:67
-    happens = (random_bits(key, stream_2, NUM_GROUND) >> 1) < threshold(params.regrow[world_trials_what])
-    ground_grows = jnp.where(active & taken & happens, ground_what, state.ground_grows)
+    taken = choose_by_chance(
+        member,
+        random_bits(key, stream, 20),
+        state.world_trials[world_trials_what].astype(jnp.int32),
+        key,
+        stream_2,
+        threshold(params.regrow[world_trials_what]),
+    )
+    ground_grows = jnp.where(active & taken, ground_what, state.ground_grows)  # mushrooms.sj:67
     world_trials = state.world_trials.at[world_trials_what].set(0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 

@@ -2,7 +2,7 @@
 
 import operator
 from collections.abc import Sequence
-from functools import reduce
+from functools import partial, reduce
 
 import jax
 import jax.numpy as jnp
@@ -14,6 +14,7 @@ from sjdsl.runtime.forms import by_platform
 WIDTH = 32
 
 
+@jax.jit  # by these names gpu_program finds masks that are packed again
 def pack(members: Array) -> Array:
     """Returns members as bits: `[..., S]` bool -> `[..., W]` uint32, member i in bit i % 32 of word i // 32."""
     missing = -members.shape[-1] % WIDTH
@@ -35,6 +36,7 @@ def from_bits(sets: Array, size: int) -> Array:
     return ((sets[..., None] >> place) & 1) != 0
 
 
+@partial(jax.jit, static_argnames="size")  # as above
 def unpack(words: Array, size: int) -> Array:
     """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
     places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * words.ndim + (-1,))
@@ -144,34 +146,6 @@ def set_of(numbers: Array, size: int) -> Array:
     mine = jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0))
     words: Array = lax.optimization_barrier(lax.reduce(mine, jnp.uint32(0), lax.bitwise_or, (numbers.ndim,)))
     return words
-
-
-def members_at(words: Array, places: Sequence[Array]) -> Array:
-    """Returns the members at some places, from 0, in a form for GPUs: `[..., W]` uint32 and int32s of `[...]`, -1 for none -> `[..., W]`."""
-    index = jnp.arange(words.shape[-1], dtype=jnp.int32)
-    earlier = (index[None] < index[:, None]).reshape((1,) * (words.ndim - 1) + (index.size, index.size))
-    before = jnp.sum(jnp.where(earlier, _ones(words)[..., None, :], 0), axis=-1, dtype=jnp.int32)
-    own = [(place[..., None] - before).astype(jnp.uint32) for place in places]  # of what is in another word: more than this one has
-    return _deposited(reduce(lax.bitwise_or, (jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0)) for bit in own)), words)
-
-
-def _deposited(bits: Array, mask: Array) -> Array:
-    """Returns words with bit k of `bits` where `mask` has its k-th bit.
-
-    Source: Warren, "Hacker's Delight", second edition, 7-5, `expand`.
-    """
-    left, zeros = mask, ~mask << 1
-    moved = []
-    for power in range(5):
-        odd = zeros
-        for step in range(5):
-            odd = odd ^ (odd << (1 << step))
-        moved.append(odd & left)
-        left = (left ^ moved[-1]) | (moved[-1] >> (1 << power))
-        zeros = zeros & ~odd
-    for power, here in reversed(list(enumerate(moved))):
-        bits = (bits & ~here) | ((bits << (1 << power)) & here)
-    return bits & mask
 
 
 def without(words: Array, member: Array) -> Array:

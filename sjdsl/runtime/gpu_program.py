@@ -22,6 +22,7 @@ from jax import Array, lax
 from jax.extend import core, source_info_util
 
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.packed_masks import PackedMasks
 
 WARP = 32  # lanes of a GPU that work together: of a reduction of 2, 4, 8, 16 or 32 entries, or of more than 32, XLA makes a kernel
 COMPUTED = {"and", "eq", "shift_right_logical"}  # of constants while tracing: such as which of a block's two random numbers a draw is
@@ -52,13 +53,17 @@ def rewritten(function: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
-def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any], constants: Sequence[Any] = ()) -> list[Any]:
+def _evaluated(
+    program: Any, arguments: Sequence[Any], functions: dict[Any, Any], constants: Sequence[Any] = (), masks: PackedMasks | None = None
+) -> list[Any]:
     """Returns what a program gives.
 
     Args:
       functions: those that programs call, rewritten once each for the constants they are given; XLA is given each once.
       constants: of the arguments, None for those that are none and for numbers: those of all streams of draws share a function.
+      masks: what is known of those of the program that this one is a part of.
     """
+    masks = masks or PackedMasks()
     values = dict(zip([*program.jaxpr.constvars, *program.jaxpr.invars], [*program.consts, *arguments], strict=True))
     alike: dict[Any, Any] = {}  # arrays whose entries are all one scalar
     told = [*zip(program.jaxpr.constvars, program.consts, strict=True), *zip(program.jaxpr.invars, constants, strict=False)]
@@ -75,8 +80,16 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any]
                 continue
         with source_info_util.user_context(equation.source_info.traceback):
             if name in ("jit", "pjit"):
-                arrays = [each() if each and jnp.ndim(value) else None for each, value in zip(constant, given, strict=True)]
-                results = _function(params["jaxpr"], functions, arrays)(*given)
+                name, called = params["name"], params["jaxpr"]
+                if name == "_where":  # in place, for what masks say of it
+                    results = _evaluated(called, given, functions, [each and each() for each in constant], masks)
+                elif name == "pack" and (words := masks.packed(given[0])) is not None:
+                    results = [words]
+                else:
+                    arrays = [each() if each and jnp.ndim(value) else None for each, value in zip(constant, given, strict=True)]
+                    results = _function(called, functions, arrays)(*given)
+            elif name == "reduce_sum" and (number := masks.count(given[0])) is not None:
+                results = [number]
             elif name in ("scatter", "scatter-add") and _is_comparable(params, *given):
                 scalar = given[2] if jnp.ndim(given[2]) == 0 else alike.get(equation.invars[2])
                 results = [_compared(name, params, scalar, *given)]
@@ -84,6 +97,7 @@ def _evaluated(program: Any, arguments: Sequence[Any], functions: dict[Any, Any]
                 given = _longer(name, params, given) if name in IDENTITIES else given
                 results = equation.primitive.bind(*given, **params)
                 results = results if equation.primitive.multiple_results else [results]
+        masks.note(name, given, constant, results[0])
         if name == "broadcast_in_dim" and jnp.ndim(given[0]) == 0:
             alike[equation.outvars[0]] = given[0]
         values.update(zip(equation.outvars, results, strict=True))

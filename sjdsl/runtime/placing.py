@@ -13,7 +13,7 @@ from sjdsl.runtime import bits
 from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.counting import in_rows, size_of_set
 from sjdsl.runtime.forms import by_platform
-from sjdsl.runtime.random_bits import below
+from sjdsl.runtime.random_bits import below, random_bits_at
 
 
 def pick(member: Array, word: Array) -> tuple[Array, Array]:
@@ -94,7 +94,6 @@ def _several(members: Array) -> Array:
     return jnp.any(joined != 0)
 
 
-@jax.jit  # one function of the program for each shape, however many rules pick
 def choose(member: Array, words: Array, number: Array) -> Array:
     """Returns which members are picked when so many are, one after the other, none twice.
 
@@ -105,50 +104,89 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     Returns:
       `[..., S]` bool.
     """
+    return _unpacked(_chosen, member, words, number)
+
+
+def choose_by_chance(member: Array, words: Array, number: Array, key: Array, stream: int, limit: Array) -> Array:
+    """Returns which of the members that `choose` picks draw less than a limit; only members that are picked draw.
+
+    Args:
+      member, words, number: as of `choose`.
+      key: `[2]` uint32.
+      stream: of the draws; member i draws number i of it.
+      limit: uint32, of `random_bits.threshold`.
+    Returns:
+      `[..., S]` bool.
+    """
+    return _unpacked(_chosen_by_chance, member, words, number, key, jnp.uint32(stream), limit)
+
+
+def _unpacked(chosen: Callable[..., Array], member: Array, words: Array, *others: Array) -> Array:
+    """Returns what a function of packed members returns. They are packed outside of it, where a program for GPUs can see how."""
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
-    if words.shape[-1] > MOST_TURNS:
-        return _chosen_turn_by_turn(member, words, number)
-    return by_platform(_chosen_turn_by_turn, _chosen_backwards, member, words, number)
+    return bits.unpack(chosen(bits.pack(member), words, *others), member.shape[-1])
 
 
-MOST_TURNS = 32  # that are unrolled
-
-
-def _chosen_backwards(member: Array, words: Array, number: Array) -> Array:
-    """The form for GPUs: a turn's number among those left becomes one among all, turn by turn backwards; then each word takes its own."""
-    packed = bits.pack(member)
-    total = bits.count(packed)
-    drawn = [below(word, total - turn) for turn, word in enumerate(bits.apart(words))]
-    places = list(drawn)
-    for earlier in reversed(range(len(drawn))):
-        for turn in range(earlier + 1, len(drawn)):
-            places[turn] = lax.add(places[turn], lax.ge(places[turn], drawn[earlier]).astype(jnp.int32))
-    wanted = jnp.minimum(number, total)
-    places = lax.optimization_barrier([jnp.where(turn < wanted, place, -1) for turn, place in enumerate(places)])
-    return bits.unpack(lax.optimization_barrier(bits.members_at(packed, places)), member.shape[-1])
-
-
-def _chosen_turn_by_turn(member: Array, words: Array, number: Array) -> Array:
-    """The form for CPUs: as many turns as are taken."""
-    packed = bits.pack(member)
-    total = bits.count(packed)
-    wanted = jnp.minimum(number, total)  # a turn takes one: after `turn` of them, total - turn are left
-
-    def more(state: tuple[Array, Array]) -> Array:
-        return jnp.any(state[0] < wanted)
-
-    def take(state: tuple[Array, Array]) -> tuple[Array, Array]:
-        turn, left = state
-        word = lax.dynamic_index_in_dim(words, turn, axis=-1, keepdims=False)
-        taken = bits.without(left, bits.nth(left, below(word, total - turn)))
-        return turn + 1, jnp.where((turn < wanted)[..., None], taken, left)
-
-    left = lax.while_loop(more, take, (jnp.int32(0), packed))[1]
-    return bits.unpack(packed & ~left, member.shape[-1])
+@jax.jit  # one function of the program for each shape, however many rules pick
+def _chosen(packed: Array, words: Array, number: Array) -> Array:
+    return _chosen_that(lambda _: jnp.bool_(True), packed, words, number)
 
 
 @jax.jit  # as above
+def _chosen_by_chance(packed: Array, words: Array, number: Array, key: Array, stream: Array, limit: Array) -> Array:
+    def draw_less(members: Array) -> Array:
+        return (random_bits_at(key, stream, members.astype(jnp.uint32)) >> 1) < limit
+
+    return _chosen_that(draw_less, packed, words, number)
+
+
+MOST_TURNS = 128  # that are unrolled
+
+
+def _chosen_that(passes: Callable[[Array], Array], packed: Array, words: Array, number: Array) -> Array:
+    """Returns which members are picked and pass, `[..., W]` uint32. passes: the numbers of members, `[...]` or `[..., T]`, to which do."""
+    one_by_one, at_once = partial(_chosen_turn_by_turn, passes), partial(_chosen_at_once, passes)
+    if words.shape[-1] > MOST_TURNS:
+        return one_by_one(packed, words, number)
+    return by_platform(one_by_one, at_once, packed, words, number)
+
+
+def _chosen_at_once(passes: Callable[[Array], Array], packed: Array, words: Array, number: Array) -> Array:
+    """The form for GPUs: each turn makes what it drew among those left a number among all, turn by turn backwards."""
+    words = lax.optimization_barrier(words)
+    left = [jnp.broadcast_to(one[..., None], words.shape) for one in bits.apart(packed)]  # each turn finds all that it needs by itself
+    total = reduce(lax.add, map(size_of_set, left))
+    turn = np.arange(words.shape[-1], dtype=np.int32).reshape((1,) * number.ndim + (-1,))
+    place = below(words, total - turn)
+    for earlier, word in reversed(list(enumerate(bits.apart(words)))):
+        place = place + ((turn > earlier) & (place >= below(word[..., None], total - earlier))).astype(jnp.int32)
+    at, bit = bits.nth_of(left, place)
+    one = at * bits.WIDTH + bit
+    picked = (turn < jnp.minimum(number[..., None], total)) & passes(one)
+    return bits.set_of(jnp.where(picked, one, -1), packed.shape[-1] * bits.WIDTH)
+
+
+def _chosen_turn_by_turn(passes: Callable[[Array], Array], packed: Array, words: Array, number: Array) -> Array:
+    """The form for CPUs: as many turns as are taken."""
+    total = bits.count(packed)
+    wanted = jnp.minimum(number, total)  # a turn takes one: after `turn` of them, total - turn are left
+
+    def more(state: tuple[Array, Array, Array]) -> Array:
+        return jnp.any(state[0] < wanted)
+
+    def take(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        turn, left, taken = state
+        word = lax.dynamic_index_in_dim(words, turn, axis=-1, keepdims=False)
+        one = bits.nth(left, below(word, total - turn))
+        others = bits.without(left, one)
+        picked = (turn < wanted) & passes(one)
+        return turn + 1, others, jnp.where(picked[..., None], taken | (left & ~others), taken)
+
+    result: Array = lax.while_loop(more, take, (jnp.int32(0), packed, jnp.zeros_like(packed)))[2]
+    return result
+
+
 def place(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
     """Returns the places after sending agents, in id order, each to one of the cells that are still free, all equally likely.
 
@@ -160,10 +198,9 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
     """
-    return _placed(cells, free, None, words, position, sent)
+    return _packed_and_placed(cells, free, None, words, position, sent)
 
 
-@jax.jit  # as above
 def place_fitting(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
     """Returns the places after sending agents as `place` does, each to one of the free cells that fit it.
 
@@ -172,17 +209,23 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
     Returns:
       as `place`: an agent for whom no fitting cell is left was not placed.
     """
-    return _placed(cells, free, own, words, position, sent)
+    return _packed_and_placed(cells, free, own, words, position, sent)
 
 
 LONG = 16_384  # agents times cells from which on placing would be too long a program if it were unrolled
 
 
-def _placed(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def _packed_and_placed(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
     """Places agents as `place_fitting` does; own: None: all cells fit all."""
-    agents, size = position.shape[0], cells.shape[0]
-    if size == 0:
+    if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
+    result: tuple[Array, Array] = _placed(cells, bits.pack(free), own, words, position, sent)  # packed outside, as for `choose`
+    return result
+
+
+@jax.jit  # as above
+def _placed(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+    agents, size = position.shape[0], cells.shape[0]
     if agents > bits.WIDTH or agents * size > LONG:
         return _one_by_one(cells, free, own, words, position, sent)
     return by_platform(_one_by_one, _unrolled, cells, free, own, words, position, sent)
@@ -206,7 +249,7 @@ def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, posi
         free = bits.without(free, cell) if fitting is None else jnp.where(number > 0, bits.without(free, cell), free)
         return left & (index != who), free, jnp.where(there, _entry(cells, cell), position), placed | there
 
-    start = (sent, bits.pack(free), position, jnp.zeros_like(sent))
+    start = (sent, free, position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, start)[2:]
 
 
@@ -219,7 +262,7 @@ def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, positi
     fitting = None if own is None else bits.pack(own)
     agents = position.shape[0]
     index = jnp.arange(agents, dtype=jnp.int32)
-    left = bits.apart(bits.pack(free))
+    left = bits.apart(free)
     stops = range(AT_ONCE - 1, agents - 1, AT_ONCE) if len(left) > FEW_WORDS else ()
     going = bits.as_bits(sent, jnp.uint32)
     given = [jnp.uint32(0) for _ in range(0, agents, 2)]  # half a word for each agent: the number of its cell, one up; 0: none

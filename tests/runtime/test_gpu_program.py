@@ -1,5 +1,6 @@
 """Programs that are rewritten for GPUs: the same values, without scatters and without reductions that XLA makes kernels of."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from sjdsl.bench.compilation import count_operations
+from sjdsl.runtime.bits import pack, unpack
 from sjdsl.runtime.gpu_program import rewritten
 
 REDUCTIONS = {
@@ -97,3 +99,45 @@ def test_sums_of_constants_are_constants() -> None:
     assert count_operations(same_if_rewritten(both, jnp.int32(7)), ("reduce",))["reduce"] == 0
     text = same_if_rewritten(lambda x: packed(x > 0, x[0]), jnp.arange(5, dtype=jnp.int32))
     assert count_operations(text, ("reduce",))["reduce"] == 1
+
+
+def test_masks_that_were_packed_stay_packed() -> None:
+    """What was set where a mask of words holds is packed as it was before, and counted as bits."""
+
+    def grow(cells: jax.Array, first: jax.Array, second: jax.Array, free: jax.Array, active: jax.Array) -> Any:
+        cells = jnp.where(active & unpack(first, 40), 3, cells)
+        members = pack((cells == 0) & free)
+        cells = jnp.where(~unpack(second, 40) | ~active, 1, cells)
+        return (
+            members,
+            pack(cells == 2),
+            pack(cells == 1),
+            jnp.sum(cells == 3, dtype=jnp.int32),
+            jnp.sum(cells == 0, dtype=jnp.int32),
+            cells,
+        )
+
+    random = np.random.default_rng(0)
+    for active in (True, False):
+        cells, free = jnp.asarray(random.integers(0, 4, 40), jnp.uint8), jnp.asarray(random.random(40) < 0.5)
+        words = (jnp.asarray(random.integers(0, 2**32, 2) & (2**32 - 1, 2**8 - 1), jnp.uint32) for _ in range(2))
+        text = same_if_rewritten(grow, cells, *words, free, jnp.bool_(active))
+        assert (
+            len(re.findall(r"call @.* -> tensor<2xui32>", text)) == 1 + 5
+        )  # free, and for each question which of the cells had that number at first
+        assert count_operations(text, ("reduce",))["reduce"] == 1  # in `pack`
+
+
+def test_masks_that_are_not_of_words_are_packed() -> None:
+    """Also where what is written differs from cell to cell, or is not known."""
+
+    def grow(cells: jax.Array, words: jax.Array, value: jax.Array) -> Any:
+        here = unpack(words, 40)
+        return (
+            pack(jnp.where(here, value, cells) == 3),
+            pack(jnp.where(here, jnp.arange(40), cells) == 3),
+            pack(jnp.where(cells > 1, 3, cells) == 3),
+        )
+
+    text = same_if_rewritten(grow, jnp.arange(40, dtype=jnp.int32) % 5, jnp.uint32([12345, 67]), jnp.int32(3))
+    assert len(re.findall(r"call @.* -> tensor<2xui32>", text)) == 3

@@ -13,6 +13,7 @@ from sjdsl.runtime.bits import pack
 from sjdsl.runtime.forms import forced
 from sjdsl.runtime.placing import (
     choose,
+    choose_by_chance,
     come_back,
     member_of,
     pair,
@@ -224,6 +225,27 @@ def test_choose_for_each_of_the_surroundings() -> None:
     (found,) = same_in_both_forms(lambda *given: (jax.jit(choose)(*given),), *arrays)
     for i, j in np.ndindex(3, 4):
         assert found[i, j].tolist() == references.choose(member[i, j].tolist(), word[i, j].tolist(), int(number[i, j]))
+
+
+@pytest.mark.parametrize(("members", "turns"), sizes([(6, 3), (40, 8)], [(100, 20)]))
+def test_choose_by_chance(members: int, turns: int) -> None:
+    """Those that `choose` picks draw the numbers that they would draw if all members did."""
+    random = np.random.default_rng(members)
+    cases, stream = 100, 0xC1BDC6E0
+    member, keys = random.random((cases, members)) < 0.7, random.integers(0, 2**32, (cases, 2))
+    word, number, limit = (
+        random.integers(0, 2**32, (cases, turns)),
+        random.integers(-1, turns + 1, cases),
+        random.integers(0, 2**31 + 1, cases),
+    )
+    by_chance = jax.vmap(lambda *given: choose_by_chance(*given[:-1], stream, given[-1]))
+    types = (bool, jnp.uint32, jnp.int32, jnp.uint32, jnp.uint32)
+    arrays = [jnp.asarray(array, kind) for array, kind in zip((member, word, number, keys, limit), types, strict=True)]
+    (found,) = same_in_both_forms(lambda *given: (by_chance(*given),), *arrays)
+    for case, key in enumerate(keys.tolist()):
+        picked = references.choose(member[case].tolist(), word[case].tolist(), int(number[case]))
+        drawn = [references.threefry(tuple(key), (stream, place // 2))[place % 2] // 2 for place in range(members)]
+        assert found[case].tolist() == [one and less < limit[case] for one, less in zip(picked, drawn, strict=True)]
 
 
 def test_choose_is_uniform() -> None:

@@ -16,7 +16,7 @@ _KERNELS = {
     "geometry": "around_edges blocking cells_of inside lane_reach near_masks neighbours next_cells numbers_among own_cell own_cells view_cells "
     "view_offsets view_steps view_steps_around painted reading_order shape_offsets site_numbers values_of",
     "movement": "resolve",
-    "placing": "best_ranks choose come_back drawn_by_lot member_of outranking pair pair_reached pick pick_of_large_set pick_of_set "
+    "placing": "best_ranks choose choose_by_chance come_back drawn_by_lot member_of outranking pair pair_reached pick pick_of_large_set pick_of_set "
     "pick_of_sets place place_fitting",
     "planes": "TokenPlane",
     "rows": "entry highest lowest mix ramp shifted",

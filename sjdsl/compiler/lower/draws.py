@@ -46,10 +46,10 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     happens: list[Value] = []
     before: Value | None = None
     for branch in s.branches:
-        p = _probability(branch.test, scope, w)
         if before is None:
-            limit = Value(call("threshold", _array(p)), "u32", p.axes)
+            limit = first_limit(branch.test, scope, w)
         else:
+            p = _probability(branch.test, scope, w)
             axes = union(before.axes, p.axes)
             limit = Value(call("next_threshold", aligned(before, axes), _array(p, axes)), "u32", axes)
         if len(s.branches) > 1:
@@ -62,6 +62,12 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     assert before is not None
     last = happens[0] if len(s.branches) == 1 else binary("<", word, before, "bool")
     return happens, invert(last)
+
+
+def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns below which number a draw lies with a probability, that of the first branch of a chain."""
+    p = _probability(probability, scope, w)
+    return Value(call("threshold", _array(p)), "u32", p.axes)
 
 
 def _named(branch: ir.Branch, what: str) -> str:

@@ -22,7 +22,7 @@ from sjdsl.compiler.lower.axes import (
     union,
 )
 from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, number_in, sites_in, stand_on, sweep, whole_set
-from sjdsl.compiler.lower.draws import KEY, need_no_state, random_bits
+from sjdsl.compiler.lower.draws import KEY, first_limit, need_no_state, random_bits
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfOne, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
@@ -35,21 +35,21 @@ def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
     return Value(spread(inner.mask, axes), "bool", axes)
 
 
-def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value]:
-    """Returns the scope inside a `pick`, and where there was no member at all."""
+def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
+    """Returns the scope inside a `pick`, where there was no member at all, and what of its block is left: without a chance that picks took."""
     if is_empty(s.domain, w):
-        return scope.when(FALSE), TRUE
+        return scope.when(FALSE), TRUE, s.body
     inner = _candidates_of(s.domain, scope.always(), w)
     number = as_dtype(w.value(s.number, scope.always()), "i32")
     if inner.axes == scope.axes:  # the member is determined: it is there or not
         there = inner.mask
-        return inner.when(scope.mask).when(both(there, binary(">", number, literal(0, "i32"), "bool"))), invert(there)
+        return inner.when(scope.mask).when(both(there, binary(">", number, literal(0, "i32"), "bool"))), invert(there), s.body
     axis = inner.axes[-1]
     member = inner.variables[s.domain.var.name]
     is_near = isinstance(s.domain.restriction, ir.Near) and isinstance(member, CellVar)
     total = axis.extent if is_near else w.module.extent(member.sort)
     if number == literal(1, "i32"):
-        return _pick_one(s, scope, inner, total, w)
+        return *_pick_one(s, scope, inner, total, w), s.body
     turns = w.axis("turn", min(s.most, total.size))
     word = random_bits(s.stream, scope, w, turns)
     outer_axes = union(word.axes[:-1], tuple(a for a in inner.mask.axes if a != axis))
@@ -58,9 +58,18 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     found = w.keep("found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes))
     wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
     if not turns.size:
-        return inner.when(FALSE), invert(found)
-    chosen = array.call("choose", mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes))
-    return replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))), invert(found)
+        return inner.when(FALSE), invert(found), s.body
+    given = mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes)
+    chosen, body = array.call("choose", *given), s.body
+    match s.body:
+        case (ir.Chance(branches=(ir.Branch(test=test),), otherwise=()) as chance,) if inner.digits == ((iota(axis), axis.extent),):
+            w.origin = chance.origin
+            limit = first_limit(test, inner, w)
+            if not limit.axes:  # the same for all members
+                chosen = array.call("choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node)
+                body = chance.branches[0].body
+    w.origin = s.origin
+    return replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))), invert(found), body
 
 
 def _pick_one(s: ir.Pick, scope: IterationScope, inner: IterationScope, total: array.Literal, w: Writer) -> tuple[IterationScope, Value]:

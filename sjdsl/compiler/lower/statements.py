@@ -41,8 +41,8 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
         case ir.Each() if not is_empty(s.domain, w):
             _inside(s.body, enter(s.domain, scope, w), w, sends, domain_name(s.domain, w.module.game))
         case ir.Pick():
-            inner, nobody = pick(s, scope, w)
-            _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
+            inner, nobody, body = pick(s, scope, w)
+            _inside(body, inner, w, sends, f"{s.domain.var.name}_found")
             _inside(s.otherwise, scope.when(nobody), w, sends)
         case ir.First() if not is_empty(s.domain, w):
             inner, _, found = nearest(s.domain, scope, w)
