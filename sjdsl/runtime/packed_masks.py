@@ -9,7 +9,7 @@ So no kernel for all cells stands between the two picks, and cells are written o
 """
 
 from collections.abc import Callable, Sequence
-from functools import reduce
+from functools import partial, reduce
 from typing import Any
 
 import jax.numpy as jnp
@@ -26,12 +26,14 @@ class PackedMasks:
     """How the masks `[S]` bool of a program follow from words, and the fields `[S]` that were set where such masks hold."""
 
     def __init__(self) -> None:
-        self._masks: dict[int, tuple[Any, Callable[[], Array]]] = {}  # id of a mask: itself (else another could have its id), its words
+        self._masks: dict[int, tuple[Any, Callable[[], Words]]] = {}  # id of a mask: itself (else another could have its id), its words
         self._fields: dict[int, tuple[Any, Any, Any, Any]] = {}  # of a field: itself, what it was, the mask where it was set, to what
         self._counted: dict[int, tuple[Any, Any]] = {}  # of the integers 0 and 1 of a mask: themselves, the mask
 
     def note(self, name: str, given: Sequence[Any], constants: Sequence[Constant | None], result: Any) -> None:
-        """Notes what an equation says. constants: of the operands, None for those that are none."""
+        """Notes what an equation says of a result with one axis. constants: of the operands, None for those that are none."""
+        if jnp.ndim(result) != 1:
+            return
         match name, given:
             case "unpack", [words]:
                 self._note(result, lambda: bits.apart(words))
@@ -45,7 +47,7 @@ class PackedMasks:
             case "eq", [one, other]:
                 for field, constant in ((one, constants[1]), (other, constants[0])):
                     if id(field) in self._fields and (value := _number(constant)) is not None:
-                        self._note(result, lambda field=field, value=value: self._where_equal(field, value))
+                        self._note(result, partial(self._where_equal, field, value))
             case "convert_element_type", [mask] if self._is_packed(mask):
                 self._counted[id(result)] = result, mask
 

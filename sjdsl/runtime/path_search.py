@@ -51,7 +51,8 @@ def moves_of(actions: Sequence[str], relative: bool, open_cells: np.ndarray, wra
 
 def board(cells: Array) -> Array:
     """Returns `[..., H, W]` bool as `[..., H, L]` uint32."""
-    return pack(cells)
+    words: Array = pack(cells)
+    return words
 
 
 def shifted(boards: Array, rows: int, cols: int, width: int) -> Array:

@@ -125,7 +125,8 @@ def _unpacked(chosen: Callable[..., Array], member: Array, words: Array, *others
     """Returns what a function of packed members returns. They are packed outside of it, where a program for GPUs can see how."""
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
-    return bits.unpack(chosen(bits.pack(member), words, *others), member.shape[-1])
+    result: Array = bits.unpack(chosen(bits.pack(member), words, *others), member.shape[-1])
+    return result
 
 
 @jax.jit  # one function of the program for each shape, however many rules pick
@@ -198,7 +199,7 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
     """
-    return _packed_and_placed(cells, free, None, words, position, sent)
+    return _place_among(cells, free, None, words, position, sent)
 
 
 def place_fitting(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
@@ -209,13 +210,13 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
     Returns:
       as `place`: an agent for whom no fitting cell is left was not placed.
     """
-    return _packed_and_placed(cells, free, own, words, position, sent)
+    return _place_among(cells, free, own, words, position, sent)
 
 
 LONG = 16_384  # agents times cells from which on placing would be too long a program if it were unrolled
 
 
-def _packed_and_placed(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def _place_among(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
     """Places agents as `place_fitting` does; own: None: all cells fit all."""
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
@@ -303,8 +304,7 @@ def come_back(
       heading: `[N]` integers; away_facing: `[N]` int32, the heading each will have, ANY_HEADING or SAME_HEADING.
       cells, free, position: as of `place`; own: as of `place_fitting`, None if each cell fits everybody.
     """
-    among = (cells, free) if own is None else (cells, free, own)
-    position, placed = (place if own is None else place_fitting)(*among, words, position, back)
+    position, placed = _place_among(cells, free, own, words, position, back)
     facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing).astype(heading.dtype)
     facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
     return position, jnp.where(placed, facing, heading), placed

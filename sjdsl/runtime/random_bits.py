@@ -33,7 +33,7 @@ def key_words(key: Array) -> Array:
     return jax.random.key_data(key) if jax.random.key_impl(key) == "threefry2x32" else jax.random.bits(key, (2,), jnp.uint32)
 
 
-def random_bits_at(key: Array, stream: int, numbers: Array) -> Array:
+def random_bits_at(key: Array, stream: int | Array, numbers: Array) -> Array:
     """Returns the 32-bit random numbers of a stream with the given indices.
 
     Args:

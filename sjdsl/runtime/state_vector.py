@@ -52,7 +52,8 @@ def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
             return jax.nn.one_hot(stored, num_agents, dtype=jnp.float32)  # nobody, -1: all zero
         case "agents":
             if num_agents > WIDTH:
-                return unpack(stored, num_agents).astype(jnp.float32)
+                members: Array = unpack(stored, num_agents)
+                return members.astype(jnp.float32)
             shifts = jnp.arange(num_agents).astype(stored.dtype)
             one = jnp.ones((), stored.dtype)
             return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(jnp.float32)
