@@ -355,25 +355,25 @@ def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most
     live, lefts, rights = (bits.apart(array.reshape(-1)) if few else [array] for array in arrays)
     partner = jnp.full(left, right, jnp.int32)
     for _ in range(most):
-        numbered = list(zip(live, (a * right + b for a, b in zip(lefts, rights, strict=True)), strict=True))
-        rank, number = reduce(_better, numbered) if few else lax.optimization_barrier(_first(*numbered[0], left * right))
-        a, b = number // right, number % right
+        pairs = list(zip(live, lefts, rights, strict=True))
+        rank, a, b = reduce(_better, pairs) if few else lax.optimization_barrier(_first(*pairs[0]))
         partner = jnp.where((rows == a) & (rank > 0), b, partner)
         gone = (_gone(one, other, a, b, alike) for one, other in zip(lefts, rights, strict=True))
         live = [jnp.where(out, jnp.uint32(0), rank) for out, rank in zip(gone, live, strict=True)]
     return partner
 
 
-def _first(ranks: Array, numbers: Array, past: int) -> tuple[Array, Array]:
-    """Returns the rank and the number of the pair that comes first."""
-    rank, number = lax.reduce((ranks, numbers), (jnp.uint32(0), jnp.int32(past)), _better, (0, 1))
-    return rank, number
+def _first(*pairs: Array) -> tuple[Array, ...]:
+    """Returns the rank, the left and the right member of the pair that comes first; where all ranks are 0, rank 0."""
+    ends = jnp.uint32(0), jnp.int32(np.iinfo(np.int32).max), jnp.int32(np.iinfo(np.int32).max)
+    return tuple(lax.reduce(pairs, ends, _better, (0, 1)))
 
 
-def _better(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Returns which of two pairs comes first: its rank and its number."""
-    first = (one[0] > other[0]) | ((one[0] == other[0]) & (one[1] < other[1]))
-    return jnp.where(first, one[0], other[0]), jnp.where(first, one[1], other[1])
+def _better(one: tuple[Array, ...], other: tuple[Array, ...]) -> tuple[Array, ...]:
+    """Returns which of two pairs comes first: its rank and its members. No number of a pair, of which a GPU would compute them in a kernel."""
+    (rank, a, b), (other_rank, other_a, other_b) = one, other
+    first = (rank > other_rank) | ((rank == other_rank) & ((a < other_a) | ((a == other_a) & (b < other_b))))
+    return tuple(jnp.where(first, mine, its) for mine, its in zip(one, other, strict=True))
 
 
 def _gone(lefts: Array, rights: Array, a: Array, b: Array, alike: bool) -> Array:
