@@ -417,12 +417,22 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
     left = reached.shape[0]
     if right == 0 or 0 in reached.shape:
         return jnp.full(left, right, jnp.int32)
+    if reached.shape[1] == 1 and not alike:
+        return _reached_at_once(reached[:, 0], ranks[:, 0], right)
     most = min(left, right) // (2 if alike else 1)
     in_turn = partial(_reached_paired_in_turn, right=right, alike=alike)
     if most > MOST_PAIRS:
         return in_turn(reached, ranks)
     unrolled = partial(_paired_unrolled, right=right, alike=alike, most=most)
     return by_platform(in_turn, unrolled, reached, ranks)
+
+
+def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
+    """Returns what `pair_reached` returns where each left member reaches one right member: those who reach the same one compete, and no others."""
+    rows = jnp.arange(reached.shape[0], dtype=jnp.int32)
+    earlier = (ranks[None] > ranks[:, None]) | ((ranks[None] == ranks[:, None]) & (rows[None] < rows[:, None]))
+    outdone = jnp.any((reached[None] == reached[:, None]) & earlier, axis=1)
+    return jnp.where((ranks > 0) & ~outdone, reached, right)
 
 
 def _reached_paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
