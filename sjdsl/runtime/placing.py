@@ -363,17 +363,23 @@ def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most
     return partner
 
 
-def _first(*pairs: Array) -> tuple[Array, ...]:
-    """Returns the rank, the left and the right member of the pair that comes first; where all ranks are 0, rank 0."""
-    ends = jnp.uint32(0), jnp.int32(np.iinfo(np.int32).max), jnp.int32(np.iinfo(np.int32).max)
-    return tuple(lax.reduce(pairs, ends, _better, (0, 1)))
+Pair = tuple[
+    Array, Array, Array
+]  # a rank, and the two members: a GPU would compute them in a kernel of their own from a number of the pair
 
 
-def _better(one: tuple[Array, ...], other: tuple[Array, ...]) -> tuple[Array, ...]:
-    """Returns which of two pairs comes first: its rank and its members. No number of a pair, of which a GPU would compute them in a kernel."""
+def _first(*pairs: Array) -> Pair:
+    """Returns the pair that comes first; where all ranks are 0, some pair of rank 0."""
+    past = jnp.int32(np.iinfo(np.int32).max)
+    rank, a, b = lax.reduce(pairs, (jnp.uint32(0), past, past), _better, (0, 1))
+    return rank, a, b
+
+
+def _better(one: Pair, other: Pair) -> Pair:
+    """Returns which of two pairs comes first."""
     (rank, a, b), (other_rank, other_a, other_b) = one, other
     first = (rank > other_rank) | ((rank == other_rank) & ((a < other_a) | ((a == other_a) & (b < other_b))))
-    return tuple(jnp.where(first, mine, its) for mine, its in zip(one, other, strict=True))
+    return jnp.where(first, rank, other_rank), jnp.where(first, a, other_a), jnp.where(first, b, other_b)
 
 
 def _gone(lefts: Array, rights: Array, a: Array, b: Array, alike: bool) -> Array:

@@ -12,7 +12,7 @@ from sjdsl.runtime.forms import forced
 from tests.games.environments import NINE, environment
 
 ENVS, STEPS = 4, 40
-USUAL = ("coins", "clean_up")  # between them: every kernel that has two forms
+USUAL = ("coins", "clean_up", "mushrooms")  # between them: every kernel that has two forms
 
 
 def played(env: Environment, form: str) -> Any:
