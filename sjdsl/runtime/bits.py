@@ -14,7 +14,7 @@ from sjdsl.runtime.forms import by_platform
 WIDTH = 32
 
 
-@jax.jit  # by these names gpu_program finds masks that are packed again
+@jax.jit  # the rewriting for GPUs (packed_masks.py) knows `pack` and `unpack` by name
 def pack(members: Array) -> Array:
     """Returns members as bits: `[..., S]` bool -> `[..., W]` uint32, member i in bit i % 32 of word i // 32."""
     missing = -members.shape[-1] % WIDTH

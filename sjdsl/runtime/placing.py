@@ -122,7 +122,7 @@ def choose_by_chance(member: Array, words: Array, number: Array, key: Array, str
 
 
 def _unpacked(chosen: Callable[..., Array], member: Array, words: Array, *others: Array) -> Array:
-    """Returns what a function of packed members returns. They are packed outside of it, where a program for GPUs can see how."""
+    """Returns what a function of packed members returns, unpacked. They are packed here, where the rewriting for GPUs sees how they came about."""
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
     result: Array = bits.unpack(chosen(bits.pack(member), words, *others), member.shape[-1])
@@ -142,7 +142,7 @@ def _chosen_by_chance(packed: Array, words: Array, number: Array, key: Array, st
     return _chosen_that(draw_less, packed, words, number)
 
 
-MOST_TURNS = 128  # that are unrolled
+MOST_TURNS = 128  # turns that are unrolled
 
 
 def _chosen_that(passes: Callable[[Array], Array], packed: Array, words: Array, number: Array) -> Array:
@@ -220,7 +220,7 @@ def _place_among(cells: Array, free: Array, own: Array | None, words: Array, pos
     """Places agents as `place_fitting` does; own: None: all cells fit all."""
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
-    result: tuple[Array, Array] = _placed(cells, bits.pack(free), own, words, position, sent)  # packed outside, as for `choose`
+    result: tuple[Array, Array] = _placed(cells, bits.pack(free), own, words, position, sent)  # packed here, as by `_unpacked`
     return result
 
 
@@ -363,9 +363,7 @@ def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most
     return partner
 
 
-Pair = tuple[
-    Array, Array, Array
-]  # a rank, and the two members: a GPU would compute them in a kernel of their own from a number of the pair
+Pair = tuple[Array, Array, Array]  # a rank and two members: to decode a pair's number, XLA would add a kernel
 
 
 def _first(*pairs: Array) -> Pair:
@@ -434,7 +432,7 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
 
 
 def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
-    """Returns what `pair_reached` returns where each left member reaches one right member: those who reach the same one compete, and no others."""
+    """Returns what `pair_reached` returns if each left member reaches one right member: only those who reach the same one compete."""
     rows = jnp.arange(reached.shape[0], dtype=jnp.int32)
     earlier = (ranks[None] > ranks[:, None]) | ((ranks[None] == ranks[:, None]) & (rows[None] < rows[:, None]))
     outdone = jnp.any((reached[None] == reached[:, None]) & earlier, axis=1)

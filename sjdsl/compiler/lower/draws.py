@@ -65,7 +65,7 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
 
 
 def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns below which number a draw lies with a probability, that of the first branch of a chain."""
+    """Returns the limit below which a draw makes the first branch of a chain happen."""
     p = _probability(probability, scope, w)
     return Value(call("threshold", _array(p)), "u32", p.axes)
 

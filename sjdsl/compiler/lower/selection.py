@@ -36,7 +36,7 @@ def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
 
 
 def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
-    """Returns the scope inside a `pick`, where there was no member at all, and what of its block is left: without a chance that picks took."""
+    """Returns the scope inside a `pick`, where there was no member at all, and the block to write: a lone `chance` is part of the pick."""
     if is_empty(s.domain, w):
         return scope.when(FALSE), TRUE, s.body
     inner = _candidates_of(s.domain, scope.always(), w)
@@ -62,12 +62,12 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     given = mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes)
     chosen, body = array.call("choose", *given), s.body
     match s.body:
-        case (ir.Chance(branches=(ir.Branch(test=test),), otherwise=()) as chance,) if inner.digits == ((iota(axis), axis.extent),):
+        case (ir.Chance(branches=(ir.Branch() as branch,), otherwise=()) as chance,) if inner.digits == ((iota(axis), axis.extent),):
             w.origin = chance.origin
-            limit = first_limit(test, inner, w)
+            limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
                 chosen = array.call("choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node)
-                body = chance.branches[0].body
+                body = branch.body
     w.origin = s.origin
     return replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))), invert(found), body
 
