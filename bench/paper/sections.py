@@ -103,7 +103,8 @@ def _sign(more: Cell | None, less: Cell | None, wanted: int) -> str:
 
 
 def _dilemmas(suite: Iterable[str], frame: pd.DataFrame) -> dict[str, str]:
-    found = {row.game: row for row in of_record(frame, "diagram") if row.unit == TRAINED and _of_the_paper(row)}
+    trained = [row for row in of_record(frame, "diagram") if row.unit == TRAINED and _of_the_paper(row)]
+    found = {row.game: row for row in sorted(trained, key=lambda row: row.units)}  # of several, that over the most seeds
     verdicts = {}
     for name in suite:
         row = found.get(name)
@@ -325,7 +326,10 @@ def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
 
 
 def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
-    """Returns the section on scores between a random policy and the best of the paper; the weight of SVO is chosen for each game."""
+    """Returns the section on scores between a random policy and the best of the paper; the weight of SVO is chosen for each game.
+
+    A way of training must have seeds in each game of the paper that any way has: without those it doesn't learn, its mean would be higher.
+    """
     scores = {}
     for game in games:
         best = published.best_return(game.published)
@@ -338,7 +342,7 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     what = "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper."
     if any("chosen weight" in way for found in scores.values() for way in found):
         what += " The chosen weight of SVO is the one chosen in each game's own sweep."
-    return section_over_games(scores, what)
+    return section_over_games(scores, what, [game for game, found in scores.items() if found])
 
 
 # Experiments with policies.

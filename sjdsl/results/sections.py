@@ -108,9 +108,8 @@ def over_games(frame: "pd.DataFrame") -> Section:
         cells = {words: cell for words, seeds in ways(own) if (cell := cell_of(seeds)) is not None}
         best = max((cell.estimate.mean for cell in cells.values() if cell.estimate is not None), default=0.0)
         scores[setting.label] = scored(frame, setting, best, cells)
-    return section_over_games(
-        scores, "A score is (return - random) / (best - random): 0 is a random policy, 1 the best way of training here."
-    )
+    what = "A score is (return - random) / (best - random): 0 is a random policy, 1 the best way of training here."
+    return section_over_games(scores, what, chosen_games(scores))
 
 
 def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[str, Cell]) -> dict[str, tuple[Cell, np.ndarray]]:
@@ -123,18 +122,11 @@ def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[
     return {way: (cell, (np.array(cell.values) - zero) / (best - zero)) for way, cell in several.items()}
 
 
-def section_over_games(scores: Scores, what: str) -> Section:
-    """Returns the section on ways of training with at least two seeds in the same games, of which there are at least two.
-
-    The games are those that allow the most comparisons; ways that lack one of them are left out, and so are surplus seeds.
-    """
+def section_over_games(scores: Scores, what: str, chosen: Sequence[str]) -> Section:
+    """Returns the section on ways of training with at least two seeds in each of the chosen games; surplus seeds are left out."""
     text = [
         f"{what} The 95 % intervals are from resampling the seeds of each game (stratified bootstrap). None of this applies to a single game."
     ]
-    chosen = chosen_games(scores)
-    if not chosen:
-        none = "No way of training has two seeds in each of two games with a random policy yet."
-        return Section("Over games", (*text, none))
     tables, behind, remarks = {}, {}, []
     for way in sorted({way for found in scores.values() for way in found}):
         lacking = [game for game in chosen if way not in scores[game]]
@@ -150,6 +142,9 @@ def section_over_games(scores: Scores, what: str) -> Section:
         lengths = " to ".join(dict.fromkeys((short(steps[0]), short(steps[-1]))))
         origins = list(dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells))
         behind[way] = f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, {' and '.join(origins)}"
+    if len(chosen) < 2 or not tables:
+        none = "No way of training has two seeds in each of two games with a random policy yet."
+        return Section("Over games", (*text, none))
     text += [f"Games: {', '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
     means = [(way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()]
     made = [Table("over_games", "Interquartile mean of the scores", ("way of training", "interquartile mean", BEHIND), means)]

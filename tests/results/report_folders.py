@@ -135,6 +135,8 @@ def write_diagram(
     rules: str | None = None,
     agents: int | None = None,
     scripted: bool = False,
+    pools: str = "runs",
+    seeds: int = 5,
 ) -> None:
     """Writes the JSON of a diagram of two pools, or of two policies of the game's file; of other rules or agents where they are given."""
     verdict = {
@@ -146,8 +148,8 @@ def write_diagram(
         "caution": caution,
     }
     figures = {name: dict(zip(("mean", "low", "high"), bounds, strict=True)) for name, bounds in contrasts.items()}
-    names = ("cooperator", "defector") if scripted else (f"runs/{game}_common", f"runs/{game}_individual")
-    over = {"unit": "episode", "units": 30} if scripted else {"unit": "training seed", "units": 5}
+    names = ("cooperator", "defector") if scripted else (f"{pools}/{game}_common", f"{pools}/{game}_individual")
+    over = {"unit": "episode", "units": 30} if scripted else {"unit": "training seed", "units": seeds}
     played = {**described(game, rules), **({} if agents is None else {"num_agents": agents})}
     content = {"format": 1, "game": played, **over, "episodes": 30, "notes": list(notes), **dict(zip(POLICIES, names, strict=True))}
     write_json(folder / "schelling.json", {**content, "contrasts": figures, "verdict": verdict})

@@ -12,6 +12,7 @@ from report_folders import (
     PAPERS,
     read,
     write_cross_play,
+    write_diagram,
     write_everything,
     write_run,
     write_speeds,
@@ -72,6 +73,30 @@ def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
     assert coins.tolist() == pytest.approx([30 / 164, 50 / 164])
     assert harvest.tolist() == pytest.approx([20 / 410, 40 / 410])
     assert "The chosen weight of SVO is the one chosen in each game's own sweep." in text
+
+
+def test_scores_are_over_all_games_even_if_more_could_be_compared_in_some(tmp_path: Path) -> None:
+    """A way of training without seeds in the games that are hard to learn would otherwise raise the scores of those with them."""
+    for game in ("coins", "harvest_open", "clean_up"):
+        write_run(tmp_path / f"{game}_common", game, (30.0, 50.0), reward="common", **PAPERS)
+        write_cross_play(tmp_path / f"{game}_random", game, {"random": (0.0, None, None)}, PAPERS["rules"])
+        if game != "clean_up":
+            for ratio in (0.25, 0.5, 0.75):
+                write_run(tmp_path / f"{game}_{ratio}", game, (10.0, 20.0), reward="exchange", exchange_ratio=ratio, **PAPERS)
+    with mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means:
+        text = page_of(tmp_path)
+    (scores,) = means.call_args.args
+    assert {way: own.shape for way, own in scores.items()} == {"IPPO, common": (2, 3)}
+    assert "IPPO, exchange 0.5 is left out: it lacks clean_up" in text
+
+
+def test_of_several_diagrams_the_one_over_the_most_seeds_counts(tmp_path: Path) -> None:
+    write_run(tmp_path / "run", "coins", (1.0, 2.0), **PAPERS)  # so that the rules have the name of the variant
+    contrasts = dict.fromkeys(("A", "B", "fear"), (3.0, 2.0, 4.0)) | {"greed": (0.0, -1.0, 1.0)}
+    for pools, seeds, outcome in (("a", 12, "dilemma"), ("b", 6, "undecided")):
+        write_diagram(tmp_path / pools, "coins", contrasts, outcome, rules=PAPERS["rules"], agents=2, pools=pools, seeds=seeds)
+    line = next(line for line in page_of(tmp_path).splitlines() if line.startswith("| The diagram of trained agents"))
+    assert "holds: coins" in line
 
 
 def test_speeds_are_taken_in_and_stand_beside_the_published_ones(tmp_path: Path) -> None:
