@@ -18,7 +18,7 @@ from jax import Array
 from sjdsl.runtime.tokens import to_channels
 
 from .initialisation import orthogonal
-from .window_rows import Planes, channels_of, groups_of, make_tables, row_numbers, rows_of
+from .window_rows import Planes, groups_of, make_tables, row_numbers, rows_by_plane, rows_of
 
 ALIGNED = 8  # numbers in a row of a matrix, or a multiple of them: any other row XLA copies for a GPU, to one that is longer
 CELLS = 4  # cells whose rows are added in one pass over the windows; measured (docs/performance.md)
@@ -120,13 +120,13 @@ def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
     def look_up(kernels: Array, tokens: Array) -> Array:
         number, windows = tokens.shape[:2]
         cells, width = _by_cell(tokens), kernels.shape[-1]
-        rows = _by_channel(kernels, cells.shape[-1]).astype(jnp.float32)
+        rows = rows_by_plane(_by_channel(kernels, cells.shape[-1]).astype(jnp.float32), planes)
         result = jnp.zeros((number * windows, width), jnp.float32)
         for group in groups_of(planes, windows):
             result = _add_rows(result, make_tables(rows, group, planes), row_numbers(cells, group, planes))
         result = result.reshape(number, windows, width)
         for place in _number_planes(planes):
-            own = jnp.moveaxis(rows[channels_of(place, planes)][0], 1, 0)
+            own = jnp.moveaxis(rows[place][0], 1, 0)
             result = result + jax.vmap(partial(_multiply, planes=(planes[place],)))(own, tokens[:, :, place : place + 1])
         return result.astype(kernels.dtype)
 
@@ -151,20 +151,21 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
         cells, gradients = _by_cell(tokens), gradients.astype(jnp.float32)
         groups = groups_of(planes, windows)
         flat = gradients.reshape(number * windows, width)
-        of_cell = jax.ShapeDtypeStruct((sum(len(plane.channels) for plane in planes), 1, number, width), jnp.float32)
+        # One array for each plane: the transpose of slices of a single array would be a sum of as many arrays of all channels.
+        of_cell = [jax.ShapeDtypeStruct((len(plane.channels), 1, number, width), jnp.float32) for plane in planes]
         to_rows = jax.linear_transpose(lambda rows: [make_tables(rows, group, planes) for group in groups], of_cell)
 
-        def add_cell(_: None, chosen: list[Array]) -> tuple[None, Array]:
+        def add_cell(_: None, chosen: list[Array]) -> tuple[None, list[Array]]:
             sizes = [number * rows_of(group, planes) for group in groups]
             tables = [jnp.zeros((size, width), jnp.float32).at[own].add(flat, mode="drop") for size, own in zip(sizes, chosen, strict=True)]
-            return None, to_rows([table[None] for table in tables])[0][:, 0]
+            return None, [of_plane[:, 0] for of_plane in to_rows([table[None] for table in tables])[0]]
 
         _, by_cell = jax.lax.scan(add_cell, None, [row_numbers(cells, group, planes) for group in groups], length=cells.shape[-1])
-        of_rows = jnp.moveaxis(by_cell, 0, 1)
+        of_rows = [jnp.moveaxis(of_plane, 0, 1) for of_plane in by_cell]  # [L, cells, G, K] of each plane
         for place in _number_planes(planes):
             own = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))(tokens[:, :, place : place + 1], gradients)
-            of_rows = of_rows.at[channels_of(place, planes)].set(jnp.moveaxis(own, 1, 0)[None])
-        return jnp.moveaxis(of_rows, 2, 0).reshape(number, -1, width)
+            of_rows[place] = jnp.moveaxis(own, 1, 0)[None]
+        return jnp.moveaxis(jnp.concatenate(of_rows), 2, 0).reshape(number, -1, width)
 
     @look_up_gradient.def_vmap
     def look_up_more(size: int, batched: list[bool], tokens: Array, gradients: Array) -> tuple[Array, bool]:

@@ -1,6 +1,8 @@
 """Which rows of a dense layer's kernel the tokens of a window select: planes of words and bits as row numbers in tables."""
 
 import math
+from collections.abc import Sequence
+from itertools import accumulate
 
 import jax.numpy as jnp
 from jax import Array
@@ -57,20 +59,23 @@ def row_numbers(tokens: Array, group: Group, planes: Planes) -> Array:
     return numbers.astype(fitting).reshape(number * windows, cells).T
 
 
-def make_tables(rows: Array, group: Group, planes: Planes) -> Array:
-    """Returns the sums of rows of G kernels for each combination of values, `[cells, G * rows, K]`, of `[C, cells, G, K]`."""
-    _, cells, number, width = rows.shape
-    tables = jnp.zeros((cells, number, 1, width), rows.dtype)
+def make_tables(rows: Sequence[Array], group: Group, planes: Planes) -> Array:
+    """Returns the sums of rows of G kernels for each combination of values of the planes of a group, `[cells, G * rows, K]`.
+
+    Args:
+      rows: of each plane, the rows of its channels, `[L, cells, G, K]`.
+    """
+    _, cells, number, width = rows[0].shape
+    tables = jnp.zeros((cells, number, 1, width), rows[0].dtype)
     for place in group:
-        values = _table(rows[channels_of(place, planes)], planes[place])
-        tables = (tables[:, :, :, None] + values[:, :, None]).reshape(cells, number, -1, width)
+        tables = (tables[:, :, :, None] + _table(rows[place], planes[place])[:, :, None]).reshape(cells, number, -1, width)
     return tables.reshape(cells, -1, width)
 
 
-def channels_of(place: int, planes: Planes) -> slice:
-    """Returns which of all channels are those of a plane."""
-    before = sum(len(plane.channels) for plane in planes[:place])
-    return slice(before, before + len(planes[place].channels))
+def rows_by_plane(rows: Array, planes: Planes) -> list[Array]:
+    """Returns the rows of all channels, `[C, ...]`, of each plane: `[L, ...]`."""
+    ends = list(accumulate(len(plane.channels) for plane in planes))
+    return [rows[end - len(plane.channels) : end] for end, plane in zip(ends, planes, strict=True)]
 
 
 def _values(plane: TokenPlane) -> int:
