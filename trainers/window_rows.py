@@ -74,8 +74,8 @@ def make_tables(rows: Sequence[Array], group: Group, planes: Planes) -> Array:
 
 def rows_by_plane(rows: Array, planes: Planes) -> list[Array]:
     """Returns the rows of all channels, `[C, ...]`, of each plane: `[L, ...]`."""
-    ends = list(accumulate(len(plane.channels) for plane in planes))
-    return [rows[end - len(plane.channels) : end] for end, plane in zip(ends, planes, strict=True)]
+    ends = accumulate(len(plane.channels) for plane in planes)
+    return jnp.split(rows, list(ends)[:-1])
 
 
 def _values(plane: TokenPlane) -> int:

@@ -328,7 +328,7 @@ def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
 def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the section on scores between a random policy and the best of the paper; the weight of SVO is chosen for each game.
 
-    A way of training must have seeds in each game of the paper that any way has: without those it doesn't learn, its mean would be higher.
+    All ways of training are compared over all of the paper's games that were run: without the games in which it earns little, a mean is higher.
     """
     scores = {}
     for game in games:

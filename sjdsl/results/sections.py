@@ -143,7 +143,7 @@ def section_over_games(scores: Scores, what: str, chosen: Sequence[str]) -> Sect
         origins = list(dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells))
         behind[way] = f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, {' and '.join(origins)}"
     if len(chosen) < 2 or not tables:
-        none = "No way of training has two seeds in each of two games with a random policy yet."
+        none = "Too few results yet: this takes at least two games with a random policy, and a way of training with two seeds in each."
         return Section("Over games", (*text, none))
     text += [f"Games: {', '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
     means = [(way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()]
