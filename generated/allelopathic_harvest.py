@@ -135,10 +135,10 @@ TOKEN_PLANES = (
     ),
     TokenPlane(name="other.coat", encoding="word", labels=("nobody", "none", "red", "green", "blue"), high=4),
     TokenPlane(name="other.hits", encoding="number", labels=(), high=2),
-    TokenPlane(name="agent.taste", encoding="word", labels=("red", "green"), high=1),
-    TokenPlane(name="agent.stunned", encoding="number", labels=(), high=255),
-    TokenPlane(name="agent.hot", encoding="number", labels=(), high=255),
-    TokenPlane(name="agent.empty", encoding="number", labels=(), high=255),
+    TokenPlane(name="agent.taste", encoding="word", labels=("red", "green"), high=1, uniform=True),
+    TokenPlane(name="agent.stunned", encoding="number", labels=(), high=255, uniform=True),
+    TokenPlane(name="agent.hot", encoding="number", labels=(), high=255, uniform=True),
+    TokenPlane(name="agent.empty", encoding="number", labels=(), high=255, uniform=True),
 )
 
 NUM_BUSH = 348  # cells of bush

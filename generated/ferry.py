@@ -68,8 +68,8 @@ TOKEN_PLANES = (
     ),
     TokenPlane(name="other.load", encoding="number", labels=(), high=4),
     TokenPlane(name="boat", encoding="word", labels=("none", "boat"), high=1),
-    TokenPlane(name="agent.load", encoding="number", labels=(), high=4),
-    TokenPlane(name="sales", encoding="number", labels=(), high=9),
+    TokenPlane(name="agent.load", encoding="number", labels=(), high=4, uniform=True),
+    TokenPlane(name="sales", encoding="number", labels=(), high=9, uniform=True),
 )
 
 NUM_BOAT = 1  # movers boat

@@ -81,9 +81,9 @@ TOKEN_PLANES = (
         high=5,
     ),
     TokenPlane(name="marks", encoding="bits", labels=("offer",), high=1),
-    TokenPlane(name="agent.bag[raw]", encoding="number", labels=(), high=15),
-    TokenPlane(name="agent.bag[cut]", encoding="number", labels=(), high=15),
-    TokenPlane(name="agent.bag[fine]", encoding="number", labels=(), high=15),
+    TokenPlane(name="agent.bag[raw]", encoding="number", labels=(), high=15, uniform=True),
+    TokenPlane(name="agent.bag[cut]", encoding="number", labels=(), high=15, uniform=True),
+    TokenPlane(name="agent.bag[fine]", encoding="number", labels=(), high=15, uniform=True),
 )
 
 NUM_CAMP = 18  # cells of camp

@@ -69,7 +69,7 @@ TOKEN_PLANES = (
         high=5,
     ),
     TokenPlane(name="other.level", encoding="number", labels=(), high=2),
-    TokenPlane(name="agent.level", encoding="number", labels=(), high=2),
+    TokenPlane(name="agent.level", encoding="number", labels=(), high=2, uniform=True),
 )
 
 NUM_FLOOR = 26  # cells of floor

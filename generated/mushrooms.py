@@ -83,7 +83,7 @@ TOKEN_PLANES = (
         high=5,
     ),
     TokenPlane(name="marks", encoding="bits", labels=("fire",), high=1),
-    TokenPlane(name="agent.digesting", encoding="number", labels=(), high=255),
+    TokenPlane(name="agent.digesting", encoding="number", labels=(), high=255, uniform=True),
 )
 
 NUM_GROUND = 276  # cells of ground

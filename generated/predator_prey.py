@@ -89,8 +89,8 @@ TOKEN_PLANES = (
     TokenPlane(name="marks", encoding="bits", labels=("hunt",), high=1),
     TokenPlane(name="other.role", encoding="word", labels=("nobody", "prey", "predator"), high=2),
     TokenPlane(name="other.mouth", encoding="word", labels=("nobody", "empty", "holding", "eating"), high=3),
-    TokenPlane(name="agent.role", encoding="word", labels=("prey", "predator"), high=1),
-    TokenPlane(name="agent.mouth", encoding="word", labels=("empty", "holding", "eating"), high=2),
+    TokenPlane(name="agent.role", encoding="word", labels=("prey", "predator"), high=1, uniform=True),
+    TokenPlane(name="agent.mouth", encoding="word", labels=("empty", "holding", "eating"), high=2, uniform=True),
 )
 
 NUM_LAIR = 34  # cells of lair

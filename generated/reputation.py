@@ -59,14 +59,14 @@ TOKEN_PLANES = (
         high=5,
     ),
     TokenPlane(name="other.health", encoding="word", labels=("nobody", "well", "ill", "hidden"), high=3),
-    TokenPlane(name="agent.opinion[0]", encoding="number", labels=(), high=5),
-    TokenPlane(name="agent.opinion[1]", encoding="number", labels=(), high=5),
-    TokenPlane(name="agent.opinion[2]", encoding="number", labels=(), high=5),
-    TokenPlane(name="agent.opinion[3]", encoding="number", labels=(), high=5),
-    TokenPlane(name="agent.opinion[4]", encoding="number", labels=(), high=5),
-    TokenPlane(name="agent.opinion[5]", encoding="number", labels=(), high=5),
-    TokenPlane(name="agent.health", encoding="word", labels=("well", "ill"), high=1),
-    TokenPlane(name="decade", encoding="number", labels=(), high=255),
+    TokenPlane(name="agent.opinion[0]", encoding="number", labels=(), high=5, uniform=True),
+    TokenPlane(name="agent.opinion[1]", encoding="number", labels=(), high=5, uniform=True),
+    TokenPlane(name="agent.opinion[2]", encoding="number", labels=(), high=5, uniform=True),
+    TokenPlane(name="agent.opinion[3]", encoding="number", labels=(), high=5, uniform=True),
+    TokenPlane(name="agent.opinion[4]", encoding="number", labels=(), high=5, uniform=True),
+    TokenPlane(name="agent.opinion[5]", encoding="number", labels=(), high=5, uniform=True),
+    TokenPlane(name="agent.health", encoding="word", labels=("well", "ill"), high=1, uniform=True),
+    TokenPlane(name="decade", encoding="number", labels=(), high=255, uniform=True),
 )
 
 NUM_HOUSE = 6  # cells of house

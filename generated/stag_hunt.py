@@ -97,9 +97,9 @@ TOKEN_PLANES = (
         high=5,
     ),
     TokenPlane(name="marks", encoding="bits", labels=("meet",), high=1),
-    TokenPlane(name="agent.bag[stag]", encoding="number", labels=(), high=100),
-    TokenPlane(name="agent.bag[hare]", encoding="number", labels=(), high=100),
-    TokenPlane(name="agent.resting", encoding="word", labels=("held", "free"), high=1),
+    TokenPlane(name="agent.bag[stag]", encoding="number", labels=(), high=100, uniform=True),
+    TokenPlane(name="agent.bag[hare]", encoding="number", labels=(), high=100, uniform=True),
+    TokenPlane(name="agent.resting", encoding="word", labels=("held", "free"), high=1, uniform=True),
 )
 
 NUM_GATE = 64  # cells of gate

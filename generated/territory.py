@@ -125,8 +125,8 @@ TOKEN_PLANES = (
     ),
     TokenPlane(name="marks", encoding="bits", labels=("claim", "fire"), high=3),
     TokenPlane(name="other.hits", encoding="number", labels=(), high=2),
-    TokenPlane(name="agent.stunned", encoding="number", labels=(), high=255),
-    TokenPlane(name="agent.hot", encoding="number", labels=(), high=255),
+    TokenPlane(name="agent.stunned", encoding="number", labels=(), high=255, uniform=True),
+    TokenPlane(name="agent.hot", encoding="number", labels=(), high=255, uniform=True),
 )
 
 NUM_GATE = 9  # cells of gate

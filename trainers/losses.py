@@ -25,7 +25,7 @@ class Batch:
     A minibatch has some of the sequences, with all agents.
     """
 
-    observation: Array  # [L, M, N, bytes, V * V] uint8, packed; in a minibatch [L, m, S, P, V, V]
+    observation: Array  # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, P, V, V]
     joint: Any  # [L, M, K] what critics of the state see, or None; in a minibatch all that a central critic sees
     fresh: Array  # [L, M] bool
     memory: Memory  # [M, G, ...] before the first of the L steps

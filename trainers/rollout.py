@@ -34,7 +34,7 @@ class Worlds:
 class Rollout:
     """T steps to learn from."""
 
-    observation: Array  # [T, B, N, bytes, V * V] uint8, acted on, packed
+    observation: Array  # [T, B, N, bytes] uint8, acted on, packed
     joint: Any  # [T, B, ...] what a central critic also sees; None if nothing
     fresh: Array  # [T, B] bool, the episode began with this step
     action: Array  # [T, B, N] int32

@@ -32,10 +32,10 @@ from .training_functions import Metrics, Train, TrainState, keep_if_finite
 class Transition:
     """One step of one environment in the replay buffer."""
 
-    observation: Array  # [N, bytes, V * V] uint8, acted on, packed
+    observation: Array  # [N, bytes] uint8, acted on, packed
     action: Array  # [N] int32
     reward: Array  # [] float32, the team's
-    following: Array  # [N, bytes, V * V] uint8, packed, after the step, before a reset
+    following: Array  # [N, bytes] uint8, packed, after the step, before a reset
     ended: Array  # [] bool, a termination, not a truncation
     allowed: Array | None = None  # [N, bytes] uint8, actions allowed after the step, packed; in a batch [N, A] bool; None: all
 

@@ -39,8 +39,26 @@ class WindowLayer(nn.Module):
         inputs = sum(len(plane.channels) for plane in self.planes) * math.prod(window[1:])
         kernel = self.param("kernel", orthogonal(self.gain), (inputs, self.width))
         bias = self.param("bias", nn.initializers.zeros, (self.width,), jnp.float32)
-        result: Array = weigh(kernel.astype(self.dtype), tokens.reshape(-1, *window), self.planes) + bias.astype(self.dtype)
+        result = _weigh_once(kernel, tokens.reshape(-1, *window), self.planes, self.dtype) + bias.astype(self.dtype)
         return result.reshape(*lead, self.width)
+
+
+def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Array:
+    """Computes `weigh` with uniform planes as one cell, whose rows are the sums of the kernel's rows over all cells."""
+    places = [[place for place, plane in enumerate(planes) if plane.uniform == uniform] for uniform in (False, True)]
+    (local, local_planes), (uniform, uniform_planes) = ((own, tuple(planes[place] for place in own)) for own in places)
+    if not uniform:
+        return weigh(kernel.astype(dtype), tokens, planes)
+    rows = rows_by_plane(kernel.reshape(-1, math.prod(tokens.shape[2:]), kernel.shape[-1]), planes)
+    own = jnp.concatenate([rows[place] for place in local]).reshape(-1, kernel.shape[-1]).astype(dtype)
+    summed = jnp.concatenate([rows[place].sum(axis=1) for place in uniform]).astype(dtype)
+    once = to_channels(_of_planes(tokens[:, :, :1, :1], uniform), uniform_planes, dtype, scale_numbers=True)
+    return weigh(own, _of_planes(tokens, local), local_planes) + once[:, :, 0, 0] @ summed
+
+
+def _of_planes(tokens: Array, places: list[int]) -> Array:
+    """Returns some planes of windows `[M, P, V, V]`, as slices: XLA doesn't copy them."""
+    return jnp.concatenate([tokens[:, place : place + 1] for place in places], axis=1)
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(2,))

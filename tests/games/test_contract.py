@@ -153,6 +153,16 @@ def test_one_sees_oneself_in_the_window(form: Form) -> None:
         assert play.observations[..., index, :, :].max() <= most
 
 
+def test_uniform_planes_have_one_value_in_a_window(form: Form) -> None:
+    """They are what is shown of the observer, of everyone and of the world."""
+    play = played(form)
+    of_world = {observable.field for observable in play.env.game.observables if observable.what == "world"}
+    for index, plane in enumerate(play.env.token_planes):
+        assert plane.uniform == (plane.name.startswith(("agent.", "everyone[")) or plane.name.partition("[")[0] in of_world)
+        values = play.observations[..., index, :, :]
+        assert not plane.uniform or (values == values[..., :1, :1]).all()
+
+
 def test_it_plays_as_the_interpreter_says(form: Form) -> None:
     """From the starts on; then from states of the whole episode, among them some before each of the events that came."""
     play = played(form)

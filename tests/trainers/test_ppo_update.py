@@ -111,7 +111,7 @@ def test_a_rollout_keeps_bytes_and_independent_actions() -> None:
     program = make_train(matching(), quick(num_steps=128))
     rollout: Rollout = jax.jit(lambda state: program.collect(state)[1].rollout, compiler_options=FAST_TO_COMPILE)(state)
     assert rollout.observation.dtype == jnp.uint8
-    assert rollout.observation.shape == (128, 16, 2, 1, 1)
+    assert rollout.observation.shape == (128, 16, 2, 1)
     alike = (rollout.action[..., 0] == rollout.action[..., 1]).mean()
     repeated = (rollout.action[1:] == rollout.action[:-1]).mean()
     across = (rollout.action[:, 1:] == rollout.action[:, :-1]).mean()

@@ -86,7 +86,8 @@ def _import(module: str, names: list[str]) -> str:
 
 def _plane(plane: TokenPlane) -> list[str]:
     labels = constant(plane.labels)
-    made = call("TokenPlane", name=Literal(plane.name), encoding=Literal(plane.encoding), labels=labels, high=Literal(plane.high))
+    uniform = {"uniform": Literal(True)} if plane.uniform else {}
+    made = call("TokenPlane", name=Literal(plane.name), encoding=Literal(plane.encoding), labels=labels, high=Literal(plane.high), **uniform)
     *lines, last = assignment("", pieces(made), "", 4)
     return [*lines, f"{last},"]
 

@@ -17,6 +17,7 @@ AGENT_LABELS = ("none", "self", "other same heading", "other turned right", "oth
 
 COVERED = "covered"  # how a cell looks on which an agent stands, if agents hide what they stand on
 OUTSIDE = "outside"
+UNIFORM = ("everyone", "own", "world")  # what is shown of these has one value for a whole window
 HIDDEN = "hidden"
 
 
@@ -181,9 +182,10 @@ def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> Token
     if observable.what == "mover":
         prefix = f"{observable.kind}." if observable.field else observable.kind
     name = f"{prefix}{observable.field}" + (f"[{observable.word.key}]" if observable.word else "")
+    uniform = observable.what in UNIFORM
     if words := shown_words(observable):
         words = (*{"other": ("nobody",), "mover": ("none",)}.get(observable.what, ()), *words)
-        return TokenPlane(name, "word", words, len(words) - 1)
+        return TokenPlane(name, "word", words, len(words) - 1, uniform)
     high = number_bound(observable, game)
     if high == float("inf"):
         raise NotSupported(f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255", observable.origin)
@@ -191,7 +193,7 @@ def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> Token
         instead = f"show it with labels, such as `show {name} as {{ much where {name} > 99, little }}`"
         instead += f", or a define of less, such as `quotient({name}, {high // 256 + 1:g})`" if observable.value is not None else ""
         raise NotSupported(f"showing `{name}`, which can reach {high:g} (at most 255)", observable.origin, instead)
-    return TokenPlane(name, "number", (), int(high))
+    return TokenPlane(name, "number", (), int(high), uniform)
 
 
 def shown_words(observable: ir.Observable) -> tuple[str, ...]:
