@@ -87,7 +87,9 @@ def _import(module: str, names: list[str]) -> str:
 def _plane(plane: TokenPlane) -> list[str]:
     labels = constant(plane.labels)
     uniform = {"uniform": Literal(True)} if plane.uniform else {}
-    made = call("TokenPlane", name=Literal(plane.name), encoding=Literal(plane.encoding), labels=labels, high=Literal(plane.high), **uniform)
+    made = call(
+        "TokenPlane", name=Literal(plane.name), encoding=Literal(plane.encoding), labels=labels, high=Literal(plane.high), **uniform
+    )
     *lines, last = assignment("", pieces(made), "", 4)
     return [*lines, f"{last},"]
 
