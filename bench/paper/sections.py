@@ -36,6 +36,7 @@ HOLDS, FAILS, UNDECIDED, UNKNOWN = "holds", "does not hold", "undecided", "not r
 SURE = 0.05  # p below which a difference counts
 ALIKE = 0.1  # share of the return: a smaller difference, at 95 %, counts as none
 WEIGHTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # of SVO
+AT_CHOSEN_WEIGHT = "IPPO, SVO 90°, chosen weight"
 ANGLES = (0.0, 22.5, 45.0, 67.5, 90.0)  # degrees
 
 
@@ -59,8 +60,14 @@ def _angle(angle: float) -> Compared:
     return Compared(f"SVO {angle:g}°", lambda game: game.by_angle[1].get(angle), lambda game: published.svo(game).get(angle))
 
 
+def _prosocial(game: Game) -> Cell | None:
+    found = game.at_chosen_weight
+    return None if found is None else found[1]
+
+
+PROSOCIALS = Compared(f"SVO {PROSOCIAL:g}°", _prosocial, lambda game: published.svo(game).get(PROSOCIAL))
 OWN, ALL, HALF = _exchange(0.0, "individual reward"), _exchange(1.0, "common reward"), _exchange(0.5, "exchange 0.5")
-PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (_angle(90.0), OWN), (_angle(67.5), OWN), (_angle(90.0), ALL))
+PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (PROSOCIALS, OWN), (_angle(67.5), OWN), (PROSOCIALS, ALL))
 
 
 def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
@@ -299,15 +306,16 @@ def metrics(games: Sequence[Game]) -> Section:
         if metric is None:
             continue
         ratios = {ratio: cell for ratio, cell in game.by_ratio.items() if ratio > 0 and cell.estimate is not None}
-        weight, by_angle = game.by_angle
+        prosocial = game.at_chosen_weight
         columns: list[Way | None] = [INDIVIDUAL, COMMON, MAPPO, VDN, None, None]
         chosen = []
         if set(ratios) - {1.0}:
             best = max(ratios, key=lambda ratio: ratios[ratio].estimate.mean)
             columns[4] = exchanged(best)
             chosen.append(f"ratio {best:g}, the best of {len(ratios)}")
-        if PROSOCIAL in by_angle:
-            columns[5] = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": by_angle[PROSOCIAL].run}
+        if prosocial is not None:
+            weight, cell = prosocial
+            columns[5] = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": cell.run}
             chosen.append(f"weight {weight:g}, {tried_weights(game)}")
         cells = [None if way is None else _scaled(game, metric, way) for way in columns]
         printed = [metric.printed[column] for column in published.metric_columns()]
@@ -326,7 +334,7 @@ def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
 
 
 def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
-    """Returns the section on scores between a random policy and the best of the paper; the weight of SVO is chosen for each game.
+    """Returns the section on scores between a random policy and the best of the paper; SVO at each weight, and at the one chosen in each game.
 
     All ways of training are compared over all of the paper's games that were run: without the games in which it earns little, a mean is higher.
     """
@@ -336,12 +344,13 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         if best is None or game.setting is None:
             continue
         rows = game.rows[game.rows.stage != 1]
-        rows = rows.assign(svo_weight=rows.svo_weight.mask((rows.stage == 2) & (rows.svo_weight == game.by_angle[0])))
         named = {words: cell_of(own) for words, own in rows.assign(way=[in_words(row) for row in rows.itertuples()]).groupby("way")}
+        if game.at_chosen_weight is not None:
+            named[AT_CHOSEN_WEIGHT] = game.at_chosen_weight[1]
         scores[game.label] = scored(frame, game.setting, best, {way: cell for way, cell in named.items() if cell is not None})
     what = "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper."
-    if any("chosen weight" in way for found in scores.values() for way in found):
-        what += " The chosen weight of SVO is the one chosen in each game's own sweep."
+    if any(AT_CHOSEN_WEIGHT in found for found in scores.values()):
+        what += " In each game, the chosen weight of SVO is that of its own sweep, or else the one of those tried that earns most."
     return section_over_games(scores, what, [game for game, found in scores.items() if found])
 
 

@@ -72,7 +72,21 @@ def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
     coins, harvest = scores["IPPO, SVO 90°, chosen weight"].T
     assert coins.tolist() == pytest.approx([30 / 164, 50 / 164])
     assert harvest.tolist() == pytest.approx([20 / 410, 40 / 410])
-    assert "The chosen weight of SVO is the one chosen in each game's own sweep." in text
+    assert "the chosen weight of SVO is that of its own sweep" in text
+
+
+def test_without_a_sweep_the_chosen_weight_is_the_one_that_earns_most(tmp_path: Path) -> None:
+    for game, weights in (("coins", {0.4: 20.0, 1.0: 10.0}), ("harvest_open", {1.0: 30.0})):
+        write_cross_play(tmp_path / game, game, {"random": (0.0, None, None)}, PAPERS["rules"])
+        for weight, earned in weights.items():
+            write_run(tmp_path / f"{game}_{weight}", game, (earned, earned), reward="svo", svo_weight=weight, svo_angle=90.0, **PAPERS)
+    with mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means:
+        page_of(tmp_path)
+    (scores,) = means.call_args.args
+    assert {way: own[0].tolist() for way, own in scores.items()} == {
+        "IPPO, SVO 90°, chosen weight": pytest.approx([20 / 164, 30 / 420]),
+        "IPPO, SVO 90°, weight 1": pytest.approx([10 / 164, 30 / 420]),
+    }
 
 
 def test_scores_are_over_all_games_even_if_more_could_be_compared_in_some(tmp_path: Path) -> None:
