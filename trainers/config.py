@@ -288,6 +288,12 @@ class PPOConfig(Config):
     memory: Literal["none", "gru"] = "none"
 
 
+def _common(reward: Any) -> Any:
+    if reward != "common":
+        raise ValueError("'common' with VDN, which learns the sum of all agents' values")
+    return reward
+
+
 class VDNConfig(Config):
     """Value decomposition networks: Q-learning of the sum of the agents' values, from replayed steps."""
 
@@ -296,7 +302,7 @@ class VDNConfig(Config):
     max_gradient_norm: PositiveFloat = 1.0
     num_envs: Count = 32
     num_steps: Count = 1
-    reward: Literal["common"] = "common"
+    reward: Annotated[Literal["common"], BeforeValidator(_common)] = "common"
     match_socialjax: bool = False  # the team's reward is multiplied by the number of agents
     buffer_size: Count = 102_400  # environment steps in the replay buffer; a multiple of num_envs x num_steps
     batch_size: Count = 128

@@ -239,7 +239,7 @@ def test_a_network_may_come_in_many_ways(tmp_path: Path, where: str) -> None:
         ({"reward": "none.py:f"}, "none.py does not exist"),
         ({"reward": "no_such_module:f"}, "the reward `no_such_module:f` is not found: No module named 'no_such_module'"),
         ({"reward": "math:no_such"}, "is not found: math has no `no_such`"),
-        ({"algorithm": "vdn", "reward": one_for_the_second}, "`reward` must be 'common'"),
+        ({"algorithm": "vdn", "reward": one_for_the_second}, "`reward` must be 'common' with VDN"),
     ],
 )
 def test_what_is_not_there_is_said_at_once(values: dict[str, Any], said: str) -> None:
