@@ -41,14 +41,12 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
     before = np.full(len(ended), ended[0]["collective_return"])  # played by the policy that the run began with
     earned = (line("collective_return", "all agents", line_colour(0)), Line("before learning", steps, before, colour=FAINT))
     together = Panel("all agents together", "collective return of an episode", earned)
+    figures = {label: np.array([row[name] for row in rows], float) for name, label in FIGURES.items() if name in rows[0]}
+    updates = np.array([row["env_steps"] for row in rows])
     learning = [
-        Panel(
-            label,
-            label,
-            (Line("", np.array([row["env_steps"] for row in rows]), np.array([row[name] for row in rows], float), colour=line_colour(0)),),
-        )
-        for name, label in FIGURES.items()
-        if name in rows[0]
+        Panel(label, label, (Line("", updates, values, colour=line_colour(0)),))
+        for label, values in figures.items()
+        if np.isfinite(values).any()  # none is, if the first loss wasn't
     ]
     names = [name for name in ended[0] if name.startswith("return_agent_")]
     agents = [line(name, f"agent {number}", agent_line_colour(number)) for number, name in enumerate(names)]

@@ -38,8 +38,8 @@ class Worlds:
     steps: jax.Array  # [2] int32
 
 
-def counting(diverges_after: int = 1_000_000, seed_that_diverges: int = 0) -> Train:
-    """Returns a run that learns nothing and compiles at once; its parameter counts the updates. Keys are those of seeds."""
+def counting(diverges_after: int = 1_000_000, seed_that_diverges: int | None = 0) -> Train:
+    """Returns a run that learns nothing and compiles at once; its parameter counts the updates. Keys are those of seeds; None: all diverge."""
 
     def init(key: jax.Array) -> TrainState:
         return TrainState(key, {"updates": jnp.zeros(())}, Worlds(jnp.zeros(2, jnp.int32)), jnp.int32(0), jnp.bool_(False))
@@ -49,7 +49,8 @@ def counting(diverges_after: int = 1_000_000, seed_that_diverges: int = 0) -> Tr
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, dict[str, jax.Array]]:
         updates = state.updates + 1
-        bad = state.diverged | (updates > diverges_after) & (jax.random.key_data(state.key)[1] == seed_that_diverges)
+        seed = jax.random.key_data(state.key)[1]
+        bad = state.diverged | (updates > diverges_after) & ((seed == seed_that_diverges) if seed_that_diverges is not None else True)
         good = jnp.where(bad, state.learner["updates"], updates.astype(jnp.float32))
         metrics = {
             "episodes": updates,

@@ -10,6 +10,7 @@ from sjdsl.render.plot_style import apart
 from sjdsl.trainers import RunError
 from sjdsl.trainers.curves import curve_line, draw_curves, figures, in_words, read_seeds
 from sjdsl.trainers.learning_curve import curve_panels
+from sjdsl.trainers.learning_signs import FIGURES
 from sjdsl.trainers.metrics_files import known_row
 from sjdsl.trainers.panels import Line, draw_panels, split_lines
 
@@ -109,6 +110,16 @@ def test_agents_stand_beside_the_return_of_all() -> None:
     assert [panel.title for panel in curve_panels([{key: rows[1][key] for key in ("env_steps", "episodes", "collective_return")}])] == [
         "all agents together"
     ]
+
+
+def test_figures_of_learning_that_were_never_finite_are_not_drawn() -> None:
+    """As of a run whose first loss was not finite."""
+    rows = [
+        {"env_steps": 10, "episodes": 1, "collective_return": 7.0, "entropy": np.nan, "explained_variance": value}
+        for value in (np.nan, 0.5)
+    ]
+    assert [panel.title for panel in curve_panels(rows[:1])] == ["all agents together"]
+    assert [panel.title for panel in curve_panels(rows)] == ["all agents together", FIGURES["explained_variance"]]
 
 
 def test_a_run_without_values_is_no_curve(tmp_path: Path) -> None:

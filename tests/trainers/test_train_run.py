@@ -172,6 +172,18 @@ def test_one_seed_of_several_that_diverges_stops_alone(tmp_path: Path, monkeypat
     assert len(read_lines(run_dir / "seed_6" / "metrics.jsonl")) == 10
 
 
+def test_several_seeds_that_all_diverge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The run stops as the last of them does, and names them all."""
+    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=None))
+    run_dir = tmp_path / "run"
+    with pytest.raises(RunError, match=r"in update 10 of seed 5; .* in update 10 of seed 6; .* smaller learning_rate"):
+        train(matching(), CONFIG.model_copy(update={"seeds": 2}), run_dir, "none")
+    assert str(read_manifest(run_dir)["status"]).startswith("failed: the loss became nan")
+    for seed in ("seed_5", "seed_6"):
+        assert [row["loss"] for row in read_lines(run_dir / seed / "metrics.jsonl")] == [1.0] * 9 + [None]
+        assert _updates_of(run_dir / seed, "last") == 9.0
+
+
 def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
     with show_progress("lines", 3, "a run", seeds=2) as show:
         for update, episodes in ((1, 0), (2, 4), (3, 0)):
