@@ -45,19 +45,20 @@ class WindowLayer(nn.Module):
 
 def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Array:
     """Computes `weigh` with uniform planes as one cell, whose rows are the sums of the kernel's rows over all cells."""
-    places = [[place for place, plane in enumerate(planes) if plane.uniform == uniform] for uniform in (False, True)]
-    (local, local_planes), (uniform, uniform_planes) = ((own, tuple(planes[place] for place in own)) for own in places)
+    uniform = [place for place, plane in enumerate(planes) if plane.uniform]
     if not uniform:
         return weigh(kernel.astype(dtype), tokens, planes)
-    rows = rows_by_plane(kernel.reshape(-1, math.prod(tokens.shape[2:]), kernel.shape[-1]), planes)
-    own = jnp.concatenate([rows[place] for place in local]).reshape(-1, kernel.shape[-1]).astype(dtype)
+    local = [place for place, plane in enumerate(planes) if not plane.uniform]
+    width = kernel.shape[-1]
+    rows = rows_by_plane(kernel.reshape(-1, math.prod(tokens.shape[2:]), width), planes)
+    by_cell = jnp.concatenate([rows[place] for place in local]).reshape(-1, width).astype(dtype)
     summed = jnp.concatenate([rows[place].sum(axis=1) for place in uniform]).astype(dtype)
-    once = to_channels(_of_planes(tokens[:, :, :1, :1], uniform), uniform_planes, dtype, scale_numbers=True)
-    return weigh(own, _of_planes(tokens, local), local_planes) + once[:, :, 0, 0] @ summed
+    once = to_channels(_taken(tokens[:, :, :1, :1], uniform), tuple(planes[place] for place in uniform), dtype, scale_numbers=True)
+    return weigh(by_cell, _taken(tokens, local), tuple(planes[place] for place in local)) + once[:, :, 0, 0] @ summed
 
 
-def _of_planes(tokens: Array, places: list[int]) -> Array:
-    """Returns some planes of windows `[M, P, V, V]`, as slices: XLA doesn't copy them."""
+def _taken(tokens: Array, places: list[int]) -> Array:
+    """Returns some planes of windows `[M, P, V, V]`, by slices: unlike by indices, they aren't copied."""
     return jnp.concatenate([tokens[:, place : place + 1] for place in places], axis=1)
 
 
