@@ -290,7 +290,7 @@ class PPOConfig(Config):
 
 def _common(reward: Any) -> Any:
     if reward != "common":
-        raise ValueError("'common' with VDN, which learns the sum of all agents' values")
+        raise ValueError("'common' with VDN, whose agents learn from the sum of all rewards")
     return reward
 
 

@@ -60,7 +60,7 @@ class Packing:
     def pack(self, observation: Array) -> Array:
         """Returns `[..., P, rows, cols]` uint8 as `[..., size]` uint8."""
         planes = observation.reshape(*observation.shape[:-2], -1)  # rows would be too short for vector instructions
-        return jnp.concatenate([bytes_ for part in self.parts for bytes_ in part.pack(planes)], axis=-1)
+        return jnp.concatenate([byte for part in self.parts for byte in part.pack(planes)], axis=-1)
 
     def unpack(self, packed: Array) -> Array:
         """Returns the observation that `pack` packed."""

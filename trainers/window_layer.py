@@ -58,7 +58,7 @@ def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Arr
 
 
 def _taken(tokens: Array, places: list[int]) -> Array:
-    """Returns some planes of windows `[M, P, V, V]`, by slices: unlike by indices, they aren't copied."""
+    """Returns some planes of windows `[M, P, V, V]`."""
     return jnp.concatenate([tokens[:, place : place + 1] for place in places], axis=1)
 
 

@@ -61,12 +61,13 @@ class Game:
         return float(weight), _cells(rows[rows.svo_weight == weight], "svo_angle")
 
     @property
-    def at_chosen_weight(self) -> tuple[float, Cell] | None:
-        """The SVO weight chosen at 90 degrees, as the paper chooses it, and its cell: that of the second stage, or the one that earns most."""
+    def at_chosen_weight(self) -> tuple[float, Cell | None]:
+        """The SVO weight chosen at 90 degrees, and its cell: that of the second stage, or else the one that earns most."""
         rows = select(self.rows, **SVO, svo_angle=PROSOCIAL)
         cells = _cells(rows[rows.stage == 2], "svo_weight") or _cells(rows[rows.stage != 1], "svo_weight")
         earned = {weight: cell.estimate.mean for weight, cell in cells.items() if cell.estimate is not None}
-        return max(((weight, cells[weight]) for weight in earned), key=lambda found: earned[found[0]], default=None)
+        weight = max(earned, key=lambda weight: earned[weight], default=0.0)
+        return weight, cells.get(weight)
 
     @property
     def by_ratio(self) -> dict[float, Cell]:

@@ -60,14 +60,9 @@ def _angle(angle: float) -> Compared:
     return Compared(f"SVO {angle:g}°", lambda game: game.by_angle[1].get(angle), lambda game: published.svo(game).get(angle))
 
 
-def _prosocial(game: Game) -> Cell | None:
-    found = game.at_chosen_weight
-    return None if found is None else found[1]
-
-
-PROSOCIALS = Compared(f"SVO {PROSOCIAL:g}°", _prosocial, lambda game: published.svo(game).get(PROSOCIAL))
+AT_NINETY = replace(_angle(PROSOCIAL), ours=lambda game: game.at_chosen_weight[1])
 OWN, ALL, HALF = _exchange(0.0, "individual reward"), _exchange(1.0, "common reward"), _exchange(0.5, "exchange 0.5")
-PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (PROSOCIALS, OWN), (_angle(67.5), OWN), (PROSOCIALS, ALL))
+PAIRS = ((ALL, OWN), (HALF, OWN), (HALF, ALL), (AT_NINETY, OWN), (_angle(67.5), OWN), (AT_NINETY, ALL))
 
 
 def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
@@ -306,7 +301,7 @@ def metrics(games: Sequence[Game]) -> Section:
         if metric is None:
             continue
         ratios = {ratio: cell for ratio, cell in game.by_ratio.items() if ratio > 0 and cell.estimate is not None}
-        prosocial = game.at_chosen_weight
+        weight, prosocial = game.at_chosen_weight
         columns: list[Way | None] = [INDIVIDUAL, COMMON, MAPPO, VDN, None, None]
         chosen = []
         if set(ratios) - {1.0}:
@@ -314,8 +309,7 @@ def metrics(games: Sequence[Game]) -> Section:
             columns[4] = exchanged(best)
             chosen.append(f"ratio {best:g}, the best of {len(ratios)}")
         if prosocial is not None:
-            weight, cell = prosocial
-            columns[5] = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": cell.run}
+            columns[5] = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": prosocial.run}
             chosen.append(f"weight {weight:g}, {tried_weights(game)}")
         cells = [None if way is None else _scaled(game, metric, way) for way in columns]
         printed = [metric.printed[column] for column in published.metric_columns()]
@@ -345,8 +339,7 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
             continue
         rows = game.rows[game.rows.stage != 1]
         named = {words: cell_of(own) for words, own in rows.assign(way=[in_words(row) for row in rows.itertuples()]).groupby("way")}
-        if game.at_chosen_weight is not None:
-            named[AT_CHOSEN_WEIGHT] = game.at_chosen_weight[1]
+        named[AT_CHOSEN_WEIGHT] = game.at_chosen_weight[1]
         scores[game.label] = scored(frame, game.setting, best, {way: cell for way, cell in named.items() if cell is not None})
     what = "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper."
     if any(AT_CHOSEN_WEIGHT in found for found in scores.values()):

@@ -92,7 +92,6 @@ def in_words(row: Any, sharing: bool = True) -> str:
         reward = f"exchange {row.exchange_ratio:g}"
     elif row.reward == "svo":
         angle = "several angles" if row.svo_angle != row.svo_angle else f"{row.svo_angle:g}°"
-        weight = "chosen weight" if row.svo_weight != row.svo_weight else f"weight {row.svo_weight:g}"
-        reward = f"SVO {angle}, {weight}" + (", choosing the weight" if row.stage == 1 else "")
+        reward = f"SVO {angle}, weight {row.svo_weight:g}" + (", choosing the weight" if row.stage == 1 else "")
     apart = {SHARED: "", APART: ", separate parameters"}.get(row.sharing, f", parameters {row.sharing.replace('_', ' ')}")
     return f"{name}, {reward}{apart if sharing else ''}"

@@ -9,7 +9,7 @@ class TokenPlane:
     """One uint8 plane of an observation.
 
     encoding `word`: value v means `labels[v]`; `bits`: bit k means `labels[k]`; `number`: the value itself, 0 .. `high`.
-    uniform: the value is the same in all cells of a window, as of a field of the observer; networks and rollouts need it only once.
+    uniform: the value is the same in all cells of a window, as for a field of the observer; networks and rollouts need it only once.
     """
 
     name: str
