@@ -85,6 +85,7 @@ def sections_of(data: dict[str, pd.DataFrame]) -> dict[str, Section]:
         "own and common": compared.own_and_common(games, frame),
         "learning curves": learning_curves(frame, data[CURVES]),
         "sharing": compared.sharing(games),
+        "mappo": compared.mappo(games),
         "exchange": compared.exchange(games),
         "svo": compared.svo(games),
         "metrics": compared.metrics(games),

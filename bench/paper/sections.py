@@ -176,6 +176,13 @@ def sharing(games: Sequence[Game]) -> Section:
     return Section("Shared and separate parameters", tuple(text), (table,) if lines else ())
 
 
+def mappo(games: Sequence[Game]) -> Section:
+    """Returns the section of IPPO and MAPPO with common reward."""
+    lines = [((game.label,), game.cell(COMMON), game.cell(MAPPO)) for game in games if game.cell(MAPPO) is not None]
+    table = compared_table("mappo", "Collective return with common reward", ("game",), ("IPPO", "MAPPO"), lines)
+    return Section("IPPO and MAPPO", (), (table,) if lines else ())
+
+
 # Tables of our cells beside the published ones, three lines for each game. We run no tests against published figures, as the paper reports
 # no seed counts.
 
