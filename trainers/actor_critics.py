@@ -1,8 +1,9 @@
 """Actor-critic networks of all agents: which agents share parameters, and what a decentralised or central critic observes."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +12,7 @@ from jax import Array
 from sjdsl.runtime.planes import TokenPlane
 
 from .config import ConfigError, PPOConfig
-from .environment import Environment, abstract_key, reset_shapes
+from .environment import Environment, ObservableEnvironment, abstract_key, reset_shapes
 from .masks import wants_masks
 from .networks import ActorCritic, Memory
 from .packing import Packing, make_packing
@@ -27,7 +28,7 @@ class ActorCritics:
     teams: Teams
     network: ActorCritic
     joint_shape: tuple[int, ...] | None  # of a central critic's input; None: critics are local
-    from_state: bool  # whether that input is the state of the environment
+    state_vector: Callable[[Any], Array] | None  # of one state `[K]` float32, if that is the critic's input
     packing: Packing  # of the observations in a rollout
     masks: bool  # whether forbidden actions are never taken
     num_actions: int  # A
@@ -36,10 +37,9 @@ class ActorCritics:
         """Returns initial parameters: leaves `[G, ...]`, drawn with a different key for each team."""
         observation, _ = reset_shapes(env)
         seen = jnp.zeros((1, 1, *observation.shape), observation.dtype)
-        joint = None if self.joint_shape is None else jnp.zeros((1, 1, *self.joint_shape), jnp.float32 if self.from_state else jnp.uint8)
         fresh = jnp.ones((1, 1), bool)
         memory = self.network.start_memory(1)
-        own, agents = seen[:, :, : self.teams.indices.shape[1]], jnp.asarray(self.teams.indices[0])
+        own, joint, agents = seen[:, :, : self.teams.indices.shape[1]], self.blank_joint(), jnp.asarray(self.teams.indices[0])
         (teams_key,) = jax.random.split(key, 1)  # so that a seed gives the weights that stored runs began with
         keys = jax.random.split(teams_key, len(self.teams.agents))
         drawn = [self.network.init(team_key, memory, own, joint, fresh, agents) for team_key in keys]
@@ -50,29 +50,32 @@ class ActorCritics:
         one = self.network.start_memory(num_envs)
         return (jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(self.teams.agents), axis=1), one),)
 
-    def joint(self, observation: Array, from_state: Any) -> Array | None:
-        """Returns the input of central critics: all windows `[..., N, P, V, V]`, plane after plane, or the state unchanged."""
+    def joint(self, observation: Array, state: Any) -> Array | None:
+        """Returns the input of central critics `[L, M, ...]`: all windows `[L, M, N, P, V, V]`, plane after plane, or states `[L, M, ...]` as vectors."""
         if self.joint_shape is None:
             return None
-        if self.from_state:
-            result: Array | None = from_state
-            return result
-        lead = observation.shape[:-4]
-        return observation.reshape(*lead, -1, *observation.shape[-2:])
+        if self.state_vector is not None:
+            return jax.vmap(jax.vmap(self.state_vector))(state)
+        return observation.reshape(*observation.shape[:2], *self.joint_shape)
 
-    def apply(self, parameters: Any, memory: Memory, observation: Array, from_state: Any, fresh: Array) -> tuple[Memory, Array, Array]:
+    def blank_joint(self) -> Array | None:
+        """Returns zeros `[1, 1, ...]` in place of `joint`, where the values aren't used."""
+        if self.joint_shape is None:
+            return None
+        return jnp.zeros((1, 1, *self.joint_shape), jnp.uint8 if self.state_vector is None else jnp.float32)
+
+    def apply(self, parameters: Any, memory: Memory, observation: Array, joint: Array | None, fresh: Array) -> tuple[Memory, Array, Array]:
         """Reads L steps of M environments with all networks.
 
         Args:
           parameters: of `init`.
           memory: of `start_memory` or the step before.
           observation: `[L, M, N, P, V, V]` uint8.
-          from_state: `[L, M, K]` float32 for critics that see the state, else None.
+          joint: of `joint`, `[L, M, ...]`.
           fresh: `[L, M]` bool, whether the episode starts with this step.
         Returns:
           the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`.
         """
-        joint = self.joint(observation, from_state)
         (own,), (before,) = parameters, memory
         teams_first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), before)
         after, logits, values = over_teams(self.teams, self.network.apply, AGENTS_AXIS)(own, teams_first, observation, joint, fresh)
@@ -89,10 +92,11 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     planes = token_planes(env)
     joint_planes: tuple[TokenPlane, ...] | None = None
     joint_shape: tuple[int, ...] | None = None
+    state_vector: Callable[[Any], Array] | None = None
     central = config.algorithm == "mappo"
-    from_state = central and config.critic == "state"
-    if from_state:
+    if central and config.critic == "state":
         joint_planes, joint_shape = (), state_shape(env)
+        state_vector = cast(ObservableEnvironment, env).state_vector
     elif central:
         observation, _ = reset_shapes(env)
         joint_planes = planes * env.num_agents
@@ -112,7 +116,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         channels=config.convolution_channels,
         own=config.own,
     )
-    return ActorCritics(teams, network, joint_shape, from_state, packing_of(env), wants_masks(env, config), env.num_actions)
+    return ActorCritics(teams, network, joint_shape, state_vector, packing_of(env), wants_masks(env, config), env.num_actions)
 
 
 def token_planes(env: Environment) -> tuple[TokenPlane, ...]:

@@ -26,7 +26,7 @@ class Batch:
     """
 
     observation: Array  # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, P, V, V]
-    joint: Any  # [L, M, K] what critics of the state see, or None; in a minibatch all that a central critic sees
+    joint: Any  # [L, M, ...] states, for critics of the state, or None; in a minibatch [L, m, ...] what a central critic sees
     fresh: Array  # [L, M] bool
     memory: Memory  # [M, G, ...] before the first of the L steps
     action: Array  # [L, M, N] int32

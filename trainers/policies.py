@@ -145,12 +145,10 @@ def _own_program(env: Environment, config: PPOConfig) -> Train:
 
 def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
     networks = make_actor_critics(env, config)
-    # The critic isn't used, so one that sees the state gets zeros.
-    state = jnp.zeros((1, 1, *networks.joint_shape), jnp.float32) if networks.joint_shape and networks.from_state else None
 
     def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
         never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with the memory `start`
-        memory, logits, _ = networks.apply(parameters, memory, observation[None, None], state, never_fresh)
+        memory, logits, _ = networks.apply(parameters, memory, observation[None, None], networks.blank_joint(), never_fresh)
         likes = masked(logits[0, 0], allowed)
         action = jnp.argmax(likes, axis=-1) if greedy else jax.random.categorical(key, likes)
         return memory, action.astype(jnp.int32)

@@ -16,7 +16,7 @@ from .actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from .advantage import generalised_advantages, successor_values
 from .config import ConfigError, PPOConfig
 from .data_parallel import ALL, OF_ENVS, SECOND_OF_ENVS, mean_of_all, over_devices, own_keys, own_share
-from .environment import Environment, ObservableEnvironment
+from .environment import Environment
 from .episodes import FinishedEpisodes, mean_episode
 from .losses import Apply, Batch, Loss, clipped_surrogate, mean_entropy, normalised, value_loss
 from .masks import allowed_in, masked, pack_mask, unpack_mask
@@ -81,8 +81,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     def take_steps(learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array) -> Any:
         """Returns the learners, their losses, and the values `[1, M, N]` that the rollout had with their targets."""
         params = tuple(own.params for own in learner)
-        joint = _joint(env, networks, worlds.state)
-        last_value = _value(networks, params, worlds.memory, worlds.observation, joint, worlds.fresh)
+        last_value = _value(networks, params, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
         batch = make_batch(rollout, memory, last_value, config)
         return *learn_teams(learner, batch, key, networks, config), batch.value, batch.target
 
@@ -149,31 +148,30 @@ def start_learner(parameters: Any, config: PPOConfig) -> Learner:
 def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
     """Returns how agents with these parameters act: each draws its action independently."""
 
-    def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Memory, Array, Acting]:
-        seen = jax.tree.map(lambda leaf: leaf[None], (worlds.observation, joint, worlds.fresh))
-        memory, logits, value = networks.apply(parameters, worlds.memory, *seen)
+    def act(worlds: Worlds, key: Array) -> tuple[Memory, Array, Acting]:
+        memory, logits, value = _read(networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
         allowed = allowed_in(env, networks.masks, worlds.state)
-        likes = masked(logits[0], allowed)
+        likes = masked(logits, allowed)
         action = draw_actions(key, likes)
-        return memory, action, Acting(chosen_log_probability(likes, action), value[0], pack_mask(allowed))
+        return memory, action, Acting(chosen_log_probability(likes, action), value, pack_mask(allowed))
 
     def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
         del observation
         truncated = info["truncated"]
-        joint = _joint(env, networks, info.get("terminal_state"))
+        state = None if networks.state_vector is None else info["terminal_state"]
 
         # Most steps end no episode, and then the second forward pass is skipped.
         result: Array = jax.lax.cond(
             truncated.any(),
-            lambda memory, last, joint: _value(networks, parameters, memory, last, joint, jnp.zeros_like(truncated)),
+            lambda memory, *last: _value(networks, parameters, memory, *last, jnp.zeros_like(truncated)),
             lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
             memory,
             info["terminal_observation"],
-            joint,
+            state,
         )
         return result
 
-    return Actor(act, networks.packing.pack, follow, lambda state: _joint(env, networks, state))
+    return Actor(act, networks.packing.pack, follow, keeps_state=networks.state_vector is not None)
 
 
 def draw_actions(key: Array, logits: Array) -> Array:
@@ -190,15 +188,18 @@ def draw_actions(key: Array, logits: Array) -> Array:
     return result
 
 
-def _joint(env: Environment, networks: ActorCritics, state: Any) -> Any:
-    """Returns the input of critics of the state for states `[B, ...]`; None if critics see windows."""
-    return jax.vmap(cast(ObservableEnvironment, env).state_vector)(state) if networks.from_state else None
+def _read(
+    networks: ActorCritics, parameters: Any, memory: Memory, observation: Array, state: Any, fresh: Array
+) -> tuple[Memory, Array, Array]:
+    """Returns the memory afterwards, logits `[B, N, A]` and values `[B, N]` of one step of B environments."""
+    observation, state, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, state, fresh))
+    memory, logits, value = networks.apply(parameters, memory, observation, networks.joint(observation, state), fresh)
+    return memory, logits[0], value[0]
 
 
-def _value(networks: ActorCritics, parameters: Any, memory: Memory, observation: Array, joint: Any, fresh: Array) -> Array:
-    """Returns the values `[B, N]` of one observation in each environment."""
-    seen = jax.tree.map(lambda leaf: leaf[None], (observation, joint, fresh))
-    return networks.apply(parameters, memory, *seen)[2][0]
+def _value(*given: Any) -> Array:
+    """Returns the values `[B, N]` of `_read`."""
+    return _read(*given)[2]
 
 
 def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOConfig) -> Batch:
@@ -214,7 +215,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
     advantage = generalised_advantages(rollout.shaped_reward, acting.value, successors, rollout.done, config.gamma, config.gae_lambda)
     steps = {
         "observation": rollout.observation,
-        "joint": rollout.joint,
+        "joint": rollout.state,
         "fresh": rollout.fresh,
         "action": rollout.action,
         "log_probability": acting.log_probability,
@@ -305,12 +306,10 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
     def of_team(leaf: Array) -> Array:
         return leaf[:, indices] if everybody else leaf[:, indices[:, None], agents]
 
-    seen = None
-    if networks.joint_shape is not None:
-        seen = networks.joint(networks.packing.unpack(of_sequences(batch.observation)), jax.tree.map(of_sequences, batch.joint))
+    everybodys = networks.packing.unpack(of_sequences(batch.observation))
     return Batch(
         observation=networks.packing.unpack(of_team(batch.observation)),
-        joint=seen,
+        joint=networks.joint(everybodys, jax.tree.map(of_sequences, batch.joint)),
         fresh=of_sequences(batch.fresh),
         memory=jax.tree.map(lambda leaf: leaf[indices], batch.memory),
         action=of_team(batch.action),

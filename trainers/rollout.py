@@ -35,7 +35,7 @@ class Rollout:
     """T steps to learn from."""
 
     observation: Array  # [T, B, N, bytes] uint8, acted on, packed
-    joint: Any  # [T, B, ...] what a central critic also sees; None if nothing
+    state: Any  # [T, B, ...] acted in, for critics of the state; None if there are none
     fresh: Array  # [T, B] bool, the episode began with this step
     action: Array  # [T, B, N] int32
     reward: Array  # [T, B, N] float32, raw
@@ -50,16 +50,16 @@ class Rollout:
 class Actor:
     """How agents act in B environments, and what they keep for learning.
 
-    act: `(worlds, joint, key) -> memory, action [B, N], kept`.
+    act: `(worlds, key) -> memory, action [B, N], kept`.
     pack: packs an observation for the rollout.
     follow: `(memory, observation, info) -> kept` after the step: `observation` `[B, N, ...]` is the next one, `info` as the step gave it.
-    joint: from states `[B, ...]` to what a central critic sees in addition to the observations, or None.
+    keeps_state: whether the rollout keeps the environments' states.
     """
 
-    act: Callable[[Worlds, Any, Array], tuple[Any, Array, Any]]
+    act: Callable[[Worlds, Array], tuple[Any, Array, Any]]
     pack: Callable[[Array], Array]
     follow: Callable[[Any, Array, dict[str, Any]], Any]
-    joint: Callable[[Any], Any] = lambda _: None
+    keeps_state: bool = False
 
 
 def start_worlds(env: Environment, num_envs: int, memory: Any, key: Array, partners: Partners = NOBODY) -> Worlds:
@@ -101,8 +101,7 @@ def collect_rollout(
 
     def advance(worlds: Worlds, key: Array) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
         action_key, env_key, *others = jax.random.split(key, 3 if partners.agents else 2)
-        joint = actor.joint(worlds.state)
-        memory, action, acting = actor.act(worlds, joint, action_key)
+        memory, action, acting = actor.act(worlds, action_key)
         theirs = worlds.partners
         for partners_key in others:
             theirs, taken = partners.act(env, theirs, partners_key, worlds.observation, worlds.state, worlds.fresh)
@@ -118,7 +117,7 @@ def collect_rollout(
         running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
         step = Rollout(
             observation=actor.pack(worlds.observation),
-            joint=joint,
+            state=worlds.state if actor.keeps_state else None,
             fresh=worlds.fresh,
             action=action,
             reward=reward,

@@ -170,8 +170,7 @@ def _entries(rollout: Rollout) -> Transition:
 def make_actor(env: Environment, network: ActionValues, packing: Packing, masks: bool, parameters: Any, epsilon: Array) -> Actor:
     """Returns agents that take their best action, or with probability `epsilon`, independently, a random one."""
 
-    def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Any, Array, None]:
-        del joint
+    def act(worlds: Worlds, key: Array) -> tuple[Any, Array, None]:
         allowed = allowed_in(env, masks, worlds.state)
         values = cast(Array, network.apply(parameters, worlds.observation))
         return (), explore(key, values, allowed, epsilon), None

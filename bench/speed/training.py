@@ -228,8 +228,7 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
     masks = wants_masks(env, config)
     keeps: Any = Acting(jnp.zeros(shape), jnp.zeros(shape)) if isinstance(config, PPOConfig) else None
 
-    def act(worlds: Worlds, joint: Any, key: Array) -> tuple[Any, Array, Any]:
-        del joint
+    def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Any]:
         return worlds.memory, jax.random.randint(key, shape, 0, env.num_actions, jnp.int32), keeps
 
     def follow(memory: Any, observation: Array, info: dict[str, Any]) -> Any:
@@ -254,8 +253,8 @@ def flops_of(env: Environment, config: Any, parameters: Any) -> float:
             result: Array = values.sum()
             return result
         networks = make_actor_critics(env, config)
-        memory = networks.start_memory(steps)
-        _, logits, values = networks.apply(parameters, memory, seen[None], None, jnp.zeros((1, steps), bool))
+        memory, joint = networks.start_memory(steps), networks.joint(seen[None], None)
+        _, logits, values = networks.apply(parameters, memory, seen[None], joint, jnp.zeros((1, steps), bool))
         return logits.sum() + values.sum()
 
     def count(steps: int, gradient: bool = False) -> float:

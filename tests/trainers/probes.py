@@ -299,9 +299,9 @@ def judge(
     """
     networks = make_actor_critics(env, quick(**changes))
     parameters = tuple(learner.params for learner in state.learner)
-    vector = None if world is None else jnp.asarray(world, jnp.float32)[None, None]
     seen = windows(env, shown)[None, None]
-    _, logits, values = networks.apply(parameters, networks.start_memory(1), seen, vector, jnp.ones((1, 1), bool))
+    joint = networks.joint(seen, None) if world is None else jnp.asarray(world, jnp.float32)[None, None]
+    _, logits, values = networks.apply(parameters, networks.start_memory(1), seen, joint, jnp.ones((1, 1), bool))
     return jax.nn.softmax(logits[0, 0]), values[0, 0]
 
 

@@ -179,8 +179,8 @@ def player(shaping: Shaping, num_steps: int = 3) -> tuple[Worlds, Callable[[Worl
     """Returns eight worlds of `uneven`, and what plays a rollout in them. Episodes of two and five steps are cut anywhere."""
     env = tabled(uneven(), tables_of(uneven()))
 
-    def act(worlds: Worlds, joint: None, key: jax.Array) -> tuple[tuple[()], jax.Array, None]:
-        del joint, key
+    def act(worlds: Worlds, key: jax.Array) -> tuple[tuple[()], jax.Array, None]:
+        del key
         return (), jnp.zeros((worlds.fresh.shape[0], 2), jnp.int32), None
 
     actor = Actor(act, pack=lambda observation: observation, follow=lambda _, __, ___: ())

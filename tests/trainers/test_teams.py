@@ -76,7 +76,7 @@ def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(ch
 
         def read(key: jax.Array) -> tuple[jax.Array, jax.Array]:
             parameters = networks.init(key, env)  # noqa: B023
-            return networks.apply(parameters, networks.start_memory(2), seen, None, jnp.ones((1, 2), bool))[1:]  # noqa: B023
+            return networks.apply(parameters, networks.start_memory(2), seen, networks.joint(seen, None), jnp.ones((1, 2), bool))[1:]  # noqa: B023
 
         logits, values = jax.jit(read, compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
         assert (jnp.abs(logits[:, :, 0] - logits[:, :, 1]).max(axis=-1) > 1e-6).all() == told
@@ -145,7 +145,7 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
     def both(key: jax.Array) -> tuple[Any, Any]:
         parameters = networks.init(key, env)
         start = networks.start_memory(4)
-        _, logits, values = networks.apply(parameters, start, seen, None, fresh)
+        _, logits, values = networks.apply(parameters, start, seen, networks.joint(seen, None), fresh)
         apart = []
         for index, agents in enumerate(networks.teams.agents):
             own = jax.tree.map(lambda leaf: leaf[index], parameters[0])  # noqa: B023
