@@ -25,7 +25,7 @@ from sjdsl.render.look import make_look
 from sjdsl.render.moment import Moment
 from sjdsl.studio.episode import begun
 from sjdsl.trace.choices import Chosen, chooser
-from sjdsl.trace.jax_random import fold_in, key_of
+from sjdsl.trace.jax_random import keys_of
 
 ROOT = Path(__file__).resolve().parents[1]
 STEPS = 40
@@ -53,10 +53,10 @@ def side_by_side(game: ir.Game, seed: int) -> Chosen:
     """Returns who plays: the policies of the game's file in turn, agent by agent, or, in a game without policies, random agents."""
     if not game.policies:
         return chooser(game, "random", seed)
-    key, count = key_of(seed), len(game.policies)
+    keys, count = keys_of(seed), len(game.policies)
 
     def choose_all(number: int, world: object) -> list[int]:
-        draws = Threefry(*fold_in(key, number))
+        draws = Threefry(*keys.of_choices(number))
         bits = [(draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1)) for agent in range(game.agents.number)]
         return [choose(game.policies[agent % count], game, world, agent, two) for agent, two in enumerate(bits)]  # type: ignore[arg-type]
 

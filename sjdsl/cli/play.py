@@ -26,8 +26,8 @@ from sjdsl.library.action_names import split_actions
 from sjdsl.render.letters import Letters, board_rows, make_letters
 from sjdsl.render.moment import Moment, moment_of
 from sjdsl.replay import Recording, save_recording
-from sjdsl.trace.choices import OTHERS, Chosen, chooser
-from sjdsl.trace.jax_random import fold_in, key_of
+from sjdsl.trace.choices import Chosen, chooser
+from sjdsl.trace.jax_random import keys_of
 from sjdsl.trace.rules import Rules
 from sjdsl.trainers.policy_names import UNTRAINED
 
@@ -167,13 +167,13 @@ def interpreted(game: ir.Game, params: Mapping[str, Value], seed: int, choose: C
     Raises:
       LeavesFloat32.
     """
-    key = key_of(seed)
-    world = copied(reset(game, params, Threefry(*fold_in(key, 0))))
+    keys = keys_of(seed)
+    world = copied(reset(game, params, Threefry(*keys.start())))
     moment = moment_of(game, world, [0.0] * game.agents.number)
     yield moment
     for number, given in enumerate(steering):
         actions = [given.get(agent, action) for agent, action in enumerate(choose(number, world))]
-        world, outcome = step(game, world, actions, params, Threefry(*fold_in(key, number + 1)))
+        world, outcome = step(game, world, actions, params, Threefry(*keys.of_step(number)))
         moment = moment_of(game, world, moment.snapshot.returns + np.array(outcome.reward, float), actions, outcome)
         yield moment
         if moment.done:
@@ -189,10 +189,9 @@ def compiled(env: "Environment", policy: Any, seed: int, steering: Steering) -> 
 
     player, remembering = EpisodePlayer(env, seed), with_memory(policy)
     memory, act = remembering.start, jax.jit(partial(take_actions, env, remembering))
-    key = jax.random.fold_in(jax.random.key(seed), OTHERS)
     yield player.now()
     for number, given in enumerate(steering):
-        memory, chosen = act(memory, jax.random.fold_in(key, number), player.observation, player.state)
+        memory, chosen = act(memory, player.keys.of_choices(number), player.observation, player.state)
         yield player.step([given.get(agent, action) for agent, action in enumerate(chosen.tolist())])
         if player.done:
             return

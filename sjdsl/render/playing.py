@@ -9,6 +9,7 @@ import numpy as np
 
 from sjdsl.render.moment import Moment, Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.episode_keys import EpisodeKeys
 from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
 
 __all__ = ["play", "play_moments", "random_policy", "stay_policy"]
@@ -20,30 +21,31 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Ite
     Args:
       policy: `(key, observation) -> actions [N]`, or one with memory.
       num_steps: steps to play, over as many episodes as they take.
+      seed: of the first episode; the next have the seeds after it.
     """
     return (moment.snapshot for moment in play_moments(env, policy, num_steps, seed))
 
 
 def play_moments(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Iterator[Moment]:
     """Yields every moment of the same episodes, with the actions and the rewards; the arguments are those of `play`."""
-    key, reset_key = jax.random.split(jax.random.key(seed))
-    observation, state = env.reset(reset_key)
-    moment = first_moment(env, state)
-    yield moment
-    remembering = with_memory(policy)
-    memory = remembering.start
+    remembering, left = with_memory(policy), num_steps
     act = jax.jit(partial(take_actions, env, remembering))
-    for number in range(1, num_steps + 1):
-        key, action_key, step_key, reset_key = jax.random.split(key, 4)
-        memory, actions = act(memory, action_key, observation, state)
-        observation, state, reward, done, info = env.step_env(step_key, state, actions)
-        moment = next_moment(env, state, moment.snapshot.returns, actions, reward, bool(done), info["events"])
+    while True:
+        keys, memory = EpisodeKeys(jax.random.key(seed), jax.random.fold_in), remembering.start
+        observation, state = env.reset(keys.start())
+        moment = first_moment(env, state)
         yield moment
-        if done and number < num_steps:
-            observation, state = env.reset(reset_key)
-            memory = remembering.start
-            moment = first_moment(env, state)
+        for number in range(left):
+            memory, actions = act(memory, keys.of_choices(number), observation, state)
+            observation, state, reward, done, info = env.step_env(keys.of_step(number), state, actions)
+            moment = next_moment(env, state, moment.snapshot.returns, actions, reward, bool(done), info["events"])
             yield moment
+            if done:
+                break
+        left -= int(moment.snapshot.step)
+        if not left:
+            return
+        seed = (seed + 1) % 2**32
 
 
 def first_moment(env: Environment, state: Any) -> Moment:

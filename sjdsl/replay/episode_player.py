@@ -11,20 +11,21 @@ from sjdsl.render.moment import Moment
 from sjdsl.render.playing import first_moment, next_moment
 from sjdsl.replay.recording import Recording, RecordingError, check_actions, check_returns, check_rules
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.episode_keys import EpisodeKeys
 
 
 class EpisodePlayer:
     """One episode of an environment.
 
     Attributes:
-      observation, state: the current ones; actions: of all steps so far; returns: `[N]`; done.
+      keys: of the episode; observation, state: the current ones; actions: of all steps so far; returns: `[N]`; done.
     """
 
     def __init__(self, env: Environment, seed: int) -> None:
         """Starts the episode of a seed."""
         self.env, self.seed = env, seed
-        self._key = jax.random.key(seed)
-        self.observation, self.state = env.reset(jax.random.fold_in(self._key, 0))
+        self.keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
+        self.observation, self.state = env.reset(self.keys.start())
         self.actions: list[list[int]] = []
         self.returns = np.zeros(env.num_agents)
         self.done = False
@@ -45,8 +46,9 @@ class EpisodePlayer:
             raise ValueError("the episode is over")
         if len(chosen) != self.env.num_agents or not all(0 <= action < self.env.num_actions for action in chosen):
             raise ValueError(f"actions must be {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}, not {chosen}")
-        key = jax.random.fold_in(self._key, len(self.actions) + 1)
-        self.observation, self.state, reward, done, info = self.env.step_env(key, self.state, np.array(chosen, np.int32))
+        self.observation, self.state, reward, done, info = self.env.step_env(
+            self.keys.of_step(len(self.actions)), self.state, np.array(chosen, np.int32)
+        )
         moment = next_moment(self.env, self.state, self.returns, chosen, reward, bool(done), info["events"])
         self.actions.append(chosen)
         self.returns, self.done = moment.snapshot.returns, moment.done

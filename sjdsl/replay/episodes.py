@@ -10,10 +10,10 @@ from jax import Array
 
 from sjdsl.replay.episode import Episode, Observation
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.episode_keys import EpisodeKeys
 from sjdsl.runtime.policy import Policy, take_actions, with_memory
 from sjdsl.runtime.tokens import to_channels
 
-POLICY_STREAM = 2**32 - 1  # folded into the key of an episode for its policy; steps use 0, 1, 2, …
 MAX_BYTES = 256 * 2**20  # of observations held at once, unless one episode has more
 MAX_TOGETHER = 32
 
@@ -56,16 +56,16 @@ def _make_play(env: Environment, policy: Policy, observation: Observation) -> Ca
         return tokens if observation == "tokens" else to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8))
 
     def play(key: Array) -> dict[str, Any]:
-        policy_key = jax.random.fold_in(key, POLICY_STREAM)
+        keys = EpisodeKeys(key, jax.random.fold_in)
 
         def step(carry: Any, number: Array) -> tuple[Any, dict[str, Any]]:
             state, seen, memory = carry
-            memory, actions = take_actions(env, remembering, memory, jax.random.fold_in(policy_key, number), seen, state)
-            seen, state, reward, _, info = env.step_env(jax.random.fold_in(key, number + 1), state, actions)
+            memory, actions = take_actions(env, remembering, memory, keys.of_choices(number), seen, state)
+            seen, state, reward, _, info = env.step_env(keys.of_step(number), state, actions)
             kept = {"terminated": info["terminated"], "truncated": info["truncated"], "events": info["events"]}
             return (state, seen, memory), {**kept, "after": shown(seen), "actions": actions.astype(jnp.int32), "rewards": reward}
 
-        seen, state = env.reset(jax.random.fold_in(key, 0))
+        seen, state = env.reset(keys.start())
         start = (state, seen, remembering.start)
         _, steps = jax.lax.scan(step, start, jnp.arange(env.episode_length, dtype=jnp.uint32))
         return {**steps, "first": shown(seen)}

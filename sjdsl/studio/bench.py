@@ -180,7 +180,7 @@ class Bench:
 
     def _step(self, request: ask.Step) -> Answer:
         shown, episode = self.on_board, self.episode
-        if episode.is_over:
+        if episode.now.is_over:
             raise Refused("the episode is over: go back, or begin it again")
         driven = {self._agent(agent): action for agent, action in request.actions.items()}
         if any(not 0 <= action < len(shown.game.agents.actions) for action in driven.values()):

@@ -1,7 +1,7 @@
 """The episode on the board: every moment so far, and the one that is shown."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
@@ -13,7 +13,7 @@ from sjdsl.properties.trajectory import Scenario, draws_of
 from sjdsl.render.moment import Moment as Drawn
 from sjdsl.render.moment import moment_of
 from sjdsl.trace.episode import Moment, begin, follow
-from sjdsl.trace.jax_random import fold_in, key_of
+from sjdsl.trace.jax_random import keys_of
 
 LONGEST = 5_000  # moments that are kept
 
@@ -39,20 +39,10 @@ class Episode:
     is_put: bool = False
     scenario: Scenario | None = None
     written: int = 0
-    _key: tuple[int, int] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        self._key = key_of(self.seed)
 
     @property
     def now(self) -> Moment:
         return self.moments[self.at]
-
-    @property
-    def is_over(self) -> bool:
-        """Whether the moment that is shown is the last of its episode."""
-        outcome = self.now.outcome
-        return outcome is not None and (outcome.terminated or outcome.truncated)
 
     def step(self, actions: list[int], params: Mapping[str, Value]) -> None:
         """Takes a step from the moment that is shown; what came after is forgotten.
@@ -61,7 +51,7 @@ class Episode:
         """
         if self.at + 1 >= LONGEST:
             raise TooLong(f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again")
-        key = fold_in(self._key, self.now.world.step + 1)
+        key = keys_of(self.seed).of_step(self.now.world.step)
         world, outcome = step(self.game, self.now.world, actions, params, Threefry(*key))
         moment, paid = Moment(self.now.world.step, key, world, (), tuple(actions), frozenset(), outcome), map(float, outcome.reward)
         del self.moments[self.at + 1 :], self.returns[self.at + 1 :]
@@ -110,10 +100,10 @@ def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
 
 def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
     """Returns the start of an episode. Raises LeavesFloat32."""
-    key = fold_in(key_of(seed), 0)
+    key = keys_of(seed).start()
     return Episode(game, seed, [Moment(None, key, copied(reset(game, params, Threefry(*key))), ())], [[0.0] * game.agents.number])
 
 
 def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
     """Returns an episode that goes on from a state."""
-    return Episode(game, seed, [Moment(None, fold_in(key_of(seed), world.step), world, ())], [returns], is_put=True)
+    return Episode(game, seed, [Moment(None, keys_of(seed).of_step(world.step - 1), world, ())], [returns], is_put=True)

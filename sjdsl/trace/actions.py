@@ -1,15 +1,16 @@
 """The actions of a trace: drawn at random, given step by step, or those of a policy."""
 
+from functools import partial
+
 from sjdsl.compiler import ir
 from sjdsl.library.action_names import split_actions
 from sjdsl.near_names import meant
-from sjdsl.trace.choices import scripted_actions
-from sjdsl.trace.episode import Choose, random_actions
+from sjdsl.trace.choices import Chooser, random_actions, scripted_actions
 
 RANDOM = "random"
 
 
-def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Choose, int | None]:
+def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Chooser, int | None]:
     """Returns what the agents do, and for how many steps if that is written down.
 
     Args:
@@ -17,27 +18,27 @@ def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Choose, i
     Raises ValueError: an unknown action, not one for each agent, fewer steps than asked for.
     """
     if text == RANDOM:
-        return random_actions(game), None
+        return partial(random_actions, game), None
     lines = [words for words in (list(filter(None, split_actions(line, r"[,\s]+"))) for line in text.split(";")) if words]
     if not lines:
         raise ValueError(f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}")
     taken = [_step(words, number, game) for number, words in enumerate(lines, 1)]
     if len(taken) == 1:
-        return lambda _number, _key, _world: taken[0], None
+        return lambda _seed: lambda _number, _world: taken[0], None
     if steps is not None and steps > len(taken):
         raise ValueError(f"actions are written for {len(taken)} steps, not for {steps}; name fewer --steps or more actions")
-    return lambda number, _key, _world: taken[number], len(taken)
+    following = iter(taken)  # also in the next episode
+    return lambda _seed: lambda _number, _world: next(following), len(taken)
 
 
-def policy_actions(name: str, game: ir.Game, seed: int) -> Choose:
+def policy_actions(name: str, game: ir.Game) -> Chooser:
     """Returns what agents do that all follow a policy of the game's file. Raises ValueError for one that it does not have."""
     declared = [policy.name for policy in game.policies]
     if name not in declared:
         have = meant(name, declared, "it has") if declared else ""
         trained = "of a trained one `sjdsl record` stores episodes, which `sjdsl replay` shows"
         raise ValueError(f"the file of the game has no policy `{name}` ({trained}){have}")
-    scripted = scripted_actions(game, name, seed)
-    return lambda number, _key, world: scripted(number, world)
+    return partial(scripted_actions, game, name)
 
 
 def _step(words: list[str], number: int, game: ir.Game) -> list[int]:

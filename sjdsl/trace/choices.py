@@ -6,16 +6,16 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.policies.interpreted import choose
-from sjdsl.trace.jax_random import fold_in, key_of, random_numbers
+from sjdsl.trace.jax_random import keys_of, random_numbers
 
-OTHERS = 2**32 - 1  # folded into the seed's key for the agents' choices: the steps have 0, 1, 2, …
 Chosen = Callable[[int, World], list[int]]  # number of the step from 0, state -> an action for each agent
+Chooser = Callable[[int], Chosen]  # seed of an episode -> what the agents do in it
 
 
 def random_actions(game: ir.Game, seed: int) -> Chosen:
     """Returns who draws every action with equal probability, as `sjdsl.render.random_policy` does."""
-    key, count, actions = fold_in(key_of(seed), OTHERS), game.agents.number, len(game.agents.actions)
-    return lambda number, _world: random_numbers(fold_in(key, number), count, actions)
+    keys, count, actions = keys_of(seed), game.agents.number, len(game.agents.actions)
+    return lambda number, _world: random_numbers(keys.of_choices(number), count, actions)
 
 
 def no_actions(game: ir.Game) -> Chosen:
@@ -27,10 +27,10 @@ def no_actions(game: ir.Game) -> Chosen:
 def scripted_actions(game: ir.Game, name: str, seed: int) -> Chosen:
     """Returns who follows a policy of the game's file: what `sjdsl.policies.compiled.scripted_policy` does in the compiled game."""
     policy = next(policy for policy in game.policies if policy.name == name)
-    key, agents = fold_in(key_of(seed), OTHERS), range(game.agents.number)
+    keys, agents = keys_of(seed), range(game.agents.number)
 
     def choose_all(number: int, world: World) -> list[int]:
-        draws = Threefry(*fold_in(key, number))
+        draws = Threefry(*keys.of_choices(number))
         bits = [(draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1)) for agent in agents]
         return [choose(policy, game, world, agent, bits[agent]) for agent in agents]
 

@@ -1,9 +1,9 @@
 """Plays an episode on the reference interpreter and keeps an account of every step.
 
-The draws are those of the compiled game: a trace of a seed is the episode that `sjdsl render` shows for the same seed.
+The draws are those of the compiled game: a trace of a seed is the episode that `sjdsl render` and `sjdsl play` show for the same seed.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
@@ -12,10 +12,9 @@ from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
+from sjdsl.trace.choices import Chooser
 from sjdsl.trace.effects import Effect, effects_of
-from sjdsl.trace.jax_random import Key, RecordedDraws, key_of, random_numbers, split
-
-Choose = Callable[[int, Key, World], list[int]]  # number of the step in the trace, a key for it, state -> an action for each agent
+from sjdsl.trace.jax_random import Key, RecordedDraws, keys_of
 
 
 @dataclass(frozen=True)
@@ -42,25 +41,26 @@ class Moment:
     forbidden: frozenset[int] = frozenset()
     outcome: Outcome | None = None
 
+    @property
+    def is_over(self) -> bool:
+        """Whether the episode ends with it."""
+        return self.outcome is not None and (self.outcome.terminated or self.outcome.truncated)
 
-def random_actions(game: ir.Game) -> Choose:
-    """Returns the policy that draws every action with equal probability."""
-    return lambda _number, key, _world: random_numbers(key, game.agents.number, len(game.agents.actions))
 
-
-def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choose: Choose) -> Iterator[Moment]:
-    """Yields the start and so many steps; after the end of an episode comes the start of the next."""
-    key, reset_key = split(key_of(seed), 2)
-    moment = begin(game, params, reset_key)
-    yield moment
-    for number in range(steps):
-        key, action_key, step_key, reset_key = split(key, 4)
-        moment = follow(game, moment.world, params, step_key, choose(number, action_key, moment.world))
+def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, chooser: Chooser) -> Iterator[Moment]:
+    """Yields the start and so many steps; after the end of an episode comes the start of that of the next seed."""
+    while True:
+        keys, choose = keys_of(seed), chooser(seed)
+        moment = begin(game, params, keys.start())
         yield moment
-        ended = moment.outcome is not None and (moment.outcome.terminated or moment.outcome.truncated)
-        if ended and number + 1 < steps:
-            moment = begin(game, params, reset_key)
+        while steps and not moment.is_over:
+            number = moment.world.step
+            moment = follow(game, moment.world, params, keys.of_step(number), choose(number, moment.world))
             yield moment
+            steps -= 1
+        if not steps:
+            return
+        seed += 1
 
 
 def begin(game: ir.Game, params: Mapping[str, Value], key: Key) -> Moment:

@@ -6,6 +6,7 @@ Source: the counter-based generator of JAX (`jax.random.key`, `split`, `randint`
 from dataclasses import dataclass, field
 
 from sjdsl.interpreter.threefry import WORD, Draws, threefry
+from sjdsl.runtime.episode_keys import EpisodeKeys
 
 JAX_ROUNDS = 20
 
@@ -37,6 +38,11 @@ def split(key: Key, count: int) -> list[Key]:
 def fold_in(key: Key, number: int) -> Key:
     """Returns the key of `jax.random.fold_in(key, number)`."""
     return threefry(key, (0, number & WORD), JAX_ROUNDS)
+
+
+def keys_of(seed: int) -> EpisodeKeys[Key]:
+    """Returns the keys of the episode of a seed."""
+    return EpisodeKeys(key_of(seed), fold_in)
 
 
 def random_numbers(key: Key, count: int, below: int) -> list[int]:

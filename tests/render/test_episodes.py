@@ -15,7 +15,7 @@ import sjdsl
 from sjdsl.cli import run
 from sjdsl.cli.play import compiled
 from sjdsl.cli.policies import choose_policy
-from sjdsl.render import random_policy
+from sjdsl.render import play_moments, random_policy
 from sjdsl.replay import Dataset, DatasetWriter, Episode, EpisodePlayer, Header, RecordingError, load_recording, play_episodes, replayed
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy, mixed_policy
@@ -97,6 +97,19 @@ def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> No
     (episode,) = play_episodes(env, turns, 11, 1)
     _, *steps = compiled(env, turns, 11, repeat({}))
     assert [list(moment.actions) for moment in steps] == episode.actions.tolist()
+
+
+def test_a_film_shows_the_recorded_episodes() -> None:
+    """Those of its seed and of the next ones, each with the policy's memory from the start."""
+    env = sjdsl.make("coins", params={"length": 9})
+    turns = MemoryPolicy(np.int32(0), lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7))
+    recorded = np.concatenate([episode.actions for episode in play_episodes(env, turns, 11, 2)])
+    moments = list(play_moments(env, turns, 15, 11))
+    assert [list(moment.actions) for moment in moments if moment.actions] == recorded[:15].tolist()
+    starts = [number for number, moment in enumerate(moments) if not moment.actions]
+    assert starts == [0, 10]
+    for start, seed in zip(starts, (11, 12), strict=True):
+        assert jax.tree.all(jax.tree.map(np.array_equal, vars(moments[start].snapshot), vars(EpisodePlayer(env, seed).now().snapshot)))
 
 
 def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
