@@ -59,7 +59,7 @@ class MaskedEnvironment(Environment, Protocol):
 
 
 class ObservableEnvironment(Environment, Protocol):
-    """An environment whose whole state a central critic can see."""
+    """An environment whose whole state a central critic can see. `info` of its step also has `terminal_state`, that before a new episode."""
 
     def state_vector(self, state: Any) -> Array:
         """Returns the state as `[K]` float32."""

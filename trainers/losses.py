@@ -22,11 +22,11 @@ Loss = Callable[..., tuple[Array, Metrics]]  # (parameters, apply, batch, config
 class Batch:
     """A rollout to learn from, as M sequences of L steps: L is 1 for networks without memory, T with it.
 
-    A minibatch has some of the sequences, with all agents.
+    A minibatch has some of the sequences, with the agents of one team.
     """
 
     observation: Array  # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, P, V, V]
-    joint: Any  # [L, M, ...] states, for critics of the state, or None; in a minibatch [L, m, ...] what a central critic sees
+    joint: Any  # [L, M, ...] states, for critics of the state, or None; in a minibatch [L, m, ...] the input of a central critic, or None
     fresh: Array  # [L, M] bool
     memory: Memory  # [M, G, ...] before the first of the L steps
     action: Array  # [L, M, N] int32

@@ -81,7 +81,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     def take_steps(learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array) -> Any:
         """Returns the learners, their losses, and the values `[1, M, N]` that the rollout had with their targets."""
         params = tuple(own.params for own in learner)
-        last_value = _value(networks, params, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
+        _, _, last_value = _read(networks, params, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
         batch = make_batch(rollout, memory, last_value, config)
         return *learn_teams(learner, batch, key, networks, config), batch.value, batch.target
 
@@ -158,12 +158,16 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
     def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
         del observation
         truncated = info["truncated"]
-        state = None if networks.state_vector is None else info["terminal_state"]
+        state = None
+        if networks.state_vector is not None:
+            if "terminal_state" not in info:
+                raise ConfigError(f'`{env.name}` gives no terminal_state in the info of a step; choose critic = "observations"')
+            state = info["terminal_state"]
 
         # Most steps end no episode, and then the second forward pass is skipped.
         result: Array = jax.lax.cond(
             truncated.any(),
-            lambda memory, *last: _value(networks, parameters, memory, *last, jnp.zeros_like(truncated)),
+            lambda memory, *last: _read(networks, parameters, memory, *last, jnp.zeros_like(truncated))[2],
             lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
             memory,
             info["terminal_observation"],
@@ -195,11 +199,6 @@ def _read(
     observation, state, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, state, fresh))
     memory, logits, value = networks.apply(parameters, memory, observation, networks.joint(observation, state), fresh)
     return memory, logits[0], value[0]
-
-
-def _value(*given: Any) -> Array:
-    """Returns the values `[B, N]` of `_read`."""
-    return _read(*given)[2]
 
 
 def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOConfig) -> Batch:
@@ -306,10 +305,10 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
     def of_team(leaf: Array) -> Array:
         return leaf[:, indices] if everybody else leaf[:, indices[:, None], agents]
 
-    everybodys = networks.packing.unpack(of_sequences(batch.observation))
+    all_windows = networks.packing.unpack(of_sequences(batch.observation))
     return Batch(
         observation=networks.packing.unpack(of_team(batch.observation)),
-        joint=networks.joint(everybodys, jax.tree.map(of_sequences, batch.joint)),
+        joint=networks.joint(all_windows, jax.tree.map(of_sequences, batch.joint)),
         fresh=of_sequences(batch.fresh),
         memory=jax.tree.map(lambda leaf: leaf[indices], batch.memory),
         action=of_team(batch.action),

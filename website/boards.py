@@ -5,12 +5,13 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, repeat
 from multiprocessing import get_context
 from pathlib import Path
 
 from PIL import Image
 
+from sjdsl.cli.play import interpreted
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.syntax.read import read_source
@@ -23,7 +24,6 @@ from sjdsl.render.episode_page import make_page
 from sjdsl.render.film import save_gif
 from sjdsl.render.look import make_look
 from sjdsl.render.moment import Moment
-from sjdsl.studio.episode import begun
 from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import keys_of
 
@@ -31,7 +31,16 @@ ROOT = Path(__file__).resolve().parents[1]
 STEPS = 40
 SEED = 0
 WIDTH = 400  # pixels of a moving picture, at most
-CODE = ("sjdsl/interpreter", "sjdsl/policies", "sjdsl/render", "website/boards.py")  # what a picture depends on, beside the rules
+# What a picture depends on, beside the rules.
+CODE = (
+    "sjdsl/cli/play.py",
+    "sjdsl/interpreter",
+    "sjdsl/policies",
+    "sjdsl/render",
+    "sjdsl/runtime/episode_keys.py",
+    "sjdsl/trace",
+    "website/boards.py",
+)
 PROCESSES = 2
 
 
@@ -64,15 +73,8 @@ def side_by_side(game: ir.Game, seed: int) -> Chosen:
 
 
 def played(game: ir.Game, steps: int = STEPS, seed: int = SEED) -> Iterator[Moment]:
-    """Yields the moments of one episode, at most so many steps long."""
-    params, chosen = default_params(game), side_by_side(game, seed)
-    episode = begun(game, params, seed)
-    yield episode.drawn(0)
-    for number in range(steps):
-        if episode.is_over:
-            return
-        episode.step(chosen(number, episode.now.world), params)
-        yield episode.drawn(episode.at)
+    """Returns the moments of one episode, at most so many steps long."""
+    return interpreted(game, default_params(game), seed, side_by_side(game, seed), repeat({}, steps))
 
 
 def write(board: Board, folder: Path) -> None:

@@ -19,7 +19,7 @@ from sjdsl.extras import require
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", default=100, show_default=True, help="Steps to play.")
 @policy_option
 @code_option
-@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
+@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; then N + 1, N + 2, ….")
 @click.option("--speed", type=click.FloatRange(min=0.5, max=50), metavar="N", default=8.0, show_default=True, help="Frames a second.")
 @environment_options
 def command(game: str, output: str | None, steps: int, policy: str, seed: int, speed: float, options: EnvironmentOptions) -> None:

@@ -23,7 +23,7 @@ STEPS = 10
 @click.command("trace")
 @click.argument("game")
 @click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; by default {STEPS}, or as many as --actions has.")
-@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode.")
+@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; then N + 1, N + 2, ….")
 @click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`.")
 @click.option("--actions", metavar="A", help="What agents do: random (the default), or 'forward, stay; zap, stay'.")
 @click.option("--policy", metavar="P", help="All agents follow this policy of the game's file.")
@@ -64,8 +64,8 @@ def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None
     """Returns the start and the steps of a trace. Raises ValueError for actions or a policy that don't fit the game."""
     if policy is not None:
         return play(game, values, seed, STEPS if steps is None else steps, policy_actions(policy, game))
-    chooser, written = read_actions(actions, game, steps)
-    return play(game, values, seed, STEPS if steps is None and written is None else steps or written or 0, chooser)
+    choices, written = read_actions(actions, game, steps)
+    return play(game, values, seed, steps if steps is not None else written or STEPS, choices)
 
 
 def known_phases(phases: tuple[str, ...], game: "ir.Game") -> tuple[str, ...]:

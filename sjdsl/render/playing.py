@@ -28,24 +28,23 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Ite
 
 def play_moments(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Iterator[Moment]:
     """Yields every moment of the same episodes, with the actions and the rewards; the arguments are those of `play`."""
-    remembering, left = with_memory(policy), num_steps
+    remembering, played = with_memory(policy), 0
     act = jax.jit(partial(take_actions, env, remembering))
     while True:
         keys, memory = EpisodeKeys(jax.random.key(seed), jax.random.fold_in), remembering.start
         observation, state = env.reset(keys.start())
         moment = first_moment(env, state)
         yield moment
-        for number in range(left):
+        while played < num_steps and not moment.done:
+            number = int(moment.snapshot.step)
             memory, actions = act(memory, keys.of_choices(number), observation, state)
             observation, state, reward, done, info = env.step_env(keys.of_step(number), state, actions)
             moment = next_moment(env, state, moment.snapshot.returns, actions, reward, bool(done), info["events"])
             yield moment
-            if done:
-                break
-        left -= int(moment.snapshot.step)
-        if not left:
+            played += 1
+        if played == num_steps:
             return
-        seed = (seed + 1) % 2**32
+        seed += 1
 
 
 def first_moment(env: Environment, state: Any) -> Moment:

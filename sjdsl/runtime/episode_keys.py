@@ -1,10 +1,10 @@
-"""The keys that the seed of an episode gives: of its start, its steps and the agents' choices, whatever plays or shows it."""
+"""The keys that the seed of an episode gives: for its start, its steps and the agents' choices, whatever plays or shows the episode."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-CHOICES = 2**32 - 1  # folded into the seed's key for what agents choose: the start has 0, the steps 1, 2, 3, …
+CHOICES = 2**32 - 1  # folded into the seed's key for the agents' choices; the start has 0, the steps 1, 2, 3, …
 Key = TypeVar("Key")
 
 
@@ -12,7 +12,7 @@ Key = TypeVar("Key")
 class EpisodeKeys(Generic[Key]):
     """The keys of one episode, by JAX (`jax.random.fold_in`) or in plain integers (`sjdsl.trace.jax_random`).
 
-    key: that of the seed.
+    key: that of the seed. fold_in: `(key, number) -> key`.
     """
 
     key: Key

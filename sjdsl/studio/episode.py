@@ -106,4 +106,5 @@ def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
 
 def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
     """Returns an episode that goes on from a state."""
-    return Episode(game, seed, [Moment(None, keys_of(seed).of_step(world.step - 1), world, ())], [returns], is_put=True)
+    moment = Moment(None, keys_of(seed).start(), world, ())  # nothing reads its key
+    return Episode(game, seed, [moment], [returns], is_put=True)

@@ -1,16 +1,14 @@
 """The actions of a trace: drawn at random, given step by step, or those of a policy."""
 
-from functools import partial
-
 from sjdsl.compiler import ir
 from sjdsl.library.action_names import split_actions
 from sjdsl.near_names import meant
-from sjdsl.trace.choices import Chooser, random_actions, scripted_actions
+from sjdsl.trace.choices import ByEpisode, random_actions, scripted_actions
 
 RANDOM = "random"
 
 
-def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Chooser, int | None]:
+def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[ByEpisode, int | None]:
     """Returns what the agents do, and for how many steps if that is written down.
 
     Args:
@@ -18,27 +16,26 @@ def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[Chooser, 
     Raises ValueError: an unknown action, not one for each agent, fewer steps than asked for.
     """
     if text == RANDOM:
-        return partial(random_actions, game), None
+        return lambda seed, _before: random_actions(game, seed), None
     lines = [words for words in (list(filter(None, split_actions(line, r"[,\s]+"))) for line in text.split(";")) if words]
     if not lines:
         raise ValueError(f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}")
     taken = [_step(words, number, game) for number, words in enumerate(lines, 1)]
     if len(taken) == 1:
-        return lambda _seed: lambda _number, _world: taken[0], None
+        return lambda _seed, _before: lambda _number, _world: taken[0], None
     if steps is not None and steps > len(taken):
         raise ValueError(f"actions are written for {len(taken)} steps, not for {steps}; name fewer --steps or more actions")
-    following = iter(taken)  # also in the next episode
-    return lambda _seed: lambda _number, _world: next(following), len(taken)
+    return lambda _seed, before: lambda number, _world: taken[before + number], len(taken)
 
 
-def policy_actions(name: str, game: ir.Game) -> Chooser:
+def policy_actions(name: str, game: ir.Game) -> ByEpisode:
     """Returns what agents do that all follow a policy of the game's file. Raises ValueError for one that it does not have."""
     declared = [policy.name for policy in game.policies]
     if name not in declared:
         have = meant(name, declared, "it has") if declared else ""
         trained = "of a trained one `sjdsl record` stores episodes, which `sjdsl replay` shows"
         raise ValueError(f"the file of the game has no policy `{name}` ({trained}){have}")
-    return partial(scripted_actions, game, name)
+    return lambda seed, _before: scripted_actions(game, name, seed)
 
 
 def _step(words: list[str], number: int, game: ir.Game) -> list[int]:

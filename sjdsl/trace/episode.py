@@ -12,7 +12,7 @@ from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.trace.choices import Chooser
+from sjdsl.trace.choices import ByEpisode
 from sjdsl.trace.effects import Effect, effects_of
 from sjdsl.trace.jax_random import Key, RecordedDraws, keys_of
 
@@ -47,18 +47,19 @@ class Moment:
         return self.outcome is not None and (self.outcome.terminated or self.outcome.truncated)
 
 
-def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, chooser: Chooser) -> Iterator[Moment]:
+def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choices: ByEpisode) -> Iterator[Moment]:
     """Yields the start and so many steps; after the end of an episode comes the start of that of the next seed."""
+    played = 0
     while True:
-        keys, choose = keys_of(seed), chooser(seed)
+        keys, choose = keys_of(seed), choices(seed, played)
         moment = begin(game, params, keys.start())
         yield moment
-        while steps and not moment.is_over:
+        while played < steps and not moment.is_over:
             number = moment.world.step
             moment = follow(game, moment.world, params, keys.of_step(number), choose(number, moment.world))
             yield moment
-            steps -= 1
-        if not steps:
+            played += 1
+        if played == steps:
             return
         seed += 1
 

@@ -24,9 +24,9 @@ HERE = Path(__file__).parent
 
 def text_of(game_text: str, actions: str, seed: int) -> str:
     made = build(Source("small.sj", game_text))
-    chooser, steps = read_actions(actions, made.game, None)
+    choices, steps = read_actions(actions, made.game, None)
     teller = make_teller(board_of(made.game), Rules(made.sources))
-    moments = play(made.game, default_params(made.game), seed, steps or 1, chooser)
+    moments = play(made.game, default_params(made.game), seed, steps or 1, choices)
     return "".join(f"{line}\n" for moment in moments for line in moment_lines(moment, teller))
 
 

@@ -1,6 +1,5 @@
 """A trace tells all that happened: its changes, one after the other, make each state from the one before."""
 
-from functools import partial
 from pathlib import Path
 
 import jax
@@ -15,7 +14,8 @@ from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World, copied, default_params
 from sjdsl.render.playing import play as play_compiled
 from sjdsl.render.playing import random_policy
-from sjdsl.trace.choices import random_actions
+from sjdsl.trace.actions import RANDOM, read_actions
+from sjdsl.trace.choices import ByEpisode
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, begin, follow, play
 from sjdsl.trace.jax_random import key_of, random_numbers, split
@@ -27,6 +27,10 @@ FILES = [
     *((path, 12) for path in sorted((REPOSITORY / "games").glob("*.sj"))),
     *((path, 30) for folder in ("cases", "differential/games") for path in sorted((REPOSITORY / "tests" / folder).glob("*.sj"))),
 ]
+
+
+def at_random(game: ir.Game) -> ByEpisode:
+    return read_actions(RANDOM, game, None)[0]
 
 
 def put(effect: Effect, game: ir.Game, world: World) -> None:
@@ -110,7 +114,7 @@ def test_changes_make_the_next_state(path: Path, steps: int) -> None:
     game = build(read_source(path)).game
     params = default_params(game)
     world = declared_world(board_of(game), params)
-    for moment in play(game, params, 5, steps, partial(random_actions, game)):
+    for moment in play(game, params, 5, steps, at_random(game)):
         check_step(game, world if moment.number is not None else declared_world(board_of(game), params), moment)
         world = moment.world
 
@@ -129,7 +133,7 @@ def test_a_trace_is_the_episode_that_is_rendered() -> None:
     path = REPOSITORY / "tests/cases/sending.sj"
     env = sjdsl.make(path)
     shots = list(play_compiled(env, random_policy(env), 25, 11))
-    moments = list(play(env.game, default_params(env.game), 11, 25, partial(random_actions, env.game)))
+    moments = list(play(env.game, default_params(env.game), 11, 25, at_random(env.game)))
     assert len(moments) == len(shots) == 28
     for shot, moment in zip(shots, moments, strict=True):
         assert shot.step == moment.world.step
@@ -137,11 +141,25 @@ def test_a_trace_is_the_episode_that_is_rendered() -> None:
         assert shot.heading.tolist() == moment.world.heading
 
 
+def test_written_actions_go_on_in_the_next_episode() -> None:
+    """Of HENS, whose episodes last three steps; the start of the second is that of the next seed."""
+    game = build(Source("hens.sj", HENS)).game
+    choices, steps = read_actions("forward; stay; stay; forward; stay", game, None)
+    assert steps == 5
+    for _ in range(2):  # the same choices serve any number of traces
+        moments = list(play(game, default_params(game), 4, steps, choices))
+        assert [moment.number for moment in moments] == [None, 0, 1, 2, None, 0, 1]
+        names = [game.agents.actions[action] for moment in moments for action in moment.actions]
+        assert names == ["forward", "stay", "stay", "forward", "stay"]
+    (start,) = play(game, default_params(game), 5, 0, choices)
+    assert moments[4].world == start.world
+
+
 def test_the_word_told_is_the_one_that_chose_the_cell() -> None:
     """Agent after agent takes, of the m cells that are left, number floor(w * m / 2^32): section 5 of docs/semantics.md."""
     game = build(Source("seats.sj", SEATS)).game
     for seed in range(5):
-        start = next(iter(play(game, default_params(game), seed, 0, partial(random_actions, game))))
+        start = next(iter(play(game, default_params(game), seed, 0, at_random(game))))
         free = [(row, col) for row in range(2) for col in range(4)]
         told = {effect.owner: effect for turn in start.turns for effect in turn.effects if effect.sort == "place"}
         assert [*told] == [0, 1, 2, 3, 4]
@@ -266,7 +284,7 @@ def test_the_way_told_is_the_one_that_was_drawn() -> None:
     """Of m open cells beside it, north, east, south, west, a mover goes to number floor(w * m / 2^32)."""
     game = build(Source("hens.sj", HENS)).game
     for seed in range(5):
-        start, moment = play(game, default_params(game), seed, 1, partial(random_actions, game))
+        start, moment = play(game, default_params(game), seed, 1, at_random(game))
         (before,), (after,) = start.world.movers["hen"].position, moment.world.movers["hen"].position
         ways = [Cell(before.row + row, before.col + col) for row, col in ((-1, 0), (0, 1), (1, 0), (0, -1))]
         (agent,) = start.world.position
@@ -312,7 +330,7 @@ def test_losers_of_a_lot_are_named() -> None:
     """In every step with two who grab, one has the cell and the other is told who had it; draws of two statements are one lot."""
     game = build(Source("lots.sj", LOTS, None)).game
     teller = make_teller(board_of(game), Rules({"lots.sj": Source("lots.sj", LOTS, None)}))
-    for moment in play(game, default_params(game), 1, 6, lambda _: lambda *_: [1, 1, 2]):
+    for moment in play(game, default_params(game), 1, 6, lambda *_: lambda *_: [1, 1, 2]):
         lines = [line.strip() for line in moment_lines(moment, teller)]
         lost = [line for line in lines if "lost the lot" in line]
         takers = [effect for turn in moment.turns for effect in turn.effects if effect.name == "taker"]
