@@ -167,7 +167,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         # Most steps end no episode, and then the second forward pass is skipped.
         result: Array = jax.lax.cond(
             truncated.any(),
-            lambda memory, *last: _read(networks, parameters, memory, *last, jnp.zeros_like(truncated))[2],
+            lambda memory, last, state: _read(networks, parameters, memory, last, state, jnp.zeros_like(truncated))[2],
             lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
             memory,
             info["terminal_observation"],
