@@ -1,7 +1,13 @@
-"""`sjdsl trace`: agents that follow a policy."""
+"""`sjdsl trace`: agents that follow a policy, and how many steps there are."""
 
 import pytest
 from command_line import Sjdsl
+
+
+def test_no_steps_are_none(sjdsl: Sjdsl) -> None:
+    """Also where actions are written for two; by default all of them are played."""
+    assert "step 0" not in sjdsl("trace", "coins", "--steps", "0", "--actions", "stay; stay").out
+    assert "step 1" in sjdsl("trace", "coins", "--actions", "stay; stay").out
 
 
 @pytest.mark.thorough

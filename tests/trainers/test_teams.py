@@ -55,6 +55,23 @@ def test_a_critic_of_the_state_needs_one() -> None:
         make_train(_Blind(matching()), config)  # type: ignore[arg-type]
 
 
+class _Forgetful(_Blind):
+    """A probe that has a vector of its state, but doesn't tell in which state an episode ended."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.probe, name)
+
+    def step(self, *given: Any) -> Any:
+        *stepped, info = self.probe.step(*given)
+        return *stepped, {name: value for name, value in info.items() if name != "terminal_state"}
+
+
+def test_a_critic_of_the_state_needs_that_of_the_end() -> None:
+    program = make_train(_Forgetful(matching()), quick(**CENTRAL, critic="state"))  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match='`matching` gives no terminal_state in the info of a step; choose critic = "observations"'):
+        jax.eval_shape(lambda key: program.collect(program.init(key)), jax.random.key(0))
+
+
 # numbers of agents
 
 
