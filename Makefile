@@ -36,7 +36,7 @@ run: .venv/ready
 	mkdir -p $(RUN)
 	$(BIN)/sjdsl compile games/clean_up.sj
 	$(BIN)/sjdsl render clean_up --steps 60 -o $(RUN)/clean_up.gif
-	$(BIN)/sjdsl train coins --preset quick --reward common --run $(RUN)/coins --episodes 0
+	$(BIN)/sjdsl train coins --preset two_cores --reward common --run $(RUN)/coins --episodes 0
 	$(BIN)/sjdsl render coins --policy $(RUN)/coins --steps 60 -o $(RUN)/coins.gif
 	$(BIN)/sjdsl evaluate $(RUN)/coins
 
@@ -220,6 +220,5 @@ clean:
 	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(0 if (3, 11) <= v < (3, 15) else f"{sys.executable} is Python {v[0]}.{v[1]}; 3.11 to 3.14 is needed")'
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -r requirements.txt
-	@$(BIN)/python -m compileall -qq -j 0 .venv/lib || true # on all cores, where pip takes one; a package may bring examples of bad syntax
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@

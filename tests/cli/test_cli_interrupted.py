@@ -11,8 +11,8 @@ import psutil
 import pytest
 from command_line import INTERRUPTIBLE
 
-TRAIN = ("train", "orchard.sj", "--preset", "quick", "--run", "run")
-SWEEP = ("sweep", "orchard.sj", "--preset", "quick", "--axis", "reward=individual,common", "--workers", "2", "--run", "sweep")
+TRAIN = ("train", "orchard.sj", "--preset", "two_cores", "--run", "run")
+SWEEP = ("sweep", "orchard.sj", "--preset", "two_cores", "--axis", "reward=individual,common", "--workers", "2", "--run", "sweep")
 
 
 @pytest.mark.thorough

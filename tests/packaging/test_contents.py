@@ -24,7 +24,6 @@ NEEDED = (
     "sjdsl/studio/page/studio.js",
     "sjdsl/library/starter/game.sj.txt",
     "sjdsl/compiler/diagnostics/explain/SJ001.md",
-    "sjdsl/trainers/presets/quick.toml",
 )
 TYPED = """
 import sjdsl

@@ -14,7 +14,7 @@ assert "site-packages" in sjdsl.__file__, sjdsl.__file__
 assert sjdsl.make("coins").num_agents == 2
 assert sjdsl.make("my_game.sj").num_agents == 1
 assert sjdsl.make("territory_open", variant="rooms").num_agents == 9
-assert sjdsl.trainers.load_preset("quick").game == "coins"
+assert sjdsl.trainers.load_preset("two_cores").config.num_steps == 1000
 assert explain("SJ101")
 from sjdsl.studio.tour import games, tour_folder
 assert len(games()) == 6 and all((tour_folder() / name.removeprefix("tour:")).is_file() for name in games())

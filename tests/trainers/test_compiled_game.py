@@ -15,9 +15,9 @@ SMALL = {"num_envs": 4, "num_steps": 10, "total_timesteps": 4 * 10 * 6, "num_min
 
 
 @pytest.mark.slow
-def test_the_quick_preset_runs(tmp_path: Path) -> None:
+def test_a_packaged_preset_runs(tmp_path: Path) -> None:
     """Episodes of 20 steps: three in each environment of the run."""
-    preset = load_preset("quick", SMALL)
+    preset = load_preset("two_cores", SMALL, "coins")
     env = sjdsl.make(preset.game, params={"length": 20}, **preset.environment)
     result = train(env, preset.config, tmp_path / "run", "none")
     assert [row["episodes"] for row in result.rows] == [0, 4, 0, 4, 0, 4]

@@ -19,11 +19,19 @@ RUNS = (*PPO, ("vdn", "common"))
 
 
 def test_a_packaged_preset_and_changes() -> None:
-    quick = load_preset("quick", {"seed": 7, "num_envs": "32"})
-    assert quick.game == "coins"
-    assert (quick.config.seed, quick.config.num_envs, quick.config.reward) == (7, 32, "individual")
+    preset = load_preset("two_cores", {"seed": 7, "num_envs": "32"}, "coins")
+    assert preset.game == "coins"
+    assert (preset.config.seed, preset.config.num_envs, preset.config.reward) == (7, 32, "individual")
     with pytest.raises(ConfigError, match="did you mean `learning_rate`"):
-        load_preset("quick", {"learning_rates": 1})
+        load_preset("two_cores", {"learning_rates": 1})
+
+
+def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('extends = "two_cores"\ngame = "coins"\n[environment]\nnum_agents = 3\n')
+    preset = load_preset(tmp_path / "mine.toml")
+    assert (preset.game, preset.environment, preset.config.total_timesteps) == ("coins", {"num_agents": 3}, 3_000_000)
+    other = load_preset(tmp_path / "mine.toml", game="harvest_open")
+    assert (other.game, other.environment, other.config.total_timesteps) == ("harvest_open", {}, 4_000_000)
 
 
 @pytest.mark.parametrize(
