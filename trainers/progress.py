@@ -5,8 +5,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Literal, Protocol
 
-from rich.console import Console
+from rich.console import Console, Group
+from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.text import Text
 
 from .learning_signs import FIGURES
 from .metrics_files import Row
@@ -47,6 +49,7 @@ def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int
 
 @contextmanager
 def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Show]:
+    """Shows a bar, and below it what agents earn and how they learn: one line would be too long for most terminals."""
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -54,17 +57,20 @@ def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Show]:
         TimeElapsedColumn(),
         TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(compact=True),
-        TextColumn("{task.fields[outcome]}"),
     )
-    with Progress(*columns) as display:
-        task = display.add_task(title, total=num_updates, speed="", outcome=COMPILING)
+    progress, below = Progress(*columns), Text(COMPILING)
+    task = progress.add_task(title, total=num_updates, speed="")
+    outcome = NO_EPISODE
 
-        def show(row: Row, warnings: Sequence[str] = ()) -> None:
-            for warning in warnings:
-                display.console.print(f"warning: {warning}", markup=False, highlight=False)
-            outcome = _outcome(row) or display.tasks[task].fields["outcome"].replace(COMPILING, NO_EPISODE)
-            display.update(task, completed=row["update"], speed=f"{rate(row, seeds):,.0f} steps/s, {_share(row)}", outcome=outcome)
+    def show(row: Row, warnings: Sequence[str] = ()) -> None:
+        nonlocal outcome
+        for warning in warnings:
+            progress.console.print(f"warning: {warning}", markup=False, highlight=False)
+        outcome = _outcome(row) or outcome
+        progress.update(task, completed=row["update"], speed=f"{rate(row, seeds):,.0f} steps/s")
+        below.plain = f"{outcome}{_learning(row)}, {_share(row)}"
 
+    with Live(Group(progress, below), console=progress.console):
         yield show
 
 
@@ -82,10 +88,9 @@ def _lines(num_updates: int, seeds: int) -> Show:
             return
         printed = now
         left = row["seconds"] / row["update"] * (num_updates - row["update"])
-        learning = "".join(f", {label} {row[name]:.3g}" for name, label in FIGURES.items() if name in row)
         print(
             f"update {row['update']:>{len(str(num_updates))}}/{num_updates}  {row['env_steps']:>11,} steps  "
-            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{learning}",
+            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{_learning(row)}",
             flush=True,
         )
 
@@ -106,3 +111,8 @@ def _share(row: Row) -> str:
 def _outcome(row: Row) -> str:
     """Returns the return of the episodes that ended in an update and that before learning, or "" if none ended."""
     return f"collective return {row['collective_return']:.1f} (before learning {row['before_learning']:.1f})" if row["episodes"] > 0 else ""
+
+
+def _learning(row: Row) -> str:
+    """Returns the figures that say whether a network learns, such as the entropy of its policy, each after a comma."""
+    return "".join(f", {label} {row[name]:.3g}" for name, label in FIGURES.items() if name in row)

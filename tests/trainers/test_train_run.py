@@ -18,7 +18,7 @@ from sjdsl.trainers import Result, RunError, evaluate, load_policy, make_config,
 from sjdsl.trainers.compiled import compile_train
 from sjdsl.trainers.device import device_name
 from sjdsl.trainers.learning_curve import draw_learning_curve
-from sjdsl.trainers.progress import show_progress
+from sjdsl.trainers.progress import ProgressStyle, show_progress
 
 CONFIG = make_config({**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_updates": 8, "policy_every": 8, "seed": 5})
 
@@ -184,8 +184,8 @@ def test_several_seeds_that_all_diverge(tmp_path: Path, monkeypatch: pytest.Monk
         assert _updates_of(run_dir / seed, "last") == 9.0
 
 
-def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
-    with show_progress("lines", 3, "a run", seeds=2) as show:
+def _show_three_updates(style: ProgressStyle) -> None:
+    with show_progress(style, 3, "a run", seeds=2) as show:
         for update, episodes in ((1, 0), (2, 4), (3, 0)):
             show(
                 {
@@ -202,6 +202,10 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
                 },
                 ["nobody was rewarded"] if update == 2 else [],
             )
+
+
+def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    _show_three_updates("lines")
     printed = capsys.readouterr().out.splitlines()  # the second update comes too soon after the first
     title, first, warning, last = (" ".join(line.split()) for line in printed)
     assert title == "a run: compiling"
@@ -211,6 +215,16 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
     )
     assert warning == "warning: nobody was rewarded", "also in an update that is not shown"
     assert last.endswith("learning 75 % 0 s left collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004")
+
+
+def test_the_bar_of_a_terminal_says_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+    _show_three_updates("bar")
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.startswith("warning: nobody was rewarded a run")
+    assert "3/3" in said
+    assert said.endswith(
+        "1,333 steps/s 00:00 collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004, acting 25 % of the time, learning 75 %"
+    )
 
 
 @pytest.mark.thorough
