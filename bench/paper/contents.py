@@ -1,15 +1,16 @@
 """The games on the page of results: those of the paper and others, as they were played, with the rows of each."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from bench.paper import published
 from sjdsl.results.bundled import numbers_now, rules_now
 from sjdsl.results.figures import Cell
-from sjdsl.results.selecting import SHARED, Setting, cell_of, games, select
+from sjdsl.results.selecting import SHARED, Setting, cell_of, games, seeds_of, select
 
 # Ways of training, by the columns that define them.
 Way = Mapping[str, Any]
@@ -32,6 +33,7 @@ class Game:
     variant: str  # in which it was, or is to be, trained
     setting: Setting | None
     rows: pd.DataFrame
+    others: pd.DataFrame  # of the same game and variant, with other numbers
 
     @property
     def published(self) -> str:
@@ -42,6 +44,19 @@ class Game:
     def cell(self, way: Way, figure: str = "collective_return") -> Cell | None:
         """Returns the return of a way of training, or another figure; None if there is none."""
         return cell_of(select(self.rows, **way), figure)
+
+    def like(self, way: str) -> "Game":
+        """Returns the game with only the seeds that had the numbers of one way of training, so that they can be compared.
+
+        Args:
+          way: an algorithm or reward. The released configurations of some set other numbers; what was trained with these is in `others`.
+        """
+        numbers = published.params(self.published, way, way)
+        if not numbers:
+            return self
+        same = [published.params(row.game, row.algorithm, row.reward) == numbers for row in self.rows.itertuples()]
+        more = [_numbers(params) == numbers for params in self.others.params]
+        return replace(self, rows=pd.concat([self.rows[np.array(same, bool)], self.others[np.array(more, bool)]]))
 
     @property
     def by_weight(self) -> dict[float, Cell]:
@@ -71,9 +86,9 @@ class Game:
 
     @property
     def by_ratio(self) -> dict[float, Cell]:
-        """The cells of exchanged rewards by ratio."""
-        others = self.rows[self.rows.reward == "exchange"].exchange_ratio.dropna()
-        cells = {ratio: self.cell(exchanged(ratio)) for ratio in sorted({*RATIOS, *map(float, others)})}
+        """The cells of exchanged rewards by ratio, all with the same numbers."""
+        same, others = self.like("exchange"), self.rows[self.rows.reward == "exchange"].exchange_ratio.dropna()
+        cells = {ratio: same.cell(exchanged(ratio)) for ratio in sorted({*RATIOS, *map(float, others)})}
         return {ratio: cell for ratio, cell in cells.items() if cell is not None}
 
 
@@ -118,11 +133,14 @@ def _numbers(params: str) -> dict[str, float] | None:
 
 def games_of(frame: pd.DataFrame) -> list[Game]:
     """Returns the trained games and those of the paper, in its order, then others by name."""
-    found = [Game(setting.game, setting.label, setting.variant, setting, rows) for setting, rows in games(frame)]
+    found = []
+    for setting, rows in games(frame):
+        others = select(seeds_of(frame), game=setting.game, hash=setting.hash, variant=setting.variant)
+        found.append(Game(setting.game, setting.label, setting.variant, setting, rows, others[others.params != setting.params]))
     there = {game.published for game in found}
     none = frame.iloc[:0]
     wanted = {name: published.variant(name) for name in published.suite() if name not in there}
-    found += [Game(name, f"{name}, variant {variant}", variant, None, none) for name, variant in wanted.items()]
+    found += [Game(name, f"{name}, variant {variant}", variant, None, none, none) for name, variant in wanted.items()]
     return sorted(found, key=lambda game: (in_order(game.name), game.label))
 
 

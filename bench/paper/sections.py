@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import pandas as pd
 
@@ -45,19 +46,22 @@ ANGLES = (0.0, 22.5, 45.0, 67.5, 90.0)  # degrees
 
 @dataclass(frozen=True)
 class Compared:
-    """A way of training that is compared with another: its name, and its results here and in the paper."""
+    """A way of training that is compared with another: its name, its reward, and its results here and in the paper."""
 
     name: str
+    reward: str
     ours: Callable[[Game], Cell | None]
     theirs: Callable[[str], Printed | None]
 
 
 def _exchange(ratio: float, name: str) -> Compared:
-    return Compared(name, lambda game: game.cell(exchanged(ratio)), lambda game: published.exchange(game).get(ratio))
+    return Compared(
+        name, str(exchanged(ratio)["reward"]), lambda game: game.cell(exchanged(ratio)), lambda game: published.exchange(game).get(ratio)
+    )
 
 
 def _angle(angle: float) -> Compared:
-    return Compared(f"SVO {angle:g}°", lambda game: game.by_angle[1].get(angle), lambda game: published.svo(game).get(angle))
+    return Compared(f"SVO {angle:g}°", "svo", lambda game: game.by_angle[1].get(angle), lambda game: published.svo(game).get(angle))
 
 
 AT_NINETY = replace(_angle(PROSOCIAL), ours=lambda game: game.at_chosen_weight[1])
@@ -69,7 +73,14 @@ def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the first section of the page: one line for each claim."""
     suite = {game.published: game for game in games if game.published}
     found = [_order(suite, more, less) for more, less in PAIRS]
-    found.append(("The diagram of trained agents is a dilemma with the paper's fear or greed", "in 9 games", _dilemmas(suite, frame)))
+    found.append(
+        ("The 95 % rule chooses the ratio that it chose there", "in 9 games", {name: _same_ratio(game) for name, game in suite.items()})
+    )
+    trained = _trained_diagrams(suite, frame)
+    is_one = {name: _verdict(row, lambda _: True) for name, row in trained.items()}
+    found.append(("The diagram of trained agents is a dilemma", "in 9 games", is_one))
+    as_theirs = {name: _verdict(row, lambda row: row[published.shape(row.game)["shape"]]) for name, row in trained.items()}
+    found.append(("It is a dilemma with the paper's fear or greed", "in 9 games", as_theirs))
     alike = {name: _alike(game) for name, game in suite.items()}
     found.append(("IPPO with shared and with separate parameters converge alike", "stated, without figures", alike))
     rows = []
@@ -89,7 +100,8 @@ def _order(suite: Mapping[str, Game], more: Compared, less: Compared) -> tuple[s
             margin = (first.deviation or 0) + (second.deviation or 0) or 0.05 * max(first.mean, second.mean)
             difference = first.mean - second.mean
             signs |= {name: 1 if difference > 0 else -1} if abs(difference) > margin else {}
-    verdicts = {name: _sign(more.ours(suite[name]), less.ours(suite[name]), sign) for name, sign in signs.items()}
+    alike = {name: suite[name].like(more.reward) for name in signs}
+    verdicts = {name: _sign(more.ours(alike[name]), less.ours(alike[name]), sign) for name, sign in signs.items()}
     other = [name for name, sign in signs.items() if sign < 0]
     theirs = f"in {len(signs) - len(other)} games" + (f", and less in {', '.join(other)}" if other else "")
     return f"{more.name} earns more than {less.name}", theirs, verdicts
@@ -104,19 +116,32 @@ def _sign(more: Cell | None, less: Cell | None, wanted: int) -> str:
     return HOLDS if found.difference * wanted > 0 else FAILS
 
 
-def _dilemmas(suite: Iterable[str], frame: pd.DataFrame) -> dict[str, str]:
+def _same_ratio(game: Game) -> str:
+    """Returns the verdict on whether the 95 % rule chooses the paper's ratio: in which share of resamplings of seeds it does.
+
+    UNKNOWN unless several seeds of all the paper's ratios were run.
+    """
+    cells = game.by_ratio
+    if any(ratio not in cells or len(cells[ratio].values) < 2 for ratio in RATIOS):
+        return UNKNOWN
+    share = choice_frequencies({ratio: cells[ratio].values for ratio in RATIOS}).get(published.exchange_chosen(game.published), 0.0)
+    return HOLDS if share >= 1 - SURE else FAILS if share < SURE else UNDECIDED
+
+
+def _trained_diagrams(suite: Iterable[str], frame: pd.DataFrame) -> dict[str, Any]:
+    """Returns the diagram of trained pools of each game: of several, that over the most seeds; None where there is none."""
     trained = [row for row in of_record(frame, "diagram") if row.unit == TRAINED and _of_the_paper(row)]
-    found = {row.game: row for row in sorted(trained, key=lambda row: row.units)}  # of several, that over the most seeds
-    verdicts = {}
-    for name in suite:
-        row = found.get(name)
-        if row is None:
-            verdicts[name] = UNKNOWN
-        elif row.outcome == "dilemma":
-            verdicts[name] = HOLDS if row[published.shape(name)["shape"]] else UNDECIDED
-        else:
-            verdicts[name] = UNDECIDED if row.outcome == UNDECIDED else FAILS
-    return verdicts
+    found = {row.game: row for row in sorted(trained, key=lambda row: row.units)}
+    return {name: found.get(name) for name in suite}
+
+
+def _verdict(row: Any, as_claimed: Callable[[Any], bool]) -> str:
+    """Returns the verdict on a claim about the dilemma of a diagram; a dilemma that isn't as claimed may be as claimed too, with more seeds."""
+    if row is None:
+        return UNKNOWN
+    if row.outcome == "dilemma":
+        return HOLDS if as_claimed(row) else UNDECIDED
+    return UNDECIDED if row.outcome == UNDECIDED else FAILS
 
 
 def _of_the_paper(row: pd.Series) -> bool:
@@ -178,7 +203,7 @@ def sharing(games: Sequence[Game]) -> Section:
 
 def mappo(games: Sequence[Game]) -> Section:
     """Returns the section of IPPO and MAPPO with common reward."""
-    lines = [((game.label,), game.cell(COMMON), game.cell(MAPPO)) for game in games if game.cell(MAPPO) is not None]
+    lines = [((game.label,), game.like("mappo").cell(COMMON), game.cell(MAPPO)) for game in games if game.cell(MAPPO) is not None]
     table = compared_table("mappo", "Collective return with common reward", ("game",), ("IPPO", "MAPPO"), lines)
     return Section("IPPO and MAPPO", (), (table,) if lines else ())
 
@@ -309,16 +334,15 @@ def metrics(games: Sequence[Game]) -> Section:
             continue
         ratios = {ratio: cell for ratio, cell in game.by_ratio.items() if ratio > 0 and cell.estimate is not None}
         weight, prosocial = game.at_chosen_weight
-        columns: list[Way | None] = [INDIVIDUAL, COMMON, MAPPO, VDN, None, None]
+        cells = [_scaled(game, metric, way) for way in (INDIVIDUAL, COMMON, MAPPO, VDN)] + [None, None]
         chosen = []
         if set(ratios) - {1.0}:
             best = max(ratios, key=lambda ratio: ratios[ratio].estimate.mean)
-            columns[4] = exchanged(best)
+            cells[4] = _scaled(game.like("exchange"), metric, exchanged(best))
             chosen.append(f"ratio {best:g}, the best of {len(ratios)}")
         if prosocial is not None:
-            columns[5] = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": prosocial.run}
+            cells[5] = _scaled(game, metric, {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": prosocial.run})
             chosen.append(f"weight {weight:g}, {tried_weights(game)}")
-        cells = [None if way is None else _scaled(game, metric, way) for way in columns]
         printed = [metric.printed[column] for column in published.metric_columns()]
         lines += beside(game.label, cells, printed, (metric.what, "; ".join(chosen)))
     headings = ("game", "", *published.metric_columns(), "figure", "chosen", BEHIND)

@@ -1,5 +1,6 @@
 """The page of results beside the paper: what its cells and findings say."""
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from report_folders import (
 )
 
 from bench.paper import __main__ as paper
-from bench.paper.contents import under_the_papers_rules
+from bench.paper.contents import INDIVIDUAL, games_of, under_the_papers_rules
 from bench.paper.speeds import FILES, read_speeds
 
 ROOT = Path(__file__).parents[2]
@@ -55,6 +56,23 @@ def test_ore_in_coop_mining_is_that_of_each_released_configuration() -> None:
     row = {"record": "seed", "game": "coop_mining", "variant": "socialjax", "algorithm": "ippo"}
     frame = pd.DataFrame([{**row, "reward": reward, "params": params} for reward, params in runs])
     assert under_the_papers_rules(frame).params.to_list() == ["", twice, "", "spawn_gold=8e-05 spawn_iron=0.0002"]
+
+
+def test_claims_compare_seeds_with_the_same_ore() -> None:
+    """Exchange was released with twice the ore, so its ratios 0 and 1 are the runs of individual and common reward with twice the ore."""
+    twice = "spawn_gold=0.00016 spawn_iron=0.0004"
+    runs = [("individual", "", 1.0), ("common", "", 2.0), ("exchange", twice, 3.0), ("individual", twice, 4.0)]
+    columns = {"record": "seed", "game": "coop_mining", "hash": "c0", "variant": "socialjax", "map": "", "num_agents": 6, "status": "done"}
+    columns |= {"algorithm": "ippo", "sharing": "shared", "steps": 10, "preset": "", "hardware": "", "settings": "{}"}
+    rows = [
+        {**columns, "reward": reward, "params": params, "run": f"{reward} {params}", "exchange_ratio": 0.5, "collective_return": earned}
+        for reward, params, earned in runs
+    ]
+    game = next(game for game in games_of(under_the_papers_rules(pd.DataFrame(rows))) if game.published == "coop_mining")
+    assert {ratio: cell.values for ratio, cell in game.by_ratio.items()} == {0.0: (4.0,), 0.5: (3.0,)}
+    cell = game.cell(INDIVIDUAL)
+    assert cell is not None
+    assert cell.values == (1.0,)
 
 
 def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
@@ -111,6 +129,36 @@ def test_of_several_diagrams_the_one_over_the_most_seeds_counts(tmp_path: Path) 
         write_diagram(tmp_path / pools, "coins", contrasts, outcome, rules=PAPERS["rules"], agents=2, pools=pools, seeds=seeds)
     line = next(line for line in page_of(tmp_path).splitlines() if line.startswith("| The diagram of trained agents"))
     assert "holds: coins" in line
+
+
+def test_a_dilemma_by_greed_alone_is_a_dilemma_but_may_not_be_the_papers(tmp_path: Path) -> None:
+    write_run(tmp_path / "run", "coins", (1.0, 2.0), **PAPERS)
+    contrasts = dict.fromkeys(("A", "B", "greed"), (3.0, 2.0, 4.0)) | {"fear": (0.0, -1.0, 1.0)}
+    write_diagram(tmp_path / "diagram", "coins", contrasts, "dilemma", rules=PAPERS["rules"], agents=2)
+    assert verdict_on(page_of(tmp_path), "The diagram of trained agents is a dilemma") == "holds"
+    assert verdict_on(page_of(tmp_path), "It is a dilemma with the paper's fear or greed") == "undecided"
+
+
+@pytest.mark.parametrize(
+    ("last", "verdict"),
+    [((150.0, 150.0), "holds"), ((190.0, 190.0), "does not hold"), ((150.0, 190.0), "undecided"), (None, "not run")],
+)
+def test_the_ratio_that_is_chosen_is_compared_with_the_papers(tmp_path: Path, last: tuple[float, ...] | None, verdict: str) -> None:
+    """The paper's is 1/2; if only common reward earns nearly the most, it is 1."""
+    earned = {0.0: (10.0, 10.0), 0.25: (50.0, 50.0), 0.5: (150.0, 150.0), 0.75: (150.0, 150.0), 1.0: last}
+    for ratio, returns in earned.items():
+        way: dict[str, Any] = {0.0: {"reward": "individual"}, 1.0: {"reward": "common"}}.get(
+            ratio, {"reward": "exchange", "exchange_ratio": ratio}
+        )
+        if returns is not None:
+            write_run(tmp_path / f"{ratio}", "coins", returns, **way, **PAPERS)
+    assert verdict_on(page_of(tmp_path), "The 95 % rule chooses") == verdict
+
+
+def verdict_on(page: str, claim: str) -> str:
+    """Returns the verdict on a claim in Coins."""
+    line = next(line for line in page.splitlines() if line.startswith(f"| {claim}"))
+    return next(one for one in ("holds", "does not hold", "undecided", "not run") if re.search(rf"[|;] {one}: (all|[^;|]*coins)", line))
 
 
 def test_speeds_are_taken_in_and_stand_beside_the_published_ones(tmp_path: Path) -> None:
