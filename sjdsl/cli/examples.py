@@ -25,7 +25,7 @@ EXAMPLES = {
     "record": ("sjdsl record clean_up --episodes 100", "sjdsl record coins --policy runs/coins@best -o coins.npz"),
     "render": ("sjdsl render clean_up -o clean_up.gif", "sjdsl render my_game.sj --policy runs/mine@best --steps 200 -o mine.html"),
     "replay": ("sjdsl replay first.json", "sjdsl replay clean_up.npz --episode 7 -o seventh.gif"),
-    "report": ("sjdsl report runs -o report", "sjdsl report report/data runs/more -o report"),
+    "report": ("sjdsl report runs -o report", "sjdsl report report/data runs/more -o report_2"),
     "schelling": (
         "sjdsl schelling coins --cooperators cooperator --defectors defector",
         "sjdsl schelling coins --cooperators runs/common --defectors runs/individual",
