@@ -125,13 +125,14 @@ def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[
 def section_over_games(scores: Scores, what: str, chosen: Sequence[str]) -> Section:
     """Returns the section on ways of training with at least two seeds in each of the chosen games; surplus seeds are left out."""
     text = [
-        f"{what} The 95 % intervals are from resampling the seeds of each game (stratified bootstrap). None of this applies to a single game."
+        f"{what} The 95 % intervals are from resampling the seeds of each game (stratified bootstrap). Scores describe the games together, not "
+        "any one of them."
     ]
-    tables, behind, remarks = {}, {}, []
+    tables, behind, remarks, left_out = {}, {}, [], []
     for way in sorted({way for found in scores.values() for way in found}):
-        lacking = [game for game in chosen if way not in scores[game]]
-        if lacking:
-            remarks.append(f"* {way} is left out: it lacks {', '.join(lacking)}.")
+        there = sum(way in scores[game] for game in chosen)
+        if there < len(chosen):
+            left_out.append(f"{way} ({there} of {len(chosen)})")
             continue
         cells, values = zip(*(scores[game][way] for game in chosen), strict=True)
         fewest = min(map(len, values))
@@ -145,7 +146,9 @@ def section_over_games(scores: Scores, what: str, chosen: Sequence[str]) -> Sect
     if len(chosen) < 2 or not tables:
         none = "Too few results yet: this takes at least two games with a random policy, and a way of training with two seeds in each."
         return Section("Over games", (*text, none))
-    text += [f"Games: {', '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
+    if left_out:
+        remarks.append(f"* Left out, because they were not run in all of these games: {'; '.join(left_out)}.")
+    text += [f"Games: {'; '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
     means = [(way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()]
     made = [Table("over_games", "Interquartile mean of the scores", ("way of training", "interquartile mean", BEHIND), means)]
     if len(tables) > 1:

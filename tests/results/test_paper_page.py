@@ -119,7 +119,7 @@ def test_scores_are_over_all_games_even_if_more_could_be_compared_in_some(tmp_pa
         text = page_of(tmp_path)
     (scores,) = means.call_args.args
     assert {way: own.shape for way, own in scores.items()} == {"IPPO, common": (2, 3)}
-    assert "IPPO, exchange 0.5 is left out: it lacks clean_up" in text
+    assert "not run in all of these games: IPPO, exchange 0.25 (2 of 3); IPPO, exchange 0.5 (2 of 3)" in text
 
 
 def test_of_several_diagrams_the_one_over_the_most_seeds_counts(tmp_path: Path) -> None:
