@@ -201,6 +201,7 @@ results: .venv/ready
 
 # Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md: about 30 minutes.
 diagrams: .venv/ready
+	mkdir -p runs/diagrams
 	for game in $(NINE) $(OURS); do \
 	  $(BIN)/sjdsl schelling $$game --cooperators cooperator --defectors defector --episodes 200 -o runs/diagrams/$$game && \
 	  mkdir -p docs/schelling/$$game && cp runs/diagrams/$$game/schelling.json runs/diagrams/$$game/schelling.svg docs/schelling/$$game/ || exit 1; \
