@@ -135,7 +135,8 @@ def games_of(frame: pd.DataFrame) -> list[Game]:
     """Returns the trained games and those of the paper, in its order, then others by name."""
     found = []
     for setting, rows in games(frame):
-        others = select(seeds_of(frame), game=setting.game, hash=setting.hash, variant=setting.variant)
+        same = {name: value for name, value in setting._asdict().items() if name != "params"}
+        others = select(seeds_of(frame), **same)
         found.append(Game(setting.game, setting.label, setting.variant, setting, rows, others[others.params != setting.params]))
     there = {game.published for game in found}
     none = frame.iloc[:0]

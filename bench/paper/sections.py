@@ -77,9 +77,9 @@ def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         ("The 95 % rule chooses the ratio that it chose there", "in 9 games", {name: _same_ratio(game) for name, game in suite.items()})
     )
     trained = _trained_diagrams(suite, frame)
-    is_one = {name: _verdict(row, lambda _: True) for name, row in trained.items()}
+    is_one = {name: _verdict(row) for name, row in trained.items()}
     found.append(("The diagram of trained agents is a dilemma", "in 9 games", is_one))
-    as_theirs = {name: _verdict(row, lambda row: row[published.shape(row.game)["shape"]]) for name, row in trained.items()}
+    as_theirs = {name: _verdict(row, published.shape(name)["shape"]) for name, row in trained.items()}
     found.append(("It is a dilemma with the paper's fear or greed", "in 9 games", as_theirs))
     alike = {name: _alike(game) for name, game in suite.items()}
     found.append(("IPPO with shared and with separate parameters converge alike", "stated, without figures", alike))
@@ -122,7 +122,7 @@ def _same_ratio(game: Game) -> str:
     UNKNOWN unless several seeds of all the paper's ratios were run.
     """
     cells = game.by_ratio
-    if any(ratio not in cells or len(cells[ratio].values) < 2 for ratio in RATIOS):
+    if any(ratio not in cells or cells[ratio].estimate is None or len(cells[ratio].values) < 2 for ratio in RATIOS):
         return UNKNOWN
     share = choice_frequencies({ratio: cells[ratio].values for ratio in RATIOS}).get(published.exchange_chosen(game.published), 0.0)
     return HOLDS if share >= 1 - SURE else FAILS if share < SURE else UNDECIDED
@@ -135,12 +135,14 @@ def _trained_diagrams(suite: Iterable[str], frame: pd.DataFrame) -> dict[str, An
     return {name: found.get(name) for name in suite}
 
 
-def _verdict(row: Any, as_claimed: Callable[[Any], bool]) -> str:
-    """Returns the verdict on a claim about the dilemma of a diagram; a dilemma that isn't as claimed may be as claimed too, with more seeds."""
+def _verdict(row: Any, shape: str = "") -> str:
+    """Returns the verdict on the claim that a diagram is a dilemma, and one with fear or greed if `shape` says so."""
     if row is None:
         return UNKNOWN
     if row.outcome == "dilemma":
-        return HOLDS if as_claimed(row) else UNDECIDED
+        if not shape or row[shape]:
+            return HOLDS
+        return FAILS if row[f"{shape}_high"] <= 0 else UNDECIDED
     return UNDECIDED if row.outcome == UNDECIDED else FAILS
 
 

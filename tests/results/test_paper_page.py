@@ -131,12 +131,15 @@ def test_of_several_diagrams_the_one_over_the_most_seeds_counts(tmp_path: Path) 
     assert "holds: coins" in line
 
 
-def test_a_dilemma_by_greed_alone_is_a_dilemma_but_may_not_be_the_papers(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("fear", "verdict"), [((0.0, -1.0, 1.0), "undecided"), ((-2.0, -3.0, -1.0), "does not hold")])
+def test_a_dilemma_by_greed_alone_is_a_dilemma_but_may_not_be_the_papers(
+    tmp_path: Path, fear: tuple[float, float, float], verdict: str
+) -> None:
     write_run(tmp_path / "run", "coins", (1.0, 2.0), **PAPERS)
-    contrasts = dict.fromkeys(("A", "B", "greed"), (3.0, 2.0, 4.0)) | {"fear": (0.0, -1.0, 1.0)}
+    contrasts = dict.fromkeys(("A", "B", "greed"), (3.0, 2.0, 4.0)) | {"fear": fear}
     write_diagram(tmp_path / "diagram", "coins", contrasts, "dilemma", rules=PAPERS["rules"], agents=2)
     assert verdict_on(page_of(tmp_path), "The diagram of trained agents is a dilemma") == "holds"
-    assert verdict_on(page_of(tmp_path), "It is a dilemma with the paper's fear or greed") == "undecided"
+    assert verdict_on(page_of(tmp_path), "It is a dilemma with the paper's fear or greed") == verdict
 
 
 @pytest.mark.parametrize(
