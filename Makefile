@@ -220,6 +220,7 @@ clean:
 	@test -n "$(PYTHON)" || { echo "no Python 3.11 to 3.14 with venv was found; name one: make PYTHON=/path/to/python"; exit 1; }
 	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(0 if (3, 11) <= v < (3, 15) else f"{sys.executable} is Python {v[0]}.{v[1]}; 3.11 to 3.14 is needed")'
 	$(PYTHON) -m venv .venv
+	@# Python compiles modules when they are imported; most of what pip would compile never is.
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -r requirements.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@

@@ -73,14 +73,12 @@ def findings(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the first section of the page: one line for each claim."""
     suite = {game.published: game for game in games if game.published}
     found = [_order(suite, more, less) for more, less in PAIRS]
-    found.append(
-        ("The 95 % rule chooses the ratio that it chose there", "in 9 games", {name: _same_ratio(game) for name, game in suite.items()})
-    )
+    found.append(("The 95 % rule chooses the paper's ratio", "in 9 games", {name: _same_ratio(game) for name, game in suite.items()}))
     trained = _trained_diagrams(suite, frame)
     is_one = {name: _verdict(row) for name, row in trained.items()}
     found.append(("The diagram of trained agents is a dilemma", "in 9 games", is_one))
     as_theirs = {name: _verdict(row, published.shape(name)["shape"]) for name, row in trained.items()}
-    found.append(("It is a dilemma with the paper's fear or greed", "in 9 games", as_theirs))
+    found.append(("The diagram of trained agents is a dilemma with the paper's fear or greed", "in 9 games", as_theirs))
     alike = {name: _alike(game) for name, game in suite.items()}
     found.append(("IPPO with shared and with separate parameters converge alike", "stated, without figures", alike))
     rows = []

@@ -139,7 +139,7 @@ def test_a_dilemma_by_greed_alone_is_a_dilemma_but_may_not_be_the_papers(
     contrasts = dict.fromkeys(("A", "B", "greed"), (3.0, 2.0, 4.0)) | {"fear": fear}
     write_diagram(tmp_path / "diagram", "coins", contrasts, "dilemma", rules=PAPERS["rules"], agents=2)
     assert verdict_on(page_of(tmp_path), "The diagram of trained agents is a dilemma") == "holds"
-    assert verdict_on(page_of(tmp_path), "It is a dilemma with the paper's fear or greed") == verdict
+    assert verdict_on(page_of(tmp_path), "The diagram of trained agents is a dilemma with the paper's fear or greed") == verdict
 
 
 @pytest.mark.parametrize(
@@ -155,12 +155,12 @@ def test_the_ratio_that_is_chosen_is_compared_with_the_papers(tmp_path: Path, la
         )
         if returns is not None:
             write_run(tmp_path / f"{ratio}", "coins", returns, **way, **PAPERS)
-    assert verdict_on(page_of(tmp_path), "The 95 % rule chooses") == verdict
+    assert verdict_on(page_of(tmp_path), "The 95 % rule chooses the paper's ratio") == verdict
 
 
 def verdict_on(page: str, claim: str) -> str:
     """Returns the verdict on a claim in Coins."""
-    line = next(line for line in page.splitlines() if line.startswith(f"| {claim}"))
+    line = next(line for line in page.splitlines() if line.startswith(f"| {claim} |"))
     return next(one for one in ("holds", "does not hold", "undecided", "not run") if re.search(rf"[|;] {one}: (all|[^;|]*coins)", line))
 
 
