@@ -173,9 +173,12 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     random = {(row.game, row.hash): row for row in of_record(frame, "random")}
     lines: list[tuple[tuple[str, ...], Cell | None, Cell | None]] = []
     for game in games:
+        own, common = game.cell(INDIVIDUAL), game.cell(COMMON)
+        if own is common is None and not game.published:
+            continue
         row = random.get((game.name, game.setting.hash)) if game.setting is not None and not game.setting.params else None
         shown = "" if row is None else interval(row.collective_return, row.low, row.high).text
-        lines.append(((game.label, published.difficulty(game.published), shown), game.cell(INDIVIDUAL), game.cell(COMMON)))
+        lines.append(((game.label, published.difficulty(game.published), shown), own, common))
     words = ("game", "the paper calls it", "random policy, over episodes")
     table = compared_table("own_and_common", "Collective return of IPPO", words, ("individual", "common"), lines)
     text = []
@@ -220,6 +223,8 @@ def beside(
     Args:
       more: further columns of our line; theirs: the same columns of the published line.
     """
+    if not (any(cells) or any(printed)):
+        return []
     alike, apart = _behind(cells)
     shown = []
     for cell in cells:
@@ -254,7 +259,7 @@ def _difference(cell: Cell | None, printed: Printed | None) -> Figure:
 
 def exchange(games: Sequence[Game]) -> Section:
     """Returns the section on IPPO by exchange ratio, the ratio that the 95 % rule chooses, and how certain that choice is."""
-    found = {game.label: (game, game.by_ratio) for game in games}
+    found = {game.label: (game, game.by_ratio) for game in games if game.published or "exchange" in set(game.rows.reward)}
     ratios = sorted({*RATIOS, *(ratio for _, cells in found.values() for ratio in cells)})
     names = {ratio: {0.0: "0: individual", 1.0: "1: common"}.get(ratio, f"{ratio:g}") for ratio in ratios}
     lines, choices, panels = [], [], []
