@@ -61,10 +61,11 @@ def select(frame: "pd.DataFrame", **wanted: Any) -> "pd.DataFrame":
 def cell_of(frame: "pd.DataFrame", figure: str = "collective_return") -> Cell | None:
     """Returns the table cell of seeds of one game; None if none have the figure.
 
-    Seeds with different settings are never averaged: of several runs, the cell is that of the one with the most steps, then the most seeds.
+    Seeds with different settings are never averaged: of several runs, the cell is that of the one with the most steps, then the most seeds,
+    then the settings of a preset.
     """
     cells = [cell for _, rows in frame.groupby("run") if (cell := _of_run(rows, figure)) is not None]
-    return min(cells, key=lambda cell: (-cell.steps, -cell.seeds, cell.run), default=None)
+    return min(cells, key=lambda cell: (-cell.steps, -cell.seeds, cell.preset == "", cell.run), default=None)
 
 
 def _of_run(rows: "pd.DataFrame", figure: str) -> Cell | None:

@@ -24,6 +24,7 @@ from report_folders import (
 from bench.paper import __main__ as paper
 from bench.paper.contents import INDIVIDUAL, games_of, under_the_papers_rules
 from bench.paper.speeds import FILES, read_speeds
+from sjdsl.results.selecting import cell_of
 
 ROOT = Path(__file__).parents[2]
 NOW: Mapping[tuple[str, str], Any] = {
@@ -73,6 +74,19 @@ def test_claims_compare_seeds_with_the_same_ore() -> None:
     cell = game.cell(INDIVIDUAL)
     assert cell is not None
     assert cell.values == (1.0,)
+
+
+def test_of_two_runs_of_one_length_the_one_with_a_presets_settings_is_shown() -> None:
+    columns = {"status": "done", "steps": 10, "hardware": "", "settings": "{}"}
+    frame = pd.DataFrame(
+        [
+            {**columns, "run": run, "preset": preset, "collective_return": earned}
+            for run, preset, earned in (("a", "", 1.0), ("b", "two_cores", 2.0))
+        ]
+    )
+    cell = cell_of(frame)
+    assert cell is not None
+    assert cell.values == (2.0,)
 
 
 def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
