@@ -273,7 +273,7 @@ def exchange(games: Sequence[Game]) -> Section:
             shares = choice_frequencies(several)
             shown = [Figure(f"{shares[choice]:.1%}", {"": shares[choice]}) if choice in shares else EMPTY for choice in (*ratios, None)]
             choices.append((label, *shown))
-        if means:
+        if len(means) > 1 or (means and printed):  # one point alone is no curve
             panels.append(panel_of(label, _series(cells), [(ratio, one.mean) for ratio, one in printed.items()]))
     headings = ("game", "", *names.values(), "95 % rule", BEHIND)
     tables = [Table("exchange", "Collective return by exchange ratio", headings, lines, 2)]
@@ -315,7 +315,7 @@ def svo(games: Sequence[Game]) -> Section:
         printed = published.svo(game.published)
         ours = f"{weight:g}, {tried_weights(game)}" if cells else ""
         lines += beside(label, [*map(cells.get, angles)], [*map(printed.get, angles)], (ours,))
-        if cells:
+        if len(cells) > 1 or (cells and printed):
             points = [(angle, one.mean) for angle, one in printed.items()]
             panels.append(panel_of(f"{label}, weight {weight:g}", _series(cells), points))
     headings = ("game", "", *(f"{angle:g}°" for angle in angles), "weight", BEHIND)
