@@ -174,7 +174,7 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     lines: list[tuple[tuple[str, ...], Cell | None, Cell | None]] = []
     for game in games:
         own, common = game.cell(INDIVIDUAL), game.cell(COMMON)
-        if own is common is None and not game.published:
+        if own is None and common is None and not game.published:
             continue
         row = random.get((game.name, game.setting.hash)) if game.setting is not None and not game.setting.params else None
         shown = "" if row is None else interval(row.collective_return, row.low, row.high).text
