@@ -56,7 +56,7 @@ def _check_streams(game: ir.Game) -> None:
                     streams[stream] += 1
                 case ir.Send() if node.pool not in pools:
                     pools.add(node.pool)
-                    streams.update((node.order_stream, node.heading_stream))
+                    streams.update((node.cell_stream, node.heading_stream))
                 case _:
                     pass
     assert all(n == 1 for n in streams.values()), streams

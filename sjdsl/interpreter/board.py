@@ -119,7 +119,7 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
                 first = pools.setdefault(pool, node)
                 if first.after is None and node.after is not None:  # the one that those who come back were sent by
                     pools[pool] = node
-                destinations = [(printer.domain(s.domain), s.order_stream, s.heading_stream) for s in (first, node)]
+                destinations = [(printer.domain(s.domain), s.cell_stream, s.heading_stream) for s in (first, node)]
                 assert destinations[0] == destinations[1], f"{pool} is split"
     return pools
 

@@ -19,7 +19,7 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
     entered: set[Cell] = set()  # pools may share cells: what an earlier one filled is not free any more
     for pool in sorted({s.send.pool for s in sends}):
         together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: number_of(s.agent))
-        order = together[0].send.order_stream
+        order = together[0].send.cell_stream
         # who may have to stay does not make room for others
         leaving = set() if _may_stay(order, here.board) else {s.agent for s in together}
         free = [c for c in free_cells(together[0].send.domain, leaving, here) if c not in entered]
@@ -40,14 +40,14 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
 
 
 @lru_cache(maxsize=256)
-def _sends_to(order_stream: int, board: Board) -> tuple[ir.Send, ...]:
+def _sends_to(cell_stream: int, board: Board) -> tuple[ir.Send, ...]:
     """Returns the statements that send to one pool."""
-    return tuple(n for n in ir.walk(board.game) if isinstance(n, ir.Send) and n.order_stream == order_stream)
+    return tuple(n for n in ir.walk(board.game) if isinstance(n, ir.Send) and n.cell_stream == cell_stream)
 
 
-def _may_stay(order_stream: int, board: Board) -> bool:
+def _may_stay(cell_stream: int, board: Board) -> bool:
     """Returns whether any statement that sends to this pool says `otherwise stay`."""
-    return any(s.stay for s in _sends_to(order_stream, board))
+    return any(s.stay for s in _sends_to(cell_stream, board))
 
 
 def _no_room(agent: Body, statement: ir.Send) -> str:
@@ -73,12 +73,12 @@ def bring_back(here: Instance, world: World) -> None:
         statement = here.board.pools[pool]
         filled = occupied(world)
         free = [c for c in free_cells(statement.domain, set(), here) if c not in filled]
-        order = return_stream(statement.order_stream)
+        order = return_stream(statement.cell_stream)
         for agent in due[pool]:
             away = away_of(agent, here.world)
             names = {variable.name: agent for variable in variables_around(statement.domain)}  # the one agent it may name
             fitting = _fitting(statement.domain, free, names, here)
-            assert fitting or _may_stay(statement.order_stream, here.board), _no_room(agent, statement)
+            assert fitting or _may_stay(statement.cell_stream, here.board), _no_room(agent, statement)
             if fitting and away is not None:
                 cell = here.take(order, number_of(agent), fitting)[0]
                 free.remove(cell)

@@ -155,7 +155,7 @@ def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: 
             case "heading", ir.Shift() | ir.Send():
                 purpose, stream = "which heading", statement.heading_stream
             case "place", ir.Send():
-                purpose, stream = "which cell", statement.order_stream
+                purpose, stream = "which cell", statement.cell_stream
             case "place", ir.Move(course=ir.Wander(stream=stream)):
                 purpose = "which way"
             case _:

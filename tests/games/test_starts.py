@@ -22,7 +22,7 @@ def different_starts() -> list[Form]:
     for form in forms():
         if form.game in NINE and form.variant != "meltingpot":  # the same sentences on other maps
             rules = rules_of(form)
-            sends = tuple(node.order_stream for node in ir.walk(rules.start) if isinstance(node, ir.Send))
+            sends = tuple(node.cell_stream for node in ir.walk(rules.start) if isinstance(node, ir.Send))
             found.setdefault((rules.rows, rules.agents.number, sends), form)
     return list(found.values())
 

@@ -115,7 +115,7 @@ def when(test: ir.Expr, *body: ir.Statement, otherwise: tuple[ir.Statement, ...]
 
 def send(to: ir.Domain, who: ir.Expr | None = None, *, pool: int = 0, **facts: object) -> ir.Send:
     """The streams of pool p are 1000 + p for the order and 2000 + p for the headings."""
-    return ir.Send(who=who or agent(), domain=to, pool=pool, order_stream=1000 + pool, heading_stream=2000 + pool, **facts)
+    return ir.Send(who=who or agent(), domain=to, pool=pool, cell_stream=1000 + pool, heading_stream=2000 + pool, **facts)
 
 
 def phase(*body: ir.Statement, name: str = "act") -> ir.Phase:

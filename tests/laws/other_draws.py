@@ -103,10 +103,10 @@ def _in_turn(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
 
 def _may_stay(game: ir.Game, stream: int) -> bool:
     sends = [n for n in ir.walk(game) if isinstance(n, ir.Send)]
-    return any(n.stay for n in sends if stream in (n.order_stream, return_stream(n.order_stream)))
+    return any(n.stay for n in sends if stream in (n.cell_stream, return_stream(n.cell_stream)))
 
 
 def _is_own(game: ir.Game, stream: int) -> bool:
     """Returns whether the cells that fit differ from one agent to another: then who comes first decides what is left for the rest."""
     sends = [n for n in ir.walk(game) if isinstance(n, ir.Send)]
-    return any(variables_around(n.domain) for n in sends if stream in (n.order_stream, return_stream(n.order_stream)))
+    return any(variables_around(n.domain) for n in sends if stream in (n.cell_stream, return_stream(n.cell_stream)))

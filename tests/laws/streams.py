@@ -75,7 +75,7 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
             case ir.Send():
                 sent = _body(statement.who, board)
                 for change in (lambda stream: stream, return_stream):
-                    found[change(statement.order_stream)] = Stream((sent,), "order")
+                    found[change(statement.cell_stream)] = Stream((sent,), "order")
                     found[change(statement.heading_stream)] = Stream((sent,), "heading")
             case _:
                 pass

@@ -135,7 +135,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         facing=look,  # type: ignore[arg-type]
         stay=s.stay is not None,
         pool=pool,
-        order_stream=use.streams.shared("send to", place),
+        cell_stream=use.streams.shared("send to", place),
         heading_stream=use.streams.shared("heading of those sent to", place),
         origin=s.span,
     )

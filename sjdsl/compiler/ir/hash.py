@@ -79,7 +79,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Add: "add target value",
     ir.Give: "give value receiver but",
     ir.Tally: "tally event word amount receiver",
-    ir.Send: "send who domain after facing stay order_stream heading_stream",
+    ir.Send: "send who domain after facing stay order_stream=cell_stream heading_stream",
     ir.Shift: "shift who to steps heading other quarters facing stream heading_stream",
     ir.Remove: "remove who",
     ir.Move: "move domain course stream",

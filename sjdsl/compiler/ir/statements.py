@@ -138,7 +138,7 @@ class Send(Statement):
     facing: Literal["north", "east", "south", "west", "same"] | None = None
     stay: bool = False
     pool: int
-    order_stream: int
+    cell_stream: int
     heading_stream: int
 
 

@@ -422,7 +422,7 @@ def _facing(s: ir.Send, w: Writer) -> array.Literal:
 
 def _sends_of(pool: Pool, module: Module) -> list[ir.Send]:
     """Returns all statements that send to a pool."""
-    return [s for s in module.sends if s.order_stream == pool.send.order_stream]
+    return [s for s in module.sends if s.cell_stream == pool.send.cell_stream]
 
 
 def place(
@@ -445,7 +445,7 @@ def place(
     position = w.changed.get(attribute) or array.Name(w.names.fresh(attribute))
     assert isinstance(position, array.Name)
     w.changed[attribute] = position
-    bits = array.call("random_bits", KEY, w.stream(pool.send.order_stream), w.module.extent(pool.sort))
+    bits = array.call("random_bits", KEY, w.stream(pool.send.cell_stream), w.module.extent(pool.sort))
     among = (state_reads.cells_of(pool.kinds, w), free) if own is None else (state_reads.cells_of(pool.kinds, w), free, own)
     w.unpack((position, placed), array.call("place" if own is None else "place_fitting", *among, bits, before, sent))
     return placed
@@ -507,7 +507,7 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writ
             free = _free_cells(pool, None, own is None, w)
             number = w.module.extent(pool.sort)
             drawn = (
-                array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number) for s in (pool.send.order_stream, pool.send.heading_stream)
+                array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number) for s in (pool.send.cell_stream, pool.send.heading_stream)
             )
             among = (state_reads.cells_of(pool.kinds, w), free, back, *drawn, position, heading, away_facing)
             attributes = [attribute_of(name, pool.sort) for name in ("position", "heading", "away")]
