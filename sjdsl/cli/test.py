@@ -33,15 +33,16 @@ INDENT = " " * 14
 )
 @variant_option
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
+@click.option("--full", is_flag=True, help="Tell every change of a counterexample's last step, not only a few of alike ones.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
-def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, as_json: bool) -> int:
+def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, full: bool, as_json: bool) -> int:
     """Tests the checks of games: FILE is a `.sj` file or the name of a bundled game.
 
     A check is proved if possible. Otherwise the game is played with random actions and parameters on its own map, in thousands of worlds at
     once. A check that fails is shown with a counterexample. A check that depends on a line that never ran is untested, and the line is named. The
     exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
     """
-    effort, documents, failed = Effort(examples, seed), list[dict[str, Any]](), False
+    effort, documents, failed = Effort(examples, seed, full=full), list[dict[str, Any]](), False
     for file in files:
         tested = FileTest(file, variant, effort, (lambda _: None) if as_json else click.echo)
         try:

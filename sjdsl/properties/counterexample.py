@@ -1,11 +1,13 @@
 """Prints a counterexample to a check: what the agents do, the step that violates it as a trace tells it, and the values that the check reads."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
 
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import contains
+from sjdsl.compiler.ir.queries import contains, is_quantified
 from sjdsl.interpreter.account import Account
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.state import Value, World
@@ -23,23 +25,31 @@ from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_value
 
+MOST = 3  # of alike changes told in a counterexample
+SAME = 5  # steps with the same actions that have a line each
+IN_FULL = "every change of this step: `sjdsl test --full`"
 LARGEST = "3.4e38"  # of float32: (2 - 2^-23) * 2^127
 
 
-def describe_counterexample(family: GameFamily, counterexample: Counterexample) -> list[str]:
-    """Returns the text of a counterexample: what all agents do in each step, the last step rule by rule, and what the check reads."""
+def describe_counterexample(family: GameFamily, counterexample: Counterexample, full: bool = False) -> list[str]:
+    """Returns the text of a counterexample: what all agents do in each step, the last step rule by rule, and what the check reads.
+
+    full: tells every change of the last step, not only a few of alike ones.
+    """
     trajectory, scenario, at = counterexample.trajectory, counterexample.scenario, counterexample.where.at
     game, own = trajectory.game, {p.name: p.value for p in family.own.params}
     different = [f"{name} = {shown(value)} (the file: {shown(own[name])})" for name, value in scenario.params]
     lines = [f"with {', '.join(different)}"] if different else []
     last, leaves = max(0, at - 1), trajectory.left is not None and at == len(trajectory.worlds)
-    lines += [acting(game, t, trajectory.actions[t]) for t in range(last)]
+    steps = [acting(game, t, trajectory.actions[t]) for t in range(last)]
     if leaves:
-        return lines + describe_overflow(family, trajectory)
+        return lines + steps + describe_overflow(family, trajectory)
+    lines += steps if full else _shortened(game, trajectory.actions[:last])
     lines += _step(
         family,
         take_step(game, trajectory.worlds[last], trajectory.actions[last], trajectory.params, draws_of(scenario, last)),
         trajectory.worlds[last],
+        full,
     )
     where, check = counterexample.where, game.checks[counterexample.number]
     since = where.since if where.since is not None and check.sort != "once" else at - 1
@@ -51,9 +61,15 @@ def describe_counterexample(family: GameFamily, counterexample: Counterexample) 
 
 
 def describe_episode(
-    family: GameFamily, runner: EpisodeRunner, episode: Episode, policies: Sequence[ir.Policy], number: int, where: Violation
+    family: GameFamily,
+    runner: EpisodeRunner,
+    episode: Episode,
+    policies: Sequence[ir.Policy],
+    number: int,
+    where: Violation,
+    full: bool = False,
 ) -> list[str]:
-    """Returns the totals of an episode, and of the step with the violation what the check reads."""
+    """Returns the totals of an episode, and the step with the violation with what the check reads. full: with every change of that step."""
     totals = ", ".join(f"{name}{f'[{word}]' if word else ''} {count}" for (name, word), count in episode.totals.items())
     lines = [episode_opening(family, episode, policies)]
     lines += [f"at its end, after {len(episode.actions)} steps: {totals}"] if totals else []
@@ -61,7 +77,7 @@ def describe_episode(
     if where.at < 1 or not any(holds for (holds,) in values):
         return lines  # no single step violates it
     world, draws = runner.world_before(episode, where.at - 1), draws_of(runner.written_out(episode, where.at), where.at - 1)
-    lines += _step(family, take_step(family.own, world, episode.actions[where.at - 1], params_of(family.own, ()), draws), world)
+    lines += _step(family, take_step(family.own, world, episode.actions[where.at - 1], params_of(family.own, ()), draws), world, full)
     (e,), (before,), (after,) = family.own.checks[number].values, values[where.at - 1], values[where.at]
     return [*lines, f"{family.text_of(e)}: {shown(before)} {when(where.at - 1)}, {shown(after)} {when(where.at)}"]
 
@@ -72,14 +88,30 @@ def episode_opening(family: GameFamily, episode: Episode, policies: Sequence[ir.
     return f"episode {episode.number}, with {', '.join(names)}"
 
 
-def _step(family: GameFamily, moment: Moment, before: World) -> Iterator[str]:
-    """Yields the map before a step with its legend, and the step as `sjdsl trace` prints it."""
+def _step(family: GameFamily, moment: Moment, before: World, full: bool) -> Iterator[str]:
+    """Yields the map before a step with its legend, and the step as `sjdsl trace` prints it, unless `full` a few of alike changes only."""
     teller = make_teller(board_of(family.own), Rules(family.composition.sources))
     rows, after = draw(teller.looks, teller.board, before), draw(teller.looks, teller.board, moment.world)
     here = {glyph for row in (*rows, *after) for glyph in row.split("  ")[0]}
     yield "    ".join(said for said in teller.looks.legend() if said[0] in here)
     yield from (f"    {row}" for row in rows)
-    yield from filter(None, moment_lines(moment, teller))
+    lines = list(filter(None, moment_lines(moment, teller)))
+    brief = list(filter(None, moment_lines(moment, replace(teller, most=MOST))))
+    yield from lines if full else brief
+    if not full and lines != brief:
+        yield IN_FULL
+
+
+def _shortened(game: ir.Game, actions: Sequence[Sequence[int]]) -> Iterator[str]:
+    """Yields what the agents do in the steps from the first on, one line for many steps in which they do the same."""
+    first = 0
+    for chosen, alike in groupby(actions):
+        after = first + len(list(alike))
+        if after - first > SAME:
+            yield acting(game, first, chosen).replace(f"step {first}", f"steps {first} to {after - 1}", 1)
+        else:
+            yield from (acting(game, t, chosen) for t in range(first, after))
+        first = after
 
 
 def acting(game: ir.Game, number: int, actions: Sequence[int]) -> str:
@@ -113,7 +145,7 @@ def _told_of(check: ir.Check) -> list[ir.Expr]:
     """Returns the sides of comparisons in a check that depend on the state, or its whole expressions if it compares nothing."""
     found: list[ir.Expr] = []
     for value in check.values:
-        compared = [n for n in _open(value) if isinstance(n, ir.Compare) and n.left.origin != n.origin]  # not `any(D)`, which counts
+        compared = [n for n in _open(value) if isinstance(n, ir.Compare) and not is_quantified(n)]
         sides = [side for n in compared for side in (n.left, n.right)]
         found += [side for side in sides if not isinstance(side, ir.Number | ir.ParamRef)] or [value]
     return found

@@ -16,7 +16,7 @@ from sjdsl.properties.verdict import Effort, Progress
 ALONE, BEFORE = 10, 2  # steps on the interpreter for each example: where nothing is compiled, and before the compiled game is played
 LENGTHS = (5, 10, 20, 50, 100)  # steps of its trajectories
 SCRIPTED, FEW = 400, 20  # steps by policies of the file while statements have not run; where nothing is compiled (finding paths is slow)
-AGAIN = 2000  # steps that are played again at most to find agents that can stay where they are
+AGAIN = 2000  # steps that are played again at most to find actions that a counterexample doesn't need
 
 
 @dataclass(frozen=True)
@@ -93,23 +93,58 @@ class Search:
         written = replace(scenario, actions=tuple(trajectory.actions), policies=())
         for number in {*numbers, FLOATS} - self.found.keys():
             if (found := _counterexample(number, written, trajectory)) is not None:
-                self.found[number] = with_fewer_acting(found)
+                self.found[number] = simplified(found)
         self.left = [number for number in self.left if number not in self.found]
 
 
-def with_fewer_acting(found: Counterexample) -> Counterexample:
-    """Returns a counterexample, no longer, in which every agent stays where it is that need not act, and all parameters are the file's if they can be."""
-    game, played = found.trajectory.game, 0
-    stay, checks = game.agents.actions.index("stay"), [] if found.number == FLOATS else [game.checks[found.number]]
-    for out in (None, *range(game.agents.number)):
-        played += len(found.scenario.actions)
-        if played > AGAIN:
-            break
-        actions = tuple(tuple(stay if agent == out else a for agent, a in enumerate(step)) for step in found.scenario.actions)
-        scenario = replace(found.scenario, params=()) if out is None else replace(found.scenario, actions=actions)
-        if scenario != found.scenario:
-            found = _counterexample(found.number, scenario, play(game, scenario, checks=checks)) or found
+def simplified(found: Counterexample) -> Counterexample:
+    """Returns a counterexample, no longer, with the file's parameters if it can have them, and `stay` for actions that it doesn't need.
+
+    Takes out all actions of each agent, then halves, quarters and so on of what is left, down to single actions. Plays `AGAIN` steps at
+    most, so some actions of a long counterexample may be left.
+    """
+    left = AGAIN - len(found.scenario.actions)
+    found = _played_as(replace(found.scenario, params=()), found) or found
+    for agent in range(found.trajectory.game.agents.number):
+        found, left = _without([(t, a) for t, a in _acting(found) if a == agent], found, left)
+    size = len(_acting(found)) // 2
+    while size:
+        acting = _acting(found)
+        for first in range(0, len(acting), size):
+            found, left = _without(acting[first : first + size], found, left)
+        if size > 1 or acting == _acting(found):
+            size //= 2
     return found
+
+
+def _acting(found: Counterexample) -> list[tuple[int, int]]:
+    """Returns the steps and agents in which an agent does something, in order."""
+    stay = found.trajectory.game.agents.actions.index("stay")
+    return [(t, agent) for t, step in enumerate(found.scenario.actions) for agent, action in enumerate(step) if action != stay]
+
+
+def _without(acting: Sequence[tuple[int, int]], found: Counterexample, left: int) -> tuple[Counterexample, int]:
+    """Returns a counterexample without these actions if it is one, else as it was; and how many of `left` steps are left to play."""
+    actions = [list(step) for step in found.scenario.actions]
+    acting = [(t, agent) for t, agent in acting if t < len(actions)]
+    since = acting[0][0] if acting else len(actions)
+    cost = len(actions) - since
+    if not 0 < cost <= left:
+        return found, left
+    for t, agent in acting:
+        actions[t][agent] = found.trajectory.game.agents.actions.index("stay")
+    scenario = replace(found.scenario, actions=tuple(map(tuple, actions)))
+    return _played_as(scenario, found, since) or found, left - cost
+
+
+def _played_as(scenario: Scenario, found: Counterexample, since: int | None = None) -> Counterexample | None:
+    """Returns the counterexample that a changed scenario gives to the same check; its steps before `since` are those of `found`."""
+    if scenario == found.scenario:
+        return None
+    game, number = found.trajectory.game, found.number
+    checks = [] if number == FLOATS else [game.checks[number]]
+    begun = None if since is None else found.trajectory
+    return _counterexample(number, scenario, play(game, scenario, checks=checks, begun=begun, since=since or 0))
 
 
 def _counterexample(number: int, scenario: Scenario, trajectory: Trajectory) -> Counterexample | None:

@@ -72,6 +72,15 @@ class Trajectory:
         self.worlds.append(world)
         self.totals.append(totals)
 
+    def take_over(self, begun: "Trajectory", steps: int, checks: Sequence[ir.Check]) -> None:
+        """Adds the first state of another trajectory and so many of its steps."""
+        self.worlds += begun.worlds[: steps + 1]
+        self.totals += begun.totals[: steps + 1]
+        self.actions += begun.actions[:steps]
+        self.outcomes += begun.outcomes[:steps]
+        for check in checks:
+            self.known[id(check)] = begun.values(check)[: steps + 1]
+
     def value(self, e: ir.Expr, at: int) -> Value:
         """Returns the value of an expression of a check in the state `at`."""
         return self._read(e, self.worlds[at], self.totals[at], at)
@@ -105,6 +114,8 @@ def play(
     steps: int | None = None,
     checks: Sequence[ir.Check] = (),
     is_enough: Callable[[set[StatementId]], bool] = lambda _: False,
+    begun: Trajectory | None = None,
+    since: int = 0,
 ) -> Trajectory:
     """Plays a scenario to its end, to that of the episode, or until a real leaves float32.
 
@@ -112,12 +123,16 @@ def play(
       steps: at most so many; None: as many as the scenario has actions.
       checks: those whose values are read in every state.
       is_enough: whether to stop before the next step, as these statements have run.
+      begun: a trajectory with the same parameters and draws, whose first `since` steps are taken over; `ran` leaves them out.
     """
     trajectory, accounts = Trajectory(game, params_of(game, scenario.params)), list[Account]()
     try:
-        zeros = add_totals({}, _nothing(game), game)
-        trajectory.add(reset(game, trajectory.params, draws_of(scenario, -1), accounts.append), zeros, checks)
-        for number in range(len(scenario.actions) if steps is None else steps):
+        if begun is None:
+            zeros = add_totals({}, _nothing(game), game)
+            trajectory.add(reset(game, trajectory.params, draws_of(scenario, -1), accounts.append), zeros, checks)
+        else:
+            trajectory.take_over(begun, since, checks)
+        for number in range(len(trajectory.outcomes), len(scenario.actions) if steps is None else steps):
             if trajectory.is_over or is_enough(trajectory.ran):
                 break
             world = trajectory.worlds[-1]

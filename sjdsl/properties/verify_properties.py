@@ -61,6 +61,7 @@ class Verification:
         states = [i for i in played if checks[i].sort != "expect"]
         self._search, self.has_played = Search(family, states, effort, self._needed, progress), False
         self._runner, self._faults = EpisodeRunner(family, effort.seed), list[Verdict]()
+        self._full = effort.full
 
     def verdict(self, number: int) -> Verdict:
         """Returns the verdict on a check. Raises CompileError for a game that cannot be compiled exactly."""
@@ -107,7 +108,7 @@ class Verification:
         return make_verdict(self.family, check, True, "examples", f"{search.steps:,} steps of random play{never}")
 
     def _failed(self, found: Counterexample) -> Verdict:
-        trace, scenario = describe_counterexample(self.family, found), found.scenario
+        trace, scenario = describe_counterexample(self.family, found, self._full), found.scenario
         if found.number == FLOATS:
             return replace(self._overflow(found.trajectory, "examples"), trace=tuple(trace), scenario=scenario)
         said = f"fails after step {found.where.at - 1}" if found.where.at else "fails at the start"
@@ -159,7 +160,7 @@ class Verification:
         values = [value for (value,) in missed[0].values[number]]
         held = [t for t, value in enumerate(values) if value]
         where = Violation(max(held) + 1) if held else Violation(len(values) - 1)
-        trace = describe_episode(family, runner, missed[0], check.policies, number, where)
+        trace = describe_episode(family, runner, missed[0], check.policies, number, where, self._full)
         return make_verdict(family, check, False, "episodes", said, trace, scenario=runner.written_out(missed[0], where.at))
 
 

@@ -1,6 +1,6 @@
 """Prints a trace: each step turn by turn, each turn rule by rule."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from sjdsl.compiler import ir
@@ -10,20 +10,25 @@ from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment, Told
 from sjdsl.trace.reasons import Explainer, Reason, explainer_of
 from sjdsl.trace.rules import Rules
-from sjdsl.trace.wording import say_effect, say_names, say_value
+from sjdsl.trace.wording import say_effect, say_names, say_owner, say_value
 
 RULE, EFFECT, REASON = "  ", " " * 4, " " * 6
+NAMED = 5  # places named where alike changes are told together
 
 
 @dataclass(frozen=True)
 class Teller:
-    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty."""
+    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty.
+
+    most: how many of alike changes of a rule, and of reasons for one change, are told; None: all.
+    """
 
     board: Board
     rules: Rules
     looks: Letters
     phases: Collection[str] = ()
     agents: frozenset[str] = field(default_factory=frozenset)
+    most: int | None = None
 
 
 def make_teller(board: Board, rules: Rules, phases: Collection[str] = ()) -> Teller:
@@ -59,8 +64,12 @@ def turn_lines(turn: Told, teller: Teller) -> Iterator[str]:
     for rule, together in found:
         if rule is not None:
             yield f"{RULE}  {_rule(rule, teller.rules)}"
-        for effect in together:
-            yield from _effect_lines(effect, rule, teller, explainer, told)
+        for alike in [together] if teller.most is None else _alike(together, teller.board):
+            shown = alike[: _shown(len(alike), teller.most)]
+            for effect in shown:
+                yield from _effect_lines(effect, rule, teller, explainer, told)
+            if len(shown) < len(alike):
+                yield f"{EFFECT}  {_more(alike[len(shown) :], teller.board)}"
 
 
 def rules_with_effects(turn: Told) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
@@ -74,6 +83,28 @@ def rules_with_effects(turn: Told) -> Iterator[tuple[ir.Stmt | None, list[Effect
     yield from found.values()
 
 
+def _shown(number: int, most: int | None) -> int:
+    """Returns how many of so many lines are shown: all, if a line about the others would save none."""
+    return number if most is None or number <= most + 1 else most
+
+
+def _alike(effects: Sequence[Effect], board: Board) -> list[list[Effect]]:
+    """Returns effects of a rule in groups: of owners of one kind, the same change of a word or condition, any change of a number or place."""
+    groups: dict[tuple[object, ...], list[Effect]] = {}
+    for effect in effects:
+        kind = say_owner(effect.owner, board).split(" ")[0]
+        values = tuple(value for value in (effect.old, effect.new) if isinstance(value, str | bool))
+        groups.setdefault((kind, effect.sort, effect.name.split("[")[0], values), []).append(effect)
+    return list(groups.values())
+
+
+def _more(effects: Sequence[Effect], board: Board) -> str:
+    """Returns a line about changes like those that were told."""
+    places = [f"{say_owner(effect.owner, board)} {''.join(effect.name.partition('[')[1:])}".strip() for effect in effects]
+    others = f" and {len(places) - NAMED} others" if len(places) > NAMED else ""
+    return f"and {len(effects)} more such changes: {', '.join(places[:NAMED])}{others}"
+
+
 def _rule(rule: ir.Stmt, rules: Rules) -> str:
     return f"{rules.place(rule)}  {rules.text(rule)}"
 
@@ -83,9 +114,15 @@ def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller, explaine
     others = dict.fromkeys(teller.rules.place(done.statement) for done in effect.by if done.statement is not rule)
     beside = [*([names] if names else []), *(f"also {place}" for place in others)]
     yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (f"  [{'; '.join(beside)}]" if beside else "")
-    for number, reason in enumerate(explainer.effect(effect)):
+    reasons, lots = explainer.effect(effect), list(_lots(effect, names, teller))
+    shown = reasons[: _shown(len(reasons), teller.most)]
+    for number, reason in enumerate(shown):
         yield from reason_lines(reason, told, f"{REASON}  {'and' if number else 'because'} ")
-    yield from (f"{REASON}  {text}" for text in _lots(effect, names, teller))
+    if len(shown) < len(reasons):
+        yield f"{REASON}  and for {len(reasons) - len(shown)} more reasons"
+    yield from (f"{REASON}  {text}" for text in lots[: _shown(len(lots), teller.most)])
+    if len(lots) > _shown(len(lots), teller.most):
+        yield f"{REASON}  and {len(lots) - _shown(len(lots), teller.most)} more lost it"
 
 
 def reason_lines(reason: Reason, told: set[Reason], head: str) -> Iterator[str]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables
+from sjdsl.compiler.ir.queries import is_quantified
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.evaluate import applies, evaluate
@@ -108,7 +109,7 @@ class Explainer:
         """Returns a value: `apple = 1`, or with its formula `growth = best_rate * clean = 0.02, with best_rate = 0.05, clean = 0.4`."""
         if not isinstance(e, ir.Named):
             return Reason(f"{self._name(e)} = {_said(e, here)}")
-        return self._reason(f"{e.name} = {self.rules.expression(e.value)} = {_said(e, here)}", _read(e.value, here), here)
+        return self._reason(f"{e.name} = {self.rules.expression(e.value)} = {_said(e, here)}", _read(e.value, here), here, said=e.value)
 
     def _name(self, e: ir.Expr) -> str:
         return e.name if isinstance(e, ir.Named) else self.rules.expression(e)
@@ -123,7 +124,7 @@ def explainer_of(turn: Told, board: Board, rules: Rules) -> Explainer:
 
 def _read(e: ir.Expr, here: Instance) -> Iterator[ir.Expr]:
     """Yields the values that an expression was made of, and not what `and`, `or` and `case` left out."""
-    if isinstance(e, _VALUES):
+    if isinstance(e, _VALUES) or is_quantified(e):
         if all(variable.name in here.names for variable in free_variables(e)):
             yield e
         return

@@ -1,7 +1,9 @@
-"""What a guard proves about a whole number: also when the number it is compared to is no whole one."""
+"""What a guard proves about a whole number or a word, and how a condition is quoted that it contradicts."""
 
 import pytest
 
+from sjdsl.compiler import check
+from sjdsl.compiler.diagnostics.source import Source
 from tests.compiler.refusals import codes_in
 
 GAME = """sj 1
@@ -15,7 +17,10 @@ game frame "Guards" {{
     acts stay
     field held : 0 .. 9 = 0
     field bag by {{ raw, cut }} : 0 .. 3 = 0
+    field holds : {{ nothing, raw, cut, ash }} = nothing
   }}
+  define is_food(who) = who.holds is raw or is_cut(who)
+  define is_cut(who) = who.holds is cut
   phase start {{ each agent {{ send agent to grass }} }}
   schedule rule
   phase rule {{ {body} }}
@@ -100,3 +105,64 @@ def test_where_agents_can_be_away_there_is_one_as_long_as_one_is_named():
     assert codes(f"{remove}  when min(agent.held over agent) > 1 {{ give 1 to all }}") == {"SJ217"}
     assert codes(f"{remove}  each agent where min(b.held over agent as b) > 1 {{ give 1 to agent }}") == set()
     assert codes("when min(agent.held over agent) > 1 { give 1 to all }") == set()
+
+
+FOOD = "each agent as a {{ each agent as b where {} {{ give worth[a.holds] to b }} }}"
+
+
+@pytest.mark.parametrize(
+    "guard",
+    [
+        "a.holds in { raw, cut }",
+        "a.holds is raw or a.holds is cut",
+        "raw is a.holds or a.holds in { cut }",
+        "(a.holds is raw or a.holds is cut) and b.held > 1",
+        "not (a.holds is nothing or a.holds is ash)",
+        "is_food(a)",
+        "a.holds is raw or (a.holds is cut or a.holds is raw)",
+    ],
+)
+def test_a_word_is_one_of_those_that_or_joins(guard):
+    assert codes(FOOD.format(guard)) == set()
+
+
+@pytest.mark.parametrize(
+    "guard",
+    [
+        "a.holds is raw or a.holds is ash",
+        "a.holds is raw or b.holds is cut",
+        "a.holds is raw or b.held > 1",
+        "a.holds is not raw or a.holds is not ash",
+        "not (a.holds is raw or a.holds is cut)",
+        "a.holds is raw and a.holds is cut or a.held > 1",
+    ],
+)
+def test_or_leaves_every_other_word(guard):
+    assert codes(FOOD.format(guard)) == {"SJ205"}
+
+
+def test_conditions_joined_with_or_exclude_a_word_that_none_names():
+    free = "each agent where {} {{ set agent.held = 1 }} each agent as b where {} {{ set b.held = b.index }}"
+    assert codes(free.format("agent.holds is raw or agent.holds is cut", "b.holds is ash")) == set()
+    assert codes(free.format("agent.holds is raw or agent.holds is cut", "b.holds is cut")) == {"SJ401"}
+
+
+@pytest.mark.parametrize(
+    ("rule", "quoted"),
+    [
+        ("when count(agent) > 9 { end }", "`count(agent)` is 0 .. 2"),
+        ("each agent where agent.holds is raw { when agent.holds is cut { end } }", "`agent.holds is raw` holds here"),
+        ("each agent { when agent.holds is raw { } otherwise when agent.holds is raw { end } }", "`agent.holds is not raw` holds here"),
+        ("each agent { when agent.holds is not raw { } otherwise { when agent.holds is ash { end } } }", "`agent.holds is raw` holds here"),
+        ("each agent { when agent.bag[cut] > 1 { } otherwise { when agent.bag[cut] > 2 { end } } }", "`agent.bag[cut] <= 1` holds here"),
+        ("when any(agent where agent.held > 1) { } otherwise when any(agent where agent.held > 1) { end }",
+         "`not any(agent where agent.held > 1)` holds here"),
+        ("when not all(agent where agent.held > 1) { when all(agent where agent.held > 1) { end } }",
+         "`not all(agent where agent.held > 1)` holds here"),
+        ("each agent where agent chose stay { when not agent chose stay { end } }", "`agent chose stay` holds here"),
+        ("each agent { when worth[raw] * 1 > 9 and agent.bag[raw] +  agent.held > 20 { end } }", "`agent.bag[raw] + agent.held` is 0 .. 12"),
+    ],
+)  # fmt: skip
+def test_what_never_happens_is_quoted_as_written(rule, quoted):
+    warnings = [d for d in check(Source("frame.sj", GAME.format(body=rule))) if d.code == "SJ504"]
+    assert [d.message for d in warnings] == [f"this can never happen: {quoted}"]

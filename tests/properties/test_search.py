@@ -2,17 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.evaluate_constant import holds
-from sjdsl.properties import Effort, verify_properties
+from sjdsl.properties import Effort, GameFamily, search, verify_properties
 from sjdsl.properties.counterexample import describe_counterexample
-from sjdsl.properties.monitors import find_violation
+from sjdsl.properties.monitors import Violation, find_violation
 from sjdsl.properties.random_play import random_scenario
-from sjdsl.properties.trajectory import Scenario, play
+from sjdsl.properties.search import Counterexample
+from sjdsl.properties.trajectory import Scenario, Trajectory, play
 
 from .small_games import ORCHARD, searched, small_game
 
@@ -29,16 +33,17 @@ FAILING = [  # check, rule
 
 @pytest.mark.parametrize(("check", "rule"), FAILING)
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.thorough)])
-def test_a_counterexample_ends_at_the_violation_and_shows_who_must_act(check: str, rule: str, compiled: bool) -> None:
-    """Played again it violates the check in its last state, and without the actions of any one agent it does not, or only with other draws."""
+def test_a_counterexample_ends_at_the_violation_and_has_no_action_too_many(check: str, rule: str, compiled: bool) -> None:
+    """Played again it violates the check in its last state, and with `stay` in place of any one action it does not."""
     orchard = small_game(check, rule)
     game, stay = orchard.own, orchard.own.agents.actions.index("stay")
     found = searched(orchard, Effort(examples=200 if not compiled else 0, seed=1, compiled=compiled)).found[0]
     assert len(found.scenario.actions) == found.where.at
     assert find_violation(game.checks[0], play(game, found.scenario).values(game.checks[0])) == found.where
-    for agent in range(2):
-        steps = [(*step[:agent], stay, *step[agent + 1 :]) for step in found.scenario.actions]
-        still = replace(found.scenario, actions=tuple(steps))
+    for t, agent in product(range(found.where.at), range(2)):
+        steps = [list(step) for step in found.scenario.actions]
+        steps[t][agent] = stay
+        still = replace(found.scenario, actions=tuple(map(tuple, steps)))
         assert still == found.scenario or find_violation(game.checks[0], play(game, still).values(game.checks[0])) is None
 
 
@@ -46,6 +51,59 @@ def test_a_trace_in_full(golden: Callable[[Path, str], None]) -> None:
     orchard = small_game("once fruit == 0 always fruit == 0", "each tree where nobody on tree { chance 0.5 { set tree.fruit = ripe } }")
     found = searched(orchard, Effort(examples=100, seed=5, compiled=False)).found[0]
     golden(GOLDEN / "collapse.txt", "\n".join(describe_counterexample(orchard, found)) + "\n")
+
+
+WIDE = """sj 1
+game wide {
+  episode 20
+  kind grass "."
+  kind tree "T" { field fruit : { none, ripe } = ripe  field owed : reward = 0  field taker : agent }
+  map { "..MAP" }
+  agents 2 {
+    acts forward, stay
+    moves relative
+    field purse by 0 .. 63 : 0 .. 99 = 0
+  }
+  field total : reward = 0
+  phase start { each agent { send agent to grass } }
+  schedule rule
+  phase rule { RULE }
+  checks { always step == 0 }
+}
+"""
+PLENTY = [
+    "each tree { set tree.fruit = none }",  # alike changes
+    "each tree { set tree.owed = case tree.col % 2 == 0 { yes: 0.5, no: 1.5 } }",  # changes of numbers
+    "each tree { chance 1 { add 1 to total } }",  # reasons of one change
+    "each agent { each tree { set tree.taker = agent by lot } }",  # lots
+    "each agent { set agent.purse = 7 }",  # entries of a row
+]
+
+
+@pytest.mark.parametrize("rule", PLENTY)
+def test_a_counterexample_is_readable_however_much_happens(rule: str) -> None:
+    wide = GameFamily(Source("wide.sj", WIDE.replace("MAP", "T" * 120).replace("RULE", rule), None))
+    found = searched(wide, Effort(examples=5, compiled=False)).found[0]
+    lines, full = (describe_counterexample(wide, found, full) for full in (False, True))
+    assert len(lines) < 40 < 100 < len(full)
+    assert "every change of this step: `sjdsl test --full`" in lines
+    assert set(full) >= {line for line in lines if not line.lstrip().startswith(("and ", "every "))}
+
+
+def test_a_search_for_actions_too_many_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    orchard, played = small_game("always step < 19"), list[int]()
+
+    def counted(*given: Any, **named: Any) -> Trajectory:
+        trajectory = play(*given, **named)
+        played.append(len(trajectory.outcomes) - named.get("since", 0))
+        return trajectory
+
+    scenario = Scenario(0, actions=((7, 7),) * 19)
+    found = Counterexample(0, scenario, play(orchard.own, scenario), Violation(19))
+    monkeypatch.setattr(search, "AGAIN", 60)
+    monkeypatch.setattr(search, "play", counted)
+    search.simplified(found)
+    assert 0 < sum(played) <= 60
 
 
 def test_the_same_seed_plays_the_same() -> None:

@@ -96,3 +96,37 @@ def test_a_change_has_the_values_its_rule_read_and_their_formulas() -> None:
 """
         in text
     )
+
+
+SHOP = """sj 1
+game shop "A shop" {
+  param quota : count = { low: 1, high: 2 }
+  param luck : probability = 1
+  episode 9
+  kind floor "."
+  kind shelf "S" { field goods by { low, high } : 0 .. 9 capped = 3 }
+  map { "S..." }
+  agents 1 { acts stay  field n : 0 .. 9 capped = 3 }
+  field rule : { low, high } = low
+  define anyone = any(agent on shelf)
+  phase start { each agent { send agent to floor } }
+  schedule sell
+  phase sell {
+    each agent where agent.n >= quota[rule] { add -1 to agent.n }
+    when any(shelf where shelf.goods[low] > 2) and not all(agent where agent.n > 5) and not anyone { set rule = high }
+    each shelf where shelf.goods[high] > shelf.goods[low] - 1 { add case any(agent) { yes: 1, no: 0 } to shelf.goods[rule] }
+  }
+}
+"""
+
+
+def test_entries_and_questions_are_told_as_written_with_yes_and_no() -> None:
+    text = text_of(SHOP, "stay", 0)
+    for told in (
+        "because agent.n >= quota[rule], with quota[rule] = 1",
+        ", with any(shelf where shelf.goods[low] > 2) = yes, all(agent where agent.n > 5) = no, anyone = no",
+        "anyone = any(agent on shelf) = no\n",
+        ", with shelf.goods[high] = 3, shelf.goods[low] = 3",
+        "any(agent) = yes",
+    ):
+        assert told in text, told

@@ -128,7 +128,9 @@ def check_in_step(question: str, span: Span, scope: Scope) -> None:
     """Reports a question about what is done in a step, in a part of the game that speaks of a state."""
     if scope.part in BETWEEN_STEPS:
         what, wanted = "about what happens in a step", "something about a state"
-        raise scope.fail(errors.WrongSort(span, name=question, what=what, wanted=wanted))
+        kept = f"case {question} {{ yes: used, no: rested }}" if " chose " in question else question
+        help_ = f"a rule can keep it in a field: `set agent.last = {kept}`"
+        raise scope.fail(errors.WrongSort(span, name=question, what=what, wanted=wanted, help=help_))
 
 
 def action_numbers(action: ast.Chosen, scope: Scope) -> tuple[int, ...]:

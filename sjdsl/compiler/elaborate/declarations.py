@@ -6,8 +6,9 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.diagnostics.diagnostic import near
+from sjdsl.compiler.diagnostics.diagnostic import Label, near
 from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.agents import blocked, declare_agents, declare_number, override_number
 from sjdsl.compiler.elaborate.constants import constant
@@ -27,8 +28,7 @@ RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "c
 def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[str, object], num_agents: int | None) -> Static:
     """Returns the static tables with word sets, sizes and parameters; sizes take their values from `overrides`."""
     static = Static(game.sources, expression, references=game.references, defines=dict(game.defines))
-    _collect_words(game, static, problems)
-    _check_names(game, static, problems)
+    _check_names(game, _collect_words(game, static, problems), problems)
     static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
     static.own_number = num_agents is None and not overrides
     overrides = dict(overrides)
@@ -47,8 +47,9 @@ def declare_numbers(game: Composition, problems: Problems, overrides: Mapping[st
     return static
 
 
-def _collect_words(game: Composition, static: Static, problems: Problems) -> None:
-    """Finds every set of words: of fields, rows, events, labels and arguments of actions."""
+def _collect_words(game: Composition, static: Static, problems: Problems) -> dict[str, Span]:
+    """Finds every set of words: of fields, rows, events, labels and arguments of actions. Returns where each word is declared first."""
+    first: dict[str, Span] = {}
 
     def add(names: tuple[ast.Name, ...]) -> None:
         if len(names) > limits.MAX_WORDS:
@@ -57,6 +58,7 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
         for i, name in enumerate(names):
             if name.text in spelt[:i]:
                 problems.add(errors.WrittenTwice(name.span, what=f"the word `{name.text}`"))
+            first.setdefault(name.text, name.span)
         static.word_sets.append(tuple(dict.fromkeys(spelt)))
 
     owners: tuple[ast.Kind | ast.Movers, ...] = (*game.kinds.values(), *game.movers.values())
@@ -69,11 +71,12 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> Non
         if isinstance(each, ast.Words):
             add(each.names)
     static.word_sets.append(HEADINGS)
+    return first
 
 
-def _check_names(game: Composition, static: Static, problems: Problems) -> None:
-    """One name space: sizes, params, defines, world fields, kinds, groups, words."""
-    taken: dict[str, str] = {}
+def _check_names(game: Composition, words: Mapping[str, Span], problems: Problems) -> None:
+    """One name space: sizes, params, defines, world fields, kinds, groups, words. `words`: where each is declared; headings nowhere."""
+    taken: dict[str, tuple[str, Span]] = {}
     cells: Tables = {"a kind": game.kinds, "a group": game.groups, "a sort of movers": game.movers}
     tables: Tables = {"a number": game.constants, "a define": game.defines, "a field of the world": game.fields, **cells}
     for what, table in tables.items():
@@ -83,10 +86,12 @@ def _check_names(game: Composition, static: Static, problems: Problems) -> None:
             elif name in SEEN and what in cells:
                 problems.add(errors.NameTaken(node.name.span, name=name, what=SEEN[name]))
             elif name in taken:
-                problems.add(errors.NameTaken(node.name.span, name=name, what=taken[name]))
-            elif static.is_word(name):
-                problems.add(errors.WordClash(node.name.span, name=name, what=what))
-            taken.setdefault(name, what)
+                other, span = taken[name]
+                problems.add(errors.NameTaken(node.name.span, name=name, what=other, labels=(Label(span, "declared here"),)))
+            elif name in words or name in HEADINGS:
+                labels = (Label(words[name], "the word is declared here"),) if name in words else ()
+                problems.add(errors.WordClash(node.name.span, name=name, what=what, labels=labels))
+            taken.setdefault(name, (what, node.name.span))
 
 
 def declare_world(game: Composition, static: Static, problems: Problems) -> None:

@@ -28,6 +28,7 @@ from sjdsl.compiler.elaborate.lookup import (
     use_define,
 )
 from sjdsl.compiler.elaborate.paths import distance, path
+from sjdsl.compiler.elaborate.regrouping import add_regrouped
 from sjdsl.compiler.elaborate.row_functions import beyond_one, lowest, mix, row_of_numbers, shifted, sum_of_row
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, REDUCTIONS, Calculation, Function
@@ -73,6 +74,8 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
         case ast.Binary(op="is" | "is not"):
             same = identity(e, scope)
             return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
+        case ast.Binary(op="*" | "/"):
+            return product(e, scope)
         case ast.Binary():
             left, right = scope.expressions((e.left, e.right))
             if e.op in COMPARISONS:
@@ -86,6 +89,16 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return within(e, scope)
         case _:
             assert_never(e)
+
+
+def product(e: ast.Binary, scope: Scope) -> ir.Expr:
+    """`a * b` or `a / b`; where units don't go together, the message tells of another order of the factors in which they do."""
+    try:
+        left, right = scope.expressions((e.left, e.right))
+        return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
+    except Poisoned:
+        add_regrouped(e, scope)
+        raise
 
 
 def logic(e: ast.Binary, scope: Scope) -> ir.Expr:

@@ -1,6 +1,7 @@
 """Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from math import inf
 from typing import Literal
 
@@ -194,7 +195,10 @@ def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
     members = [s.name for s in path.steps if isinstance(s, ast.Member)]
     if len(members) != len(path.steps) or len(members) > 1 or (members and head in static.fields):
         wanted = "`agent.field`, `other.field`, `everyone.field` or `kind.field`"
-        raise scope.fail(errors.WrongType(path.span, wanted=wanted, given="another path"))
+        given, help_ = "another path", ""
+        if len(members) != len(path.steps):
+            given, help_ = "an entry of a row", _whole_row(path, head, static)
+        raise scope.fail(errors.WrongType(path.span, wanted=wanted, given=given, help=help_))
     if members:
         return _of_owner(path.name, members[0], scope)
     kinds = static.kinds_of(head)
@@ -210,6 +214,15 @@ def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
         raise _without_field(observable, scope)
     static.use(path.name, Symbol("name", head))
     return [Seen(("world", "", head), static.fields[head])]
+
+
+def _whole_row(path: ast.Path, head: str, static: Static) -> str:
+    """Returns how to show a row of which one entry was to be shown."""
+    members = tuple(step for step in path.steps if isinstance(step, ast.Member))
+    help_ = f"a row is shown as a whole, each entry for itself: `show {path_text(replace(path, steps=members))}`"
+    if head in static.fields:
+        help_ += f"; one entry is shown by a name: `define entry = {path_text(path)}`, `show entry`"
+    return help_
 
 
 def _computed(path: ast.Path, scope: Scope) -> Seen:

@@ -1,5 +1,7 @@
 """Resolves dotted paths such as `agent.bag[raw]`: variables, their attributes, and entries of tables."""
 
+from dataclasses import replace
+
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
@@ -40,6 +42,7 @@ def path(e: ast.Path, scope: Scope) -> ir.Expr:
             value, used = argument_read(value, steps, scope)
         else:
             value = member(value, step.name, scope)
+        value = value.model_copy(update={"origin": replace(e.span, end=steps[used - 1].span.end)})  # of the path up to here
         steps = steps[used:]
     return value
 

@@ -20,6 +20,7 @@ from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import Fact, compares, conjuncts, contradict, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.queries import is_quantified
 from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, is_number, join_units, real, words
 
 
@@ -302,7 +303,7 @@ def why_impossible(part: ir.Expr, scope: Scope) -> str:
     """Returns why a condition without `and` never holds here, empty if it may hold."""
     clash = next((f for f in scope.facts if contradict(Fact(part), f)), None)
     if clash is not None:
-        return f"{text(clash.condition)} holds here"
+        return f"`{as_written(clash.condition, scope)}` holds here"
     match part:
         case ir.Compare(fn=fn, left=left, right=right):
             low, high = narrowed(left, scope.facts)
@@ -314,9 +315,29 @@ def why_impossible(part: ir.Expr, scope: Scope) -> str:
                 "==": low > right.type.high or high < right.type.low,
                 "!=": False,
             }[fn]
-            return f"{text(left)} is {interval_text(low, high)}" if never else ""
+            return f"`{as_written(left, scope)}` is {interval_text(low, high)}" if never else ""
         case _:
             return ""
+
+
+def as_written(e: ir.Expr, scope: Scope) -> str:
+    """Returns a value as its author wrote it; a condition with `not`, or with the opposite sign, if that is what holds."""
+    match e:
+        case ir.Same(left=left, right=right):
+            return f"{as_written(left, scope)} is {as_written(right, scope)}"
+        case ir.Not(value=ir.Same(left=left, right=right)):
+            return f"{as_written(left, scope)} is not {as_written(right, scope)}"
+        case ir.Compare(fn=fn, left=left, right=right) if not is_quantified(e):
+            return f"{as_written(left, scope)} {fn} {as_written(right, scope)}"
+        case ir.Compare(left=ir.Count() as counted):
+            asked = as_written(counted, scope)
+            return asked if e.fn == (">" if asked.startswith("any") else "==") else f"not {asked}"
+        case ir.Not(value=inner):
+            return f"not {as_written(inner, scope)}"
+    if e.origin is None:
+        return text(e)
+    source = scope.static.sources[e.origin.file].text[e.origin.start : e.origin.end]
+    return f"({' '.join(source.split())})" if isinstance(e, ir.Logic) else " ".join(source.split())
 
 
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:

@@ -155,8 +155,15 @@ def _claim(condition: ir.Expr) -> Claim:
 
 
 def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
-    """Returns the words of `x is w` or `x in { … }`, and x."""
+    """Returns the words of `x is w`, of `x in { … }` or of several of these joined by `or`, and x."""
     match condition:
+        case ir.Named(value=value):
+            return _words_named(value)
+        case ir.Logic(fn="or", args=args):
+            sets, subjects = zip(*map(_words_named, args), strict=True)
+            if any(x is None or form(x) != form(subjects[0]) for x in subjects):
+                return frozenset(), None
+            return frozenset().union(*sets), subjects[0]
         case ir.Same(left=subject, right=ir.Word(value=value)) | ir.Same(left=ir.Word(value=value), right=subject):
             words = frozenset({value})
         case ir.InWords(value=subject):

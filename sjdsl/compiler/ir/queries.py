@@ -6,7 +6,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 from collections.abc import Callable
 
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.expressions import Among, At, Domain, Expr, FieldRead, InAgents, InCell, Member, Near, Shape
+from sjdsl.compiler.ir.expressions import Among, At, Compare, Count, Domain, Expr, FieldRead, InAgents, InCell, Member, Near, Shape
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
@@ -19,6 +19,11 @@ Lanes = tuple[tuple[tuple[int, int], ...], ...]
 def contains(node: Node, *sorts: type[Node]) -> bool:
     """Returns whether a node of one of these sorts is in `node`, or is it."""
     return any(isinstance(inner, sorts) for inner in walk(node))
+
+
+def is_quantified(e: Node) -> bool:
+    """Returns whether an expression is written `any(D)` or `all(D)`, which are comparisons of counts."""
+    return isinstance(e, Compare) and isinstance(e.left, Count) and e.left.origin is not None and e.left.origin == e.origin
 
 
 def all_fields(game: Game) -> tuple[VarField, ...]:

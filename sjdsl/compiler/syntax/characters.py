@@ -12,6 +12,8 @@ from sjdsl.compiler.diagnostics.source import Source
 
 CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]")
 WORD = re.compile(r"\w+|.", re.DOTALL)
+WORDS = re.compile(r"\w+|[^\w\s]")
+NEAR = 12  # words before and behind a character that tell what it is meant for
 
 
 def describe(character: str) -> str:
@@ -40,6 +42,13 @@ def bad_character(source: Source, text: str, at: int) -> Diagnostic:
     word = WORD.match(text, at)
     assert word is not None
     span, small = source.span(at, word.end()), word.group().lower()
-    help_ = "names are written in small letters `a` to `z`, digits and `_`" if small.isidentifier() else slip(text[at], ())[0]
-    fix = Fix(span, small) if small.isidentifier() and small.isascii() else None
+    line_before = text[text.rfind("\n", 0, at) + 1 : at]
+    line_from_here = text[at:].split("\n", 1)[0]
+    before = " ".join(WORDS.findall(line_before)[-NEAR:])
+    written = " ".join(WORDS.findall(line_from_here)[:NEAR])
+    help_ = slip(written, (), before)[0] or slip(word.group(), ())[0]
+    if help_ or not small.isidentifier():
+        return errors.BadCharacter(span, character=describe(text[at]), help=help_)
+    help_ = "names are written in small letters `a` to `z`, digits and `_`"
+    fix = Fix(span, small) if small.isascii() else None
     return errors.BadCharacter(span, character=describe(text[at]), help=help_, fix=fix)

@@ -16,7 +16,7 @@ from lark import Lark, Token, Tree
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import CONTROL
@@ -181,7 +181,7 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan
         identity = (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
         known = search.problems.setdefault(identity, problem)
         if isinstance(known, errors.ReservedWord) and known is not problem:
-            search.problems[identity] = replace(known, places=(*known.places, problem.span))
+            search.problems[identity] = replace(known, labels=(*known.labels, Label(problem.span, "used here, too")))
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
 
 

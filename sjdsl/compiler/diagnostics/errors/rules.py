@@ -7,8 +7,8 @@ class WriteConflict(AboutName, code="SJ401", title="Two writes in one phase"):
     says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
     hints = (
         "{lot}",
-        "let one of the two happen with `otherwise`, one of several with `pick 1`, or pair them with `match`; or write two phases; "
-        "or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+        "write `by lot` behind it, and one of those who would write it does; let one of the two happen with `otherwise`, "
+        "one of several with `pick 1`, or pair them with `match`; or write two phases; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
     )
     owner: str
     phase: str

@@ -2,7 +2,6 @@
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Suggestion
 from sjdsl.compiler.diagnostics.errors.names import NotKnown
-from sjdsl.compiler.diagnostics.source import Span
 
 
 class NewerLanguage(Diagnostic, code="SJ001", title="A file for another version of the language"):
@@ -20,15 +19,17 @@ class Unexpected(Diagnostic, code="SJ002", title="Something unexpected"):
 
 
 class ReservedWord(Diagnostic, code="SJ003", title="A word of the language used as a name"):
+    """`labels`: where else the word is used as a name."""
+
     says = "`{word}` is a word of the language and cannot be a name"
     hints = ("choose another name, such as `{other}`",)
     word: str
     other: str
-    places: tuple[Span, ...] = ()
 
     @property
     def suggestions(self) -> tuple[Suggestion, ...]:
-        return (Suggestion(f"write `{self.other}`", tuple(Fix(span, self.other) for span in (self.span, *self.places))),)
+        places = (self.span, *(label.span for label in self.labels))
+        return (Suggestion(f"write `{self.other}`", tuple(Fix(span, self.other) for span in places)),)
 
 
 class BadCharacter(Diagnostic, code="SJ004", title="Not a character of the language"):

@@ -77,9 +77,9 @@ def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> S
 
 
 def accepted(automaton: Automaton, stack: Stack) -> list[str]:
-    """Returns the kinds of tokens that can come next, in a fixed order."""
+    """Returns the kinds of tokens that can come next, in a fixed order; a soft word where it can come as such, not as a name."""
     kinds = sorted(symbol for symbol in automaton.states[stack.state] if symbol.isupper())
-    return [kind for kind in kinds if read(automaton, stack, kind) is not None]
+    return [kind for kind in kinds if read_as(automaton, stack, kind) is not None]
 
 
 def reach(automaton: Automaton, stack: Stack | None, kinds: Sequence[str], start: int, ahead: int) -> int:

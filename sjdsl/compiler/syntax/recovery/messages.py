@@ -154,7 +154,8 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
     kinds = accepted(trouble.automaton, trouble.stack)
     expected, fix = expected_text(trouble, kinds), None
     labels: tuple[Label, ...] = ()
-    help_ = _help(trouble, kinds)
+    hint = statement_slip(trouble, kinds) or slip(trouble.texts[trouble.at], can_be_written(trouble.automaton, kinds))[0]
+    help_ = hint or _help(trouble, kinds)
     if repair is not None and repair.alone:
         word = trouble.automaton.words.get(repair.kind, "")
         match repair.sort:
@@ -163,7 +164,7 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
                 help_, fix = help_ or f"did you mean `{word}`?", Fix(here, word)
             case "replace" if word and not word.isalpha() and repair.kind not in COMMITTED:
                 expected = f"`{word}`"
-                fix = None if trouble.texts[trouble.at] == ":" and word == "{" else Fix(here, word)  # nothing closes it then
+                fix = Fix(here, word)
             case "insert" if word and not word.isalpha():
                 gap = _behind(tokens[trouble.at - 1], source)
                 expected, fix = f"`{word}`", Fix(gap, word if word in ")],:." else f" {word}")
@@ -173,6 +174,8 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
                 expected = PHRASES.get(repair.kind, expected)
             case "unclose":
                 labels = (Label(token_span(tokens[trouble.at - 1], source), "is this `}` one too many?"),)
+        if hint and repair.sort != "near":
+            fix = None  # the hint tells of another change
     surplus = _surplus(tokens[: trouble.at + 1], source) if trouble.unmatched < 0 else None
     if surplus is not None:
         labels = (Label(token_span(tokens[surplus], source), "is this `}` one too many?"),)
@@ -183,12 +186,8 @@ def _unexpected(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token]
 
 
 def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
-    """Returns what may have been meant, whatever the repair: the sign for `=`, a near keyword, another place."""
-    kind, text = trouble.kinds[trouble.at], trouble.texts[trouble.at]
-    if hint := statement_slip(trouble, kinds) or slip(text, can_be_written(trouble.automaton, kinds))[0]:
-        return hint
-    if text == ":" and "LBRACE" in kinds:
-        return "what belongs together stands in braces: `{ … }`"
+    """Returns what may have been meant, whatever the repair: another place, a near keyword."""
+    kind = trouble.kinds[trouble.at]
     for group, other, help_ in MISPLACED:
         if kind in group and other <= set(kinds):
             return help_

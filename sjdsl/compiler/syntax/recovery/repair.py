@@ -14,7 +14,7 @@ from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, acce
 from sjdsl.near_names import nearest
 
 AHEAD = 24  # tokens looked at behind an error
-STATEMENT = 10  # tokens that tell what a statement of another language is
+STATEMENT = 12  # tokens that tell what a statement of another language is, and as many before it
 ENOUGH = 3  # tokens that must follow for a change to be believed
 
 STATEMENTS = frozenset((
@@ -160,17 +160,21 @@ def can_be_written(automaton: Automaton, kinds: Sequence[str]) -> dict[str, str]
 
 
 def statement_slip(trouble: Trouble, kinds: Sequence[str]) -> str:
-    """Returns what to write instead of the statement of another language that begins with the refused token; empty if none does."""
-    return slip(" ".join(trouble.texts[trouble.at : trouble.at + STATEMENT]), can_be_written(trouble.automaton, kinds))[0]
+    """Returns what to write instead of the words of another language that end or begin with the refused token; empty if they are none."""
+    at, texts = trouble.at, trouble.texts
+    written = " ".join(texts[at : at + STATEMENT]).rstrip()
+    before = " ".join(texts[max(0, at - STATEMENT) : at])
+    return slip(written, can_be_written(trouble.automaton, kinds), before)[0]
 
 
 def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
     """Returns the kinds of the keywords, among `kinds`, that a misspelt word may stand for."""
     text = trouble.texts[at]
     words = can_be_written(trouble.automaton, kinds)
-    if word := slip(text, words)[1]:
+    hint, word = slip(text, words)
+    if word:
         return [words[word]]
-    if trouble.kinds[at] != "NAME":
+    if hint or trouble.kinds[at] != "NAME":
         return []
     words = {word: kind for word, kind in words.items() if word.isalpha()}
     near = []
