@@ -305,7 +305,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
 def _is_out_of_sight(node: ir.Node) -> bool:
     """Returns whether a `forbid` cannot read this: places, other agents, and what is done in the step."""
     match node:
-        case ir.Count() | ir.Sum() | ir.Extreme() | ir.StandsOn() | ir.Chose() | ir.ChoseWith() | ir.Distance():
+        case ir.Count() | ir.Sum() | ir.Extreme() | ir.StandsOn() | ir.StandsAt() | ir.Chose() | ir.ChoseWith() | ir.Distance():
             return True
         case ir.Attribute(name="row" | "col"):
             return True

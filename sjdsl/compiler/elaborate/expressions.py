@@ -18,6 +18,7 @@ from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
     as_agent,
+    bound_cell,
     check_known_word,
     check_placed,
     check_words,
@@ -151,13 +152,10 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
 
 
 def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
-    """`nobody on soil` asks a cell variable; `x on grass` asks an agent and a kind or group."""
+    """`nobody on soil` asks a cell variable; `x on soil` an agent and that cell, or a kind or group if no statement around binds the name."""
+    cell = bound_cell(e.kind, scope)
     if isinstance(e.who, ast.Nobody):
-        cell = scope.variables.get(e.kind.text)
-        scope.refer(e.kind)
-        if not (isinstance(cell, ir.Member) and cell.sort.what == "cell"):
-            if e.kind.text in scope.variables and cell is None:
-                raise Poisoned
+        if cell is None:
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
             raise scope.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
@@ -166,6 +164,8 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
         raise not_named(agent, e.who, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)
+    if cell is not None:
+        return ir.StandsAt(agent=agent, cell=cell, origin=e.span)
     return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)
 
 

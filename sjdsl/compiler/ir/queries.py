@@ -6,7 +6,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 from collections.abc import Callable
 
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.expressions import Among, At, Domain, Expr, FieldRead, InAgents, InCell, Member, Near, Shape
+from sjdsl.compiler.ir.expressions import Among, At, Domain, Expr, FieldRead, InAgents, InCell, Logic, Member, Near, Shape, StandsAt
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
@@ -160,6 +160,8 @@ def most_members(domain: Domain, game: Game) -> int:
 
 def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> int:
     """Returns the most members that a restriction leaves of everybody; `lanes`: those of a shape."""
+    if stands_at_one(domain):
+        return min(everybody, 1)
     match domain.restriction:
         case Near():
             return min(everybody, sum(map(len, lanes(domain.restriction))))
@@ -171,6 +173,13 @@ def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> i
             return min(everybody, 1)
         case _:
             return everybody
+
+
+def stands_at_one(domain: Domain) -> bool:
+    """Returns whether the members are those on one cell, `agent on gate` with a cell `gate` around: there is one at most."""
+    parts = domain.where.args if isinstance(domain.where, Logic) and domain.where.fn == "and" else (domain.where,)
+    at = [part for part in parts if isinstance(part, StandsAt) and part.agent.name == domain.var.name]
+    return any(domain.on is None or part.cell.name != domain.on.name for part in at)
 
 
 def num_cells(game: Game, kinds: tuple[str, ...]) -> int:

@@ -33,6 +33,18 @@ class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
     hints = ("write `otherwise stay` after it: who cannot go there stays",)
 
 
+class PerhapsTaken(NoWayFree):
+    """`kind`: the name of the cell, if a kind or group has it, too."""
+
+    says = "somebody may stand on `{place}`, the cell that a statement around has named"
+    hints = (
+        "write `otherwise stay` after it: who cannot go there stays; any cell of the kind is `{kind} as other`",
+        *NoWayFree.hints,
+    )
+    place: str
+    kind: str
+
+
 class TakenOrNowhere(NoWayFree):
     says = "somebody may stand on `{place}`, or it may be nowhere"
     place: str
