@@ -8,6 +8,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.lookup import as_agent, bound_cell, check_free, check_placed, kinds_named, unknown
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
@@ -16,8 +17,8 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
 
-def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
-    """Returns a domain and the scope inside it."""
+def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, Scope]:
+    """Returns a domain and the scope inside it. `warns`: of a condition that never holds."""
     if d.kind.text == "agent":
         sort = AGENTS
     elif d.kind.text in scope.static.movers:
@@ -44,9 +45,11 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
             under = d.on.bind or d.on.kind
             check_free(under, inner, d.on.bind is not None)
             on = ir.Member(name=_own_name(under, inner), sort=ir.Sort("cell", kinds_named(d.on.kind, inner)), origin=d.on.span)
-            inner = with_member(d.on.bind, d.on.kind, on, inner)
+            inner = with_member(d.on.bind, d.on.kind, on, inner).knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
     if d.where is not None:
         conditions.append(inner.condition(d.where))
+        if warns:
+            check_possible(conditions[-1], inner)
         inner = inner.knowing(conditions[-1:])
     where = conditions[0] if len(conditions) == 1 else None
     if len(conditions) > 1:

@@ -194,8 +194,8 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     return ir.InSet(value=value, container=container, origin=e.span)
 
 
-def count(d: ast.Domain, span: Span, scope: Scope) -> ir.Expr:
-    built, _ = domain(d, scope)
+def count(d: ast.Domain, span: Span, scope: Scope, warns: bool = True) -> ir.Expr:
+    built, _ = domain(d, scope, warns)
     return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=span)
 
 
@@ -207,7 +207,7 @@ def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
             help_ = f"write what holds for all of them: `all({written(domain_, scope)} where …)`"
             raise scope.fail(errors.WrongType(e.span, wanted="a condition after `where`", given="`all` without one", help=help_))
         domain_ = replace(domain_, where=ast.Unary(domain_.where.span, "not", domain_.where))
-    members, none = count(domain_, e.span, scope), ir.Number(type=integer(0, 0, "number"), value=0)
+    members, none = count(domain_, e.span, scope, warns=e.word == "any"), ir.Number(type=integer(0, 0, "number"), value=0)
     return ir.Compare(fn=">" if e.word == "any" else "==", left=members, right=none, origin=e.span)
 
 

@@ -243,5 +243,7 @@ def use_define(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) ->
         raise Poisoned
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), scope.expressions(arguments), strict=True))
     named = {p.text: local_symbol(p) for p in define.parameters}
-    value = scope.but(variables=variables, locals=named, defining=(*scope.defining, name.text), withheld={}).expression(define.value)
+    never = None if scope.part == "checks" else scope.static.never_in(f"define {name.text}")
+    inner = scope.but(variables=variables, locals=named, defining=(*scope.defining, name.text), withheld={}, never=never)
+    value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

@@ -1,7 +1,6 @@
 """Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
 from collections.abc import Iterable
-from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
@@ -13,10 +12,11 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.paths import attribute_types
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.implications import Fact, facts, is_known, narrowed
 from sjdsl.compiler.ir.sorts import AGENTS
-from sjdsl.compiler.ir.types import element, integer, words
+from sjdsl.compiler.ir.types import element, words
 from sjdsl.runtime.actions import HEADINGS
 
 What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
@@ -58,7 +58,9 @@ def window(game: Composition, scope: Scope) -> ir.Window:
     def view(tree: ast.Window) -> ir.View:
         assert tree.condition is not None
         sides = _sides(tree, usual, scope)
-        return ir.View(**sides, condition=observer.condition(tree.condition), origin=tree.span)
+        test = observer.condition(tree.condition)
+        check_possible(test, observer)
+        return ir.View(**sides, condition=test, origin=tree.span)
 
     views = scope.problems.each((w for w in game.windows if w.condition is not None), view)
     if views:
@@ -84,11 +86,9 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
 # ---- what is seen
 
 
-def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tuple[ir.Observable, ...]:
+def observables(game: Composition, scope: Scope) -> tuple[ir.Observable, ...]:
     """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown."""
     static = scope.static
-    step = ir.Step(type=integer(0, inf, "steps"))
-    static.of_observed = () if episode is None else facts(ir.Compare(fn="<=", left=step, right=episode))
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
         for f in fields.values():
@@ -327,7 +327,10 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.
     observer = observer_scope(what, kind, show.what.name.text, scope)
     condition = None if show.condition is None else observer.condition(show.condition)
     check_places(what, condition, (), scope)
-    labels, type_ = _labels(show, what, observer.knowing(() if condition is None else (condition,))), field.type
+    if condition is not None:
+        check_possible(condition, observer)
+        observer = observer.knowing([condition])
+    labels, type_ = _labels(show, what, observer), field.type
     if not labels and type_.kind == "agent" and not type_.by:
         labels = _agent_labels(found.key, field)
     elif not labels:
@@ -395,8 +398,10 @@ def _labels(show: ast.Show, what: What, scope: Scope) -> tuple[ir.Label, ...]:
         if not last and label.where is None:
             raise scope.fail(errors.LabelUnconditional(label.span, name=name))
         test = None if label.where is None else scope.condition(label.where)
-        before = tuple(ir.Not(value=other.condition) for other in found if other.condition is not None)
-        check_places(what, test, scope.knowing(before).facts, scope)
+        before = scope.knowing(ir.Not(value=other.condition) for other in found if other.condition is not None)
+        check_places(what, test, before.facts, scope)
+        if test is not None:
+            check_possible(test, before)
         found.append(ir.Label(name=name, condition=test, origin=label.span))
     return tuple(found)
 
@@ -414,8 +419,10 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
             seen.pop(found.key, None)
             continue
         shown = seen.get(found.key)
-        test = observer_scope(what, kind, hide.what.name.text, scope).condition(hide.condition)
+        observer = observer_scope(what, kind, hide.what.name.text, scope)
+        test = observer.condition(hide.condition)
         check_places(what, test, (), scope)
+        check_possible(test, observer)
         if shown is None:
             scope.problems.add(errors.NeverHappens(hide.span, problem="it is not seen anyway"))
             continue
@@ -456,5 +463,8 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
         raise scope.fail(errors.UnknownName(on.span, name=on.text, near=near(on.text, [*static.kinds, *static.groups, "agents"])))
     static.refer(on, Symbol("name", on.text))
     cell = ir.Member(name=on.text, sort=ir.Sort("cell", kinds))
-    test = None if hide.condition is None else scope.with_agent("observe").bind(on.text, cell).condition(hide.condition)
+    test, observer = None, scope.with_agent("observe").bind(on.text, cell)
+    if hide.condition is not None:
+        test = observer.condition(hide.condition)
+        check_possible(test, observer)
     return ir.Hidden(what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span)
