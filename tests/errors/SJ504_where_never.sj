@@ -34,6 +34,6 @@ game pond {
     show agent.bag as { many where agent.bag > 5, more where agent.bag > 7, few }
     hide shore.fruit when step > 100
   }
-  policy idle { seek tree where tree.fruit is none and tree.fruit is ripe  when step >= 100 choose rest }
+  policy idle { seek shore where shore.fruit is none and shore.fruit is ripe  when step >= 100 choose rest }
   checks { always not any(agent where agent.bag > 9) }
 }

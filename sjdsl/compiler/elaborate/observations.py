@@ -1,6 +1,6 @@
 """Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
@@ -86,8 +86,8 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
 # ---- what is seen
 
 
-def observables(game: Composition, scope: Scope) -> tuple[ir.Observable, ...]:
-    """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown."""
+def observables(game: Composition, rules: Sequence[ir.Node], scope: Scope) -> tuple[ir.Observable, ...]:
+    """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown. `rules`: those of a step."""
     static = scope.static
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
@@ -108,12 +108,12 @@ def observables(game: Composition, scope: Scope) -> tuple[ir.Observable, ...]:
             elif not _is_of_a_plane(observable, static):
                 _hide(observable, seen, scope)
             lost -= kinds
-    _leave_looks_alone(seen, lost, game, scope)
+    _leave_looks_alone(seen, lost, game, rules, scope)
     order = ("cell", "heading", "other", "mover", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
-def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, scope: Scope) -> None:
+def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, rules: Sequence[ir.Node], scope: Scope) -> None:
     """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
     for observable in game.observables.values():
@@ -122,7 +122,11 @@ def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Com
             what = f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"
             scope.problems.add(errors.WrittenTwice(observable.span, what=what))
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
-        del seen[key]
+        hidden_field = seen.pop(key)
+        labels = seen["cell", key[1], ""].labels
+        is_disguise = all(label.condition is None for label in labels)
+        if not is_disguise and not _read(hidden_field, labels) and _read(hidden_field, rules):
+            scope.problems.add(errors.HiddenField(seen["cell", key[1], ""].span, kind=key[1], name=key[2]))
     detailed = {kind: field for what, kind, field in seen if what == "cell" and field and kind not in lost}
     for kind in whole:
         for label in seen["cell", kind, ""].labels:
@@ -130,6 +134,12 @@ def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Com
                 given = f"a kind whose cells look different: its `{detailed[label.name]}` is seen"
                 help_ = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
                 scope.problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help_))
+
+
+def _read(field: ir.Observable, parts: Sequence[ir.Node]) -> bool:
+    """Returns whether some parts of the rules name a field of cells."""
+    nodes = (node for part in parts for node in ir.walk(part) if isinstance(node, ir.FieldRead))
+    return any(node.name == field.field and node.held_by.overlaps(field.sort) for node in nodes)
 
 
 def _entries(observable: ir.Observable) -> list[ir.Observable]:
