@@ -1,5 +1,5 @@
 sj 1
-game predator_prey_open "Predator and Prey: Open" {
+game predator_prey_open "Predator and Prey" {
   cite "Agapiou et al. 2022; predator_prey of Melting Pot 2"
   about summary "Prey gather apples, and acorns that take long to eat; predators eat prey that has too few others around it. Whoever"
                 "does anything tires, and is slow until it has rested. Tall grass keeps predators out."

@@ -33,9 +33,9 @@ def _walks(game: ir.Game) -> Iterator[Walk]:
     for policy in game.policies:
         yield from (rule for rule in policy.rules if isinstance(rule, Walk))
     for check in game.checks:
-        for policy in check.policies:
-            if policy.domain is not None:
-                yield ir.Go(domain=policy.domain, origin=policy.origin)
+        for played in check.policies:
+            if played.domain is not None:
+                yield ir.Go(domain=played.domain, origin=played.origin)
 
 
 def _check_goal(goal: ir.Domain, game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:

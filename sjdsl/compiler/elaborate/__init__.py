@@ -81,6 +81,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
         cites=tuple(game.cites),
         about=tuple(game.about.items()),
         variants=tuple(game.variants),
+        chosen=game.chosen,
         sizes=tuple(static.sizes.values()),
         params=tuple(static.params.values()),
         episode=episode,

@@ -109,8 +109,10 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     look = _facing_and_stay(s, "who finds no cell", scope)
     if held is not None and s.stay is None:
         if isinstance(held, ir.Member):
-            kind = held.name if scope.static.kinds_of(held.name) else ""
-            raise scope.fail(errors.PerhapsTaken(s.span, place=held.name, kind=kind))
+            help_ = ""
+            if scope.static.kinds_of(held.name):
+                help_ = f"write `otherwise stay` after it: who cannot go there stays; any cell of the kind is `{held.name} as other`"
+            raise scope.fail(errors.PerhapsTaken(s.span, place=held.name, help=help_))
         raise scope.fail(errors.TakenOrNowhere(s.span, place=text(held)))
     place = use.streams.header(s.domain.span, s.domain.span.end)
     if body_sort(who).what == "mover":  # each sort is placed by itself

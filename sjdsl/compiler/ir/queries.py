@@ -21,6 +21,12 @@ def contains(node: Node, *sorts: type[Node]) -> bool:
     return any(isinstance(inner, sorts) for inner in walk(node))
 
 
+def title_of(game: Game) -> str:
+    """Returns the title of a game, with the variants of it that were chosen."""
+    title = game.title or game.name
+    return f"{title} ({'+'.join(game.chosen)})" if game.chosen else title
+
+
 def all_fields(game: Game) -> tuple[VarField, ...]:
     """Returns every declared variable: those of cells, kind by kind, then those of agents, of movers, sort by sort, and of the world."""
     of_cells = (field for kind in game.kinds for field in kind.fields)

@@ -34,15 +34,8 @@ class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
 
 
 class PerhapsTaken(NoWayFree):
-    """`kind`: the name of the cell, if a kind or group has it, too."""
-
     says = "somebody may stand on `{place}`, the cell that a statement around has named"
-    hints = (
-        "write `otherwise stay` after it: who cannot go there stays; any cell of the kind is `{kind} as other`",
-        *NoWayFree.hints,
-    )
     place: str
-    kind: str
 
 
 class TakenOrNowhere(NoWayFree):
