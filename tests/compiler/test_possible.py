@@ -108,4 +108,5 @@ def test_checks_may_ask_for_what_never_happens() -> None:
 
 
 def test_pick_of_none() -> None:
-    assert never("pick 0 bed { give 1 to all }  pick few bed { give 2 to all }") == ["0"]
+    picked = "pick 0 bed { give 1 to all }  pick few bed { give 2 to all }  pick crowd bed { give 3 to all }"
+    assert never(picked, declared="size crowd : count = 0 in 0 .. 3") == ["0"]

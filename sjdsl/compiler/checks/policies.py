@@ -8,7 +8,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import conjuncts, facts, is_known
-from sjdsl.compiler.ir.queries import blocks_always, contains, declared_field, written_field
+from sjdsl.compiler.ir.queries import blocks_always, contains, declared_field, num_cells, written_field
 from sjdsl.compiler.ir.sorts import AGENTS
 
 Walk = ir.Go | ir.Aim
@@ -16,7 +16,8 @@ Walk = ir.Go | ir.Aim
 
 def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Warns of each `seek` and `aim` that cannot work: of the policies of the file, and of those that checks play."""
-    closed = [(kind.name, condition) for kind in game.kinds for condition in _conditions(kind) if _lasts(condition, game)]
+    there = [kind for kind in game.kinds if num_cells(game, (kind.name,))]
+    closed = [(kind.name, condition) for kind in there for condition in _conditions(kind) if _lasts(condition, game)]
     for walk in _walks(game):
         if isinstance(walk, ir.Go):
             _check_goal(walk.domain, game, sources, problems)

@@ -195,7 +195,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if isinstance(s, ast.Pick) and how_many is not None and how_many.type.low < 0:
         raise scope.fail(errors.Negative(s.number.span, name="the number picked"))
-    if isinstance(s, ast.Pick) and how_many is not None and how_many.type.high <= 0:
+    if how_many is not None and how_many.type.unit == "number" and how_many.type.high <= 0:  # no size, which may be another
         warn_never(s.number.span, "none is picked", scope)
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_statement(header)
