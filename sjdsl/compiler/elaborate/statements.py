@@ -195,7 +195,8 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if isinstance(s, ast.Pick) and how_many is not None and how_many.type.low < 0:
         raise scope.fail(errors.Negative(s.number.span, name="the number picked"))
-    if how_many is not None and how_many.type.unit == "number" and how_many.type.high <= 0:  # no size, which may be another
+    is_literal = how_many is not None and how_many.type.unit == "number"  # a size may be another
+    if isinstance(s, ast.Pick) and how_many is not None and is_literal and how_many.type.high <= 0:
         warn_never(s.number.span, "none is picked", scope)
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_statement(header)
