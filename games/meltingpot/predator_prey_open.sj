@@ -1,5 +1,5 @@
 sj 1
-game predator_prey_open "Predator and Prey: Open" {
+game predator_prey_open "Predator and Prey" {
   cite "Agapiou et al. 2022; predator_prey of Melting Pot 2"
   about summary "Prey gather apples, and acorns that take long to eat; predators eat prey that has too few others around it. Whoever"
                 "does anything tires, and is slow until it has rested. Tall grass keeps predators out."
@@ -112,7 +112,8 @@ game predator_prey_open "Predator and Prey: Open" {
   observe {
     window ahead 9, behind 1, left 5, right 5  # Melting Pot
     show tree as { apple where tree.fruit is ripe and tree.food is apple, acorn where tree.fruit is ripe, floor }
-    show grass as { grass where grass.stands is yes_, floor }  hide floor.home
+    show grass as { grass where grass.stands is yes_, floor }
+    hide floor.home  hide grass.home  hide tree.home  hide tree.stands
     show agent.role  show agent.hand  show agent.mouth  show agent.stamina  show agent.badge
     show other.role
     show other.hand
@@ -123,8 +124,12 @@ game predator_prey_open "Predator and Prey: Open" {
   }
   metrics { event apples  event acorns  event caught  event eaten }  checks { expect caught == 0 with never(bite) over 10 episodes }
   checks { symmetric agents  always count(agent where (agent.hand is acorn or agent.mouth is eating) and agent.role is predator) == 0 }
-  policy gatherer "eats apples" { seek tree where tree.food is apple and tree.fruit is ripe }
-  policy hunter "bites the nearest prey" { aim jaws at agent as other where other.role is prey choose bite }
+  policy gatherer "eats apples" {
+    seek tree where tree.food is apple and tree.fruit is ripe avoiding grass where agent.role is predator and grass.stands is yes_
+  }
+  policy hunter "bites the nearest prey" {
+    aim jaws at agent as other where other.role is prey avoiding grass where agent.role is predator and grass.stands is yes_ choose bite
+  }
   variant alley_hunt "Apples in a maze of dead ends" { set hunters = 5  map "maps/predator_prey_alley_hunt.txt" }   # Melting Pot
   variant orchard "Apples here, acorns there" { set hunters = 5  map "maps/predator_prey_orchard.txt" }             # Melting Pot
   variant random_forest "Acorns, patches of grass" { set hunters = 5  map "maps/predator_prey_random_forest.txt" }  # Melting Pot

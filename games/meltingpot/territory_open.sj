@@ -1,5 +1,5 @@
 sj 1
-game territory_open "Territory: Open" extends "shared/endings.sj" {
+game territory_open "Territory" extends "shared/endings.sj" {
   cite "Agapiou et al. 2022; territory of Melting Pot 2"
   about summary "Bricks are walls and riches at once: who touches one or paints it owns it, and later it pays. Two zaps break a brick"
                 "for ever, and throw a player out for ever. Borders can be agreed on, or fought over."

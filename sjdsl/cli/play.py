@@ -15,6 +15,7 @@ from sjdsl.cli.policies import FROM_FILE, NAMES, SIDE_BY_SIDE, check_policy, cho
 from sjdsl.cli.stages import stages
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.hash import game_hash
+from sjdsl.compiler.ir.queries import title_of
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -25,6 +26,7 @@ from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.action_names import split_actions
 from sjdsl.render.letters import Letters, board_rows, make_letters
 from sjdsl.render.moment import Moment, moment_of
+from sjdsl.render.readings import agent_readings, said_together, world_readings
 from sjdsl.replay import Recording, save_recording
 from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import keys_of
@@ -81,7 +83,7 @@ def command(
             env = make_environment(environment)
             moments = compiled(env, choose_policy(others, env), seed, steering)
 
-    title = rules.title or rules.name
+    title = title_of(rules)
     click.echo(f"{title}, seed {seed}, {whole} steps" + ("" if watch else f": you play agent {agent}"))
     click.echo(letters.legend_line())
     if not watch:
@@ -104,7 +106,8 @@ def command(
 def moment_lines(moment: Moment, letters: Letters, board: Board, own: int | None = None) -> Iterator[str]:
     """Yields the lines that show a moment: the board, and after a step what each agent did and got. `own`: the agent that a person plays."""
     snapshot, names = moment.snapshot, board.game.agents.actions
-    yield f"step {snapshot.step}"
+    world = said_together(world_readings(board.game), snapshot)
+    yield f"step {snapshot.step}" + (f"  {world}" if world else "")
     rows = board_rows(letters, board, snapshot)
     if own is not None and snapshot.row[own] >= 0:
         row, col = int(snapshot.row[own]), int(snapshot.col[own])
@@ -113,11 +116,14 @@ def moment_lines(moment: Moment, letters: Letters, board: Board, own: int | None
     if not moment.actions:
         return
     width = max(map(len, names))
+    readings = agent_readings(board.game)
     yield f"  agent   {'action':{width}}  reward  return"
     for agent, action in enumerate(moment.actions):
         who = f"{agent} you" if agent == own else str(agent)
         state = "  away" if snapshot.row[agent] < 0 else "  can only stay" if snapshot.held[agent] else ""
-        yield f"  {who:6}  {names[action]:{width}}  {moment.reward[agent]:6.4g}  {snapshot.returns[agent]:6.4g}{state}"
+        shown = said_together(readings, snapshot, agent)
+        did = f"  {who:6}  {names[action]:{width}}  {moment.reward[agent]:6.4g}  {snapshot.returns[agent]:6.4g}{state}"
+        yield f"{did}  {shown}" if shown else did
     if moment.events:
         yield "  " + ", ".join(f"{name} {np.sum(count)}" for name, count in moment.events.items())
     if moment.done:

@@ -11,6 +11,7 @@ from pathlib import Path
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.declarations import check_state_names, check_timers, check_unused
 from sjdsl.compiler.checks.placement import check_placement
+from sjdsl.compiler.checks.policies import check_policies
 from sjdsl.compiler.checks.whole_numbers import check_whole_numbers
 from sjdsl.compiler.checks.write_conflicts import check_conflicts
 from sjdsl.compiler.compose import Composition, compose
@@ -52,6 +53,7 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
         check_state_names(game, problems)
         check_timers(game, composition, problems)
         check_conflicts(game, problems)
+        check_policies(game, composition.sources, problems)
     if game is not None and game.rows and not problems.failed:
         if not overrides.placed_by_hand:
             check_placement(game, composition.sources, problems)

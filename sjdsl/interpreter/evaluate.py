@@ -329,6 +329,7 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.ArgumentOf: _argument_of,
     ir.Unoccupied: lambda e, here: is_free(evaluate(e.cell, here), here.world),
     ir.StandsOn: _stands_on,
+    ir.StandsAt: lambda e, here: where_is(evaluate(e.agent, here), here.world) == evaluate(e.cell, here),
     ir.Not: lambda e, here: not evaluate(e.value, here),
     ir.Logic: _logic,
     ir.MatrixClass: lambda e, here: is_of_class(e.name, evaluate(e.table, here)),

@@ -46,7 +46,7 @@ def reads(node: ir.Node) -> Iterator[Part]:
                 yield ("event", n.name)
             case ir.Near():
                 yield from (PLACE, part_of("heading", body_sort(n.anchor)))
-            case ir.Unoccupied() | ir.StandsOn():
+            case ir.Unoccupied() | ir.StandsOn() | ir.StandsAt():
                 yield from (PLACE, HEADING)
             case ir.Domain(var=ir.Member(sort=ir.Sort(what="agent" | "mover"))):
                 yield part_of("away", body_sort(n.var))

@@ -9,16 +9,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from sjdsl.render.colours import BARS, COVERING, FILLING, SPRITES, Colour, mixed
-from sjdsl.render.look import FieldLook, KindLook, Look, Rule, Values
+from sjdsl.render.colours import COVERING, FILLING, SPRITES, Colour, mixed
+from sjdsl.render.look import BADGES, FieldLook, KindLook, Look, Rule, Values
 from sjdsl.render.moment import Snapshot
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.actions import DIRECTIONS
 
 BAR_STEPS = 8
 TINTED = 0.45
-CORNERS = 4  # badges of a cell that have room
-BADGES = 2  # of an agent: its other corners are in front of its eyes
+BADGES_OF_CELL = 8  # that have room: in the corners, then between them
 FLASH: Colour = (255, 236, 110)
 Cell = tuple[int, int]  # row, column
 Key = tuple[int, ...]  # a number for each field: a word's, an agent's and 1, eighths of a bar; 0 or 1 for each rule: whether it applies
@@ -26,7 +25,10 @@ Key = tuple[int, ...]  # a number for each field: a word's, an agent's and 1, ei
 
 @dataclass(frozen=True)
 class Drawing:
-    """A cell. body: what it is; objects: what is there, side by side; badges: in its corners; bars: place among four, eighths."""
+    """A cell. body: what it is; objects: what is there, side by side; badges: around them; bars: place, of four round the cell and so on, eighths.
+
+    edge: in the colour of its owner; inner: inside it, those of further owners, None for nobody.
+    """
 
     ground: Colour
     body: Picture | None = None
@@ -34,6 +36,7 @@ class Drawing:
     badges: tuple[Picture, ...] = ()
     edge: Colour | None = None
     bars: tuple[tuple[int, int], ...] = ()
+    inner: tuple[Colour | None, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -206,29 +209,38 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
             body, standing = (body, picture) if is_on else (picture, None)
         elif rule.colour is not None:
             ground = rule.colour
+            body = filled(body, rule.colour)
     if body == Picture("floor", ground):  # a mark in the colour of its ground is not seen
         body = None
-    badges = tuple(dict.fromkeys(rule.badge for rule in applied if rule.badge is not None))[:CORNERS]
+    badges = tuple(dict.fromkeys(rule.badge for rule in applied if rule.badge is not None))[:BADGES_OF_CELL]
     read = frozenset().union(*(rule.reads for rule in applied))
     objects: list[Picture] = []
-    edge: Colour | None = None
+    edges: list[Colour | None] = []
     bars: list[tuple[int, int]] = []
     places = {field.name: place for place, field in enumerate(field for field in kind.fields if field.sort == "bar")}
     for field, value in zip(kind.fields, key, strict=False):
+        if field.sort == "edge":
+            is_owned = value > 0 and field.name not in read
+            edges.append(field.colours[value - 1] if is_owned else None)
         if field.name in read:
             continue
         match field.sort:
-            case "tint" if field.is_drawn(value) and (body is None or body.sprite not in COVERING):
+            case "tint" if field.is_drawn(value):
                 ground = mixed(ground, field.colours[value], TINTED)
+                body = filled(body, None if body is None else mixed(body.colour, field.colours[value], TINTED))
             case "shape" if field.is_drawn(value):
                 objects.append(field.pictures[value])
-            case "edge" if value > 0:
-                edge = field.colours[value - 1]
-            case "bar" if value > 0 and places[field.name] < len(BARS):
+            case "bar" if value > 0:
                 bars.append((places[field.name], value))
     if standing is not None or (body is not None and body.sprite not in FILLING):  # a tree with an apple, not an apple over a tree
-        objects, badges = [standing] if standing is not None else [], (*objects, *badges)[:CORNERS]
-    return Drawing(ground, body, tuple(objects), badges, edge, tuple(bars))
+        objects, badges = [standing] if standing is not None else [], (*objects, *badges)[:BADGES_OF_CELL]
+    edge, *inner = edges or [None]
+    return Drawing(ground, body, tuple(objects), badges, edge, tuple(bars), tuple(inner) if any(inner) else ())
+
+
+def filled(body: Picture | None, colour: Colour | None) -> Picture | None:
+    """Returns a body in a colour if it covers the ground, whose colour nobody would see."""
+    return Picture(body.sprite, colour) if body is not None and colour is not None and body.sprite in COVERING else body
 
 
 def draw_figures(look: Look, snapshot: Snapshot) -> dict[str, list[Figure]]:
@@ -244,10 +256,8 @@ def draw_figures(look: Look, snapshot: Snapshot) -> dict[str, list[Figure]]:
 
 
 def held_entries(look: Look, snapshot: Snapshot, agent: int) -> list[tuple[Picture, float]]:
-    """Returns how much an agent has of each thing that it can have several of; nothing where agents have no row of numbers."""
-    if look.held is None:
-        return []
-    return list(zip(look.held.pictures, snapshot.values[look.held.attribute][agent].tolist(), strict=True))
+    """Returns how much an agent has of each thing that it can have several of, row by row; nothing where agents have no row of numbers."""
+    return [entry for row in look.held for entry in zip(row.pictures, snapshot.values[row.attribute][agent].tolist(), strict=True)]
 
 
 def _looking(prefix: str, plain: list[Figure], rules: tuple[Rule, ...], carried: tuple[FieldLook, ...], values: Values) -> list[Figure]:
@@ -260,7 +270,7 @@ def _looking(prefix: str, plain: list[Figure], rules: tuple[Rule, ...], carried:
             figure = ruled(figure, rule)
         read = frozenset().union(*(rule.reads for rule in own))
         words = [(field, int(values[field.attribute][number])) for field in carried if field.name not in read]
-        said = [field.pictures[word] for field, word in words if word != field.start and field.words[word] not in field.left_out]
+        said = [field.pictures[word] for field, word in words if field.is_carried(word)]
         figures.append(replace(figure, badges=tuple(dict.fromkeys([*figure.badges, *said]))[:BADGES]))
     return figures
 

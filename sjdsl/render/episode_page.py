@@ -73,8 +73,8 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
     """Returns an episode, or several one after the other, as JSON can hold it.
 
     Keys: `format`; `title`; `height`, `width` of the map in cells, `size` of a picture in pixels;
-    `actions`: names by number; `agents`: a colour for each; `pictures`: SVG files as data URLs; `legend`: [picture, text] of what is in
-    some moment; `moments`: see `Artist.moment`.
+    `actions`: names by number; `agents`: a colour for each; `has`: whether something stands in the column of what agents have;
+    `pictures`: SVG files as data URLs; `legend`: [picture, text] of what is in some moment; `moments`: see `Artist.moment`.
     """
     artist, shown = Artist(make_look(game)), []
     told = []
@@ -92,6 +92,7 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
         "size": SIZE,
         "actions": list(game.agents.actions),
         "agents": artist.colours,
+        "has": bool(look.held or look.own),
         "legend": artist.legend(shown),
         "moments": told,
         "pictures": artist.pictures,
@@ -115,7 +116,8 @@ class Artist:
         Keys: `step`; `cells`: [cell, picture, cell, picture, …], of all cells in the first moment and then of those that look otherwise
         than in the moment before, numbered in reading order; `figures`: [picture, row, column] of beams, flashes, agents and movers, each
         over those before; `actions`: a number for each agent, or nothing at the start of an episode; `rewards`, `returns` of each agent;
-        `held`: [picture, amount] of what each agent has; `events`: [name, count of each agent, or one count]; `done`.
+        `held`: [row, picture, amount] of what each agent has; `own`: [name, value] of what else it is shown of itself, `world`: of the world;
+        `events`: [name, count of each agent, or one count]; `done`.
         """
         shot = moment.snapshot
         seen = appearance_of(self.look, shot, moment.actions, self._before)
@@ -132,14 +134,18 @@ class Artist:
             "actions": list(moment.actions),
             "rewards": _rounded(moment.reward),
             "returns": _rounded(shot.returns),
-            "held": [self._held(shot, agent) for agent in range(self.look.num_agents)] if self.look.held is not None else [],
+            "held": [self._held(shot, agent) for agent in range(self.look.num_agents)],
+            "own": [[[r.name, r.text(shot, agent)] for r in self.look.own] for agent in range(self.look.num_agents)],
+            "world": [[reading.name, reading.text(shot)] for reading in self.look.world],
             "events": [[name, np.asarray(count).tolist()] for name, count in moment.events.items()],
             "done": moment.done,
         }
 
-    def _held(self, snapshot: Snapshot, agent: int) -> list[list[float]]:
-        things = held_entries(self.look, snapshot, agent)
-        return [[self.picture_of(vector_figure(Figure(None, thing.colour, thing.sprite))), amount] for thing, amount in things if amount]
+    def _held(self, snapshot: Snapshot, agent: int) -> list[list[Any]]:
+        names = [row.name for row in self.look.held for _ in row.words]
+        things = zip(names, held_entries(self.look, snapshot, agent), strict=True)
+        figures = [(name, Figure(None, thing.colour, thing.sprite), amount) for name, (thing, amount) in things if amount]
+        return [[name, self.picture_of(vector_figure(figure)), amount] for name, figure, amount in figures]
 
     def legend(self, shown: Sequence[Snapshot] | None = None) -> list[list[Any]]:
         """Returns what can be seen on the board, or is in one of the moments that are shown: [picture, text]."""

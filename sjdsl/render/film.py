@@ -1,7 +1,7 @@
 """Draws the frames of a film, each a board with its legend below, and writes frames as files: GIF, MP4, PNG."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,21 +9,19 @@ import numpy as np
 
 from sjdsl.extras import needs
 from sjdsl.files import written_whole
-from sjdsl.render.appearance import Drawing, Figure, draw_figures, held_entries
-from sjdsl.render.board import draw_board, draw_figure, draw_tile, put_figure
+from sjdsl.render.appearance import Drawing
+from sjdsl.render.board import draw_board, draw_tile, put_figure
 from sjdsl.render.colours import INK, OUTSIDE, PAPER
 from sjdsl.render.legend import legend_entries
 from sjdsl.render.look import Look, make_look
 from sjdsl.render.moment import Moment, Snapshot
+from sjdsl.render.status import FONT, GAP, LINE, MARGIN, SWATCH, Status, make_status
 from sjdsl.runtime.env import Environment
 
 with needs("pictures"):
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image, ImageDraw
     from PIL.PngImagePlugin import PngInfo
 
-LINE, SWATCH, GAP, MARGIN = 23, 19, 14, 8  # pixels
-SMALL, HELD = 15, 40  # pixels of the picture of what an agent has, and of that with its number
-FONT = ImageFont.load_default(12.5)
 MIN_WIDTH = 400
 MILLISECONDS = 120  # a frame is shown
 SAMPLES = 24  # frames whose colours make the palette
@@ -36,6 +34,7 @@ class Painter:
 
     look: Look
     width: int
+    status: Status
     legend: Image.Image
 
     def draw(self, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None) -> Image.Image:
@@ -46,7 +45,7 @@ class Painter:
           before: the moment before, if what was taken, cleaned or hit since then shall flash.
         """
         board = Image.fromarray(draw_board(self.look, snapshot, actions, before))
-        status = draw_status(self.look, snapshot, self.width)
+        status = self.status.draw(snapshot)
         picture = Image.new("RGB", (self.width, board.height + status.height + self.legend.height), OUTSIDE)
         picture.paste(board, ((self.width - board.width) // 2, 0))
         picture.paste(status, (0, board.height))
@@ -58,7 +57,7 @@ def make_painter(env: Environment, shown: Sequence[Snapshot] | None = None) -> P
     """Returns what draws the states of an environment. `shown`: the moments that will be drawn; the legend leaves out what is in none."""
     look = make_look(env.game)
     width = max(look.width * look.tile, MIN_WIDTH)
-    return Painter(look, width, draw_legend(look, width, shown))
+    return Painter(look, width, make_status(look, width, shown), draw_legend(look, width, shown))
 
 
 def draw_film(env: Environment, moments: Iterable[Moment]) -> Iterator[Image.Image]:
@@ -91,32 +90,6 @@ def draw_legend(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
         for left, swatch, text in line:
             strip.paste(Image.fromarray(swatch), (left, number * LINE + 2))
             pen.text((left + SWATCH + 4, number * LINE + 2 + SWATCH // 2), text, INK, FONT, anchor="lm")
-    return strip
-
-
-def draw_status(look: Look, snapshot: Snapshot, width: int) -> Image.Image:
-    """Returns the part below the board that changes: the step, and for each agent its rewards so far and what it has."""
-    texts = [f"{total:.4g}" for total in snapshot.returns]
-    wide = max(30, round(max(map(FONT.getlength, texts))))
-    entries = () if look.held is None else look.held.pictures
-    chip = SWATCH + 4 + wide + len(entries) * HELD + GAP
-    per_line = max(1, (width - 2 * MARGIN) // chip)
-    strip = Image.new("RGB", (width, LINE * (1 + -(-len(texts) // per_line)) + 4), PAPER)
-    pen = ImageDraw.Draw(strip)
-    pen.text((MARGIN, LINE // 2 + 2), look.title, INK, FONT, anchor="lm", stroke_width=0.3)
-    pen.text((width - MARGIN, LINE // 2 + 2), f"step {snapshot.step}", INK, FONT, anchor="rm")
-    for number, (figure, text) in enumerate(zip(draw_figures(look, snapshot)["agent"], texts, strict=True)):
-        line, place = divmod(number, per_line)
-        left, top = MARGIN + place * chip, LINE * (1 + line) + 4
-        body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
-        strip.paste(body, (left, top), body)
-        pen.text((left + SWATCH + 4, top + SWATCH // 2), text, INK, FONT, anchor="lm")
-        left += SWATCH + 4 + wide + 4
-        for picture, amount in held_entries(look, snapshot, number):
-            thing = Image.fromarray(draw_figure(Figure(None, picture.colour, picture.sprite), SMALL))
-            strip.paste(thing, (left, top + (SWATCH - SMALL) // 2), thing)
-            pen.text((left + SMALL + 3, top + SWATCH // 2), f"{amount:.3g}", INK, FONT, anchor="lm")
-            left += HELD
     return strip
 
 

@@ -1,7 +1,7 @@
 """The appearance of a game: everything about its pictures that does not change from step to step."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Literal, assert_never
 
 import numpy as np
@@ -9,14 +9,28 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
-from sjdsl.compiler.ir.printer import expression
-from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, written_field
-from sjdsl.render.colours import COLOURS, SPRITES, WORDS, Colour, agent_colour, kind_colours, mark_colours, read_colour, tint_colours
+from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, title_of, written_field
+from sjdsl.render.colours import (
+    COLOURS,
+    INKS,
+    SHAPES,
+    SPRITES,
+    WORDS,
+    Colour,
+    agent_colour,
+    kind_colours,
+    mark_colours,
+    read_colour,
+    tint_colours,
+)
 from sjdsl.render.colours import word_colours as colours_of
+from sjdsl.render.conditions import in_words
+from sjdsl.render.readings import Reading, agent_readings, world_readings
 from sjdsl.render.usual import Picture, is_taken, main_kind, named_sprite, spawn_kinds, usual_body, usual_movers, usual_words
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
+BADGES = 2  # of an agent: its other corners are in front of its eyes
 NOTHING = ("none", "nothing", "empty", "bare")  # words that say that nothing is there
 Sort = Literal["shape", "tint", "edge", "bar"]
 Values = Mapping[str, np.ndarray]  # attribute of the state -> array
@@ -45,6 +59,10 @@ class FieldLook:
     start: int = 0
     plain: int = 0
     left_out: frozenset[str] = frozenset()
+
+    def is_carried(self, word: int) -> bool:
+        """Returns whether an agent or a mover shows this word as a badge: if it is not the one that it starts with."""
+        return word != self.start and self.words[word] not in self.left_out
 
     def is_drawn(self, word: int) -> bool:
         """Returns whether a shape or a tint shows this word: all but the plain one, and that, too, if it is a colour like all others."""
@@ -102,9 +120,9 @@ class Look:
     """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any.
 
     marks: label and colour of each phase that marks; acting: its label -> the numbers of the actions with which an agent marks in it.
-    roles: the words of the field that colours agents, unless they are names of colours; roles_in_looks: those that a look reads.
-    carried: fields of the agents that are drawn as badges; held: the row of numbers that is shown beside an agent's return; rules: looks of
-    the agents.
+    roles: the words of the field that colours agents; roles_in_looks: those that a look reads.
+    carried: fields of the agents that are drawn as badges; held: their rows of numbers by words, which stand beside an agent's return as
+    pictures; world, own: what stands there as text, of the world and of each agent; rules: looks of the agents.
     """
 
     title: str
@@ -119,7 +137,9 @@ class Look:
     roles: tuple[str, ...]
     roles_in_looks: frozenset[str]
     carried: tuple[FieldLook, ...]
-    held: FieldLook | None
+    held: tuple[FieldLook, ...]
+    world: tuple[Reading, ...]
+    own: tuple[Reading, ...]
     rules: tuple[Rule, ...]
     num_agents: int
     can_be_held: bool
@@ -141,8 +161,12 @@ def make_look(game: ir.Game) -> Look:
     words = () if colour_field is None else colour_field.type.words
     rules = tuple(_rule(look) for look in game.looks if look.what == "agent")
     fields = [field for field in game.agents.fields if field is not colour_field and ("agent", field.name) in seen]
+    carried = tuple(_apart(_carried(fields, "agent", rules, game), carried=True))
+    held = tuple(_held(fields, game))
+    coloured = () if colour_field is None else (colour_field,)
+    drawn = {field.name for field in (*coloured, *carried[:BADGES], *held)}
     return Look(
-        title=game.title or game.name,
+        title=title_of(game),
         height=height,
         width=width,
         tile=max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE)),
@@ -151,10 +175,12 @@ def make_look(game: ir.Game) -> Look:
         acting={phase.label: tuple(sorted(_marking_actions(phase, game))) for phase in marking_phases(game)},
         actions=tuple(game.agents.actions),
         colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(words)),
-        roles=() if set(words) <= set(WORDS) else words,
+        roles=words,
         roles_in_looks=frozenset() if colour_field is None else words_in_looks(colour_field, rules),
-        carried=tuple(_carried(fields, "agent", rules, game)),
-        held=_held(fields, game),
+        carried=carried,
+        held=held,
+        world=world_readings(game),
+        own=tuple(reading for reading in agent_readings(game) if reading.name not in drawn),
         rules=rules,
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
@@ -164,9 +190,7 @@ def make_look(game: ir.Game) -> Look:
                 sprite=body.sprite,
                 colour=body.colour,
                 rules=(own := tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name)),
-                carried=tuple(
-                    _carried([f for f in sort.fields if f.name != "heading" and (sort.name, f.name) in seen], sort.name, own, game)
-                ),
+                carried=tuple(_apart(_carried_by(sort, seen, own, game), carried=True)),
             )
             for sort, body in zip(game.movers, usual_movers(game), strict=True)
         ),
@@ -240,15 +264,17 @@ def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
         rows, cols = np.nonzero(grid == kind.name)
         if len(rows):
             rules = tuple(_rule(look) for look in game.looks if kind.name in look.kinds)
-            fields, shapes = [], 0
+            fields: list[FieldLook] = []
+            shapes = 0
             for field in kind.fields:
                 is_row = bool(field.type.by) and field.type.kind not in ("int", "real")
                 is_read = field.type.kind != "word" and any(field.name in rule.reads for rule in rules)
                 if (kind.name, field.name) in seen and not (field.timer or is_row or is_read):
-                    fields.append(
-                        _field(field, kind.name, game, shapes, words_in_looks(field, rules) | merged_words(kind.name, field, game))
-                    )
+                    tinted = any(other.sort == "tint" for other in fields)
+                    left_out = words_in_looks(field, rules) | merged_words(kind.name, field, game)
+                    fields.append(_field(field, kind.name, game, shapes, tinted, left_out))
                     shapes += max(0, len(field.type.words) - 1)
+            fields = list(_apart(fields))
             ground, starting = grounds[kind.name], kind.name in spawns
             body = usual_body(kind, ground, spawns)
             yield KindLook(kind.name, ground, body, blocks_always(kind), tuple(fields), rules, rows, cols, starting)
@@ -264,7 +290,7 @@ def _rule(look: ir.Look) -> Rule:
     return Rule(
         condition=look.condition,
         reads=frozenset(read),
-        label="" if look.condition is None else _label(look.condition, look.name),
+        label="" if look.condition is None else in_words(look.condition),
         sprite=body.sprite or None,
         colour=read_colour(body.colour) if body.colour else None,
         badge=shown,
@@ -288,28 +314,14 @@ def _words(part: ir.Expr) -> frozenset[str]:
             return frozenset(node.value for node in ir.walk(part) if isinstance(node, ir.Word))
 
 
-def _label(condition: ir.Expr, name: str) -> str:
-    """Returns a condition in short: the words that hold, or what else it says, without the name of the cell."""
-    parts = []
-    for part in conjuncts(condition):
-        match part:
-            case ir.Same(right=ir.Word(value=word)) | ir.Same(left=ir.Word(value=word)):
-                parts.append(word)
-            case ir.InWords():
-                parts += [" or ".join(part.words)] * (set(part.words) != set(part.value.type.words))  # of any word there is nothing to say
-            case ir.Compare(fn=">", left=ir.At(row=ir.FieldRead(name=field), key=ir.Word(value=word)), right=ir.Number(value=0)):
-                parts.append(f"{field}: {word}")
-            case _:
-                text = expression(part).replace(f"{name}.", "")
-                parts.append(text[1:-1] if text.startswith("(") and text.endswith(")") else text)
-    return ", ".join(parts)
-
-
-def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, left_out: frozenset[str]) -> FieldLook:
+def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, tinted: bool, left_out: frozenset[str]) -> FieldLook:
+    """Returns how a field of cells is drawn. `tinted`: the ground shows another field already; two colours in one would be a third."""
     attribute = f"{kind}_{field.name}"
     match field.type.kind:
         case "word":
-            sort: Sort = "shape" if _sets(game, ir.Sort("cell", (kind,)), field.name) else "tint"
+            few_colours = len({*tint_colours(field.type.words)[1:]}) < len(field.type.words) - 1
+            is_shape = tinted or few_colours or _sets(game, ir.Sort("cell", (kind,)), field.name)
+            sort: Sort = "shape" if is_shape else "tint"
             pictures = usual_words(field, is_taken(field.name, kind, game), shapes)
             words = field.type.words
             colours = tint_colours(words) if sort == "tint" else colours_of(words)
@@ -326,6 +338,27 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, left_out: 
             return FieldLook(field.name, attribute, "bar", "number", full=max(1.0, most))
 
 
+def _apart(fields: Iterable[FieldLook], carried: bool = False) -> Iterator[FieldLook]:
+    """Yields the fields of one kind, of the agents or of a sort of movers; no two pictures that are drawn are alike.
+
+    Args:
+      carried: they are drawn as badges.
+    """
+    used: set[Picture] = set()
+    for field in fields:
+        if field.sort != "shape" or field.holds != "word":
+            yield field
+            continue
+        pictures = list(field.pictures)
+        for word in filter(field.is_carried if carried else field.is_drawn, range(len(pictures))):
+            picture = pictures[word]
+            if picture in used:
+                others = (Picture(sprite, colour) for colour in (picture.colour, *INKS) for sprite in SHAPES)
+                pictures[word] = next((other for other in others if other not in used), picture)
+            used.add(pictures[word])
+        yield replace(field, pictures=tuple(pictures))
+
+
 def _carried(fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...], game: ir.Game) -> Iterator[FieldLook]:
     """Yields the words that an agent or a mover shows as badges. `prefix`: of their attributes."""
     shapes = 0
@@ -338,16 +371,20 @@ def _carried(fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...]
             shapes += len(pictures) - 1
 
 
-def _held(fields: Sequence[ir.VarField], game: ir.Game) -> FieldLook | None:
-    """Returns what the agents have of each of several words, of several such fields the first."""
+def _carried_by(sort: ir.Movers, seen: frozenset[tuple[str, str]], rules: tuple[Rule, ...], game: ir.Game) -> Iterator[FieldLook]:
+    """Yields the words that a mover shows as badges; its heading is seen by the way it looks."""
+    fields = [field for field in sort.fields if field.name != "heading" and (sort.name, field.name) in seen]
+    yield from _carried(fields, sort.name, rules, game)
+
+
+def _held(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[FieldLook]:
+    """Yields what the agents have of each of several words."""
     for field in fields:
         if field.type.kind in ("int", "real") and [level.sort for level in field.type.by] == ["word"]:
             words = field.type.by[0].names
             row = ir.Type(kind="word", words=("nothing", *words))
             usual = usual_words(ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=row), False)[1:]
-            pictures = _as_looked(words, usual, game)
-            return FieldLook(field.name, f"agent_{field.name}", "shape", "number", words, pictures=pictures)
-    return None
+            yield FieldLook(field.name, f"agent_{field.name}", "shape", "number", words, pictures=_as_looked(words, usual, game))
 
 
 def _as_looked(words: Sequence[str], usual: Sequence[Picture], game: ir.Game) -> tuple[Picture, ...]:
@@ -367,6 +404,7 @@ def _as_looked(words: Sequence[str], usual: Sequence[Picture], game: ir.Game) ->
 def _colour_field(game: ir.Game) -> ir.VarField | None:
     """Returns the field that colours the agents: one that no phase changes, whose words are colours if there is such, else a role."""
     fields = [f for f in game.agents.fields if f.type.kind == "word" and not f.type.by and len(f.type.words) > 1]
+    fields = [f for f in fields if len({*colours_of(f.type.words)}) == len(f.type.words)]  # or roles would look alike
     lasting = [f for f in fields if not any(_sets(turn, ir.Sort("agent"), f.name) for turn in game.schedule)]
     coloured = [f for f in fields if set(f.type.words) <= COLOURS]
     return next(iter([f for f in coloured if f in lasting] + lasting + coloured), None)

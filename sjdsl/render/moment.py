@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,10 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, counts_of, marking_phases
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import Cell, Outcome, World
 from sjdsl.interpreter.step import action_mask
 from sjdsl.interpreter.stored import stored_values
@@ -24,6 +29,7 @@ class Snapshot:
     values: attribute of the state -> array; row, col: `[N]` int, negative for agents that are away; heading: `[N]` int;
     held: `[N]` bool, agents that may only stay; returns: `[N]` float, rewards so far. movers: sort -> rows and columns of its movers,
     `[M]` int each, negative for those that are away; marks: label of a phase -> the cells it has marked in this step, `[H, W]` bool.
+    told: what the defines are that agents are shown.
     """
 
     step: int
@@ -35,6 +41,7 @@ class Snapshot:
     returns: np.ndarray
     movers: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     marks: Mapping[str, np.ndarray] = field(default_factory=dict)
+    told: Mapping[str, str] = field(default_factory=dict)
 
     def standing(self) -> Iterator[tuple[str, int, int, int]]:
         """Yields who is on the map, as they are drawn one after the other: `agent` or the sort of the mover, number, row, column."""
@@ -57,6 +64,11 @@ class Moment:
     reward: np.ndarray
     events: Mapping[str, np.ndarray]
     done: bool
+
+
+def shown_defines(game: ir.Game) -> list[ir.Observable]:
+    """Returns the defines that agents are shown."""
+    return [o for o in game.observables if o.what == "world" and o.value is not None and not isinstance(o.value, ir.Step)]
 
 
 def take_snapshot(env: "Environment", state: Any, returns: np.ndarray) -> Snapshot:
@@ -86,7 +98,27 @@ def take_snapshot(env: "Environment", state: Any, returns: np.ndarray) -> Snapsh
         returns=np.asarray(returns),
         movers={sort.name: places(values[f"{sort.name}_position"]) for sort in game.movers},
         marks={phase.label: _mask(game, *places(values[f"mark_{phase.name}"])) for phase in marking_phases(game)},
+        told=_told(env, state, row),
     )
+
+
+def _told(env: "Environment", state: Any, row: np.ndarray) -> dict[str, str]:
+    """Returns the defines as the first agent that is there sees them; nothing if nobody is there. `row`: of each agent, negative if it is away."""
+    names = {o.field for o in shown_defines(env.game)}
+    if not names or not (row >= 0).any():
+        return {}
+    module: Any = env.module
+    tokens = np.asarray(_tokens_of(module)(state, env.params))[int(np.argmax(row >= 0))]
+    shown = ((plane, int(tokens[number, 0, 0])) for number, plane in enumerate(planes(env.game)) if plane.what == "world")
+    return {plane.name: plane.labels[value] if plane.labels else str(value) for plane, value in shown if plane.name in names}
+
+
+@cache
+def _tokens_of(module: Any) -> Any:
+    """Returns the compiled function that observes, whatever the encoding of an environment's observations."""
+    import jax
+
+    return jax.jit(module.observe)
 
 
 def snapshot_of(game: ir.Game, world: World, returns: Sequence[float] | np.ndarray) -> Snapshot:
@@ -111,7 +143,13 @@ def snapshot_of(game: ir.Game, world: World, returns: Sequence[float] | np.ndarr
         returns=np.array(returns, float),
         movers={sort: places(herd.position) for sort, herd in world.movers.items()},
         marks={label: _mask(game, *places(cells)) for label, cells in marked.items()},
+        told={o.field: _said(evaluate(o.value, Instance(board_of(game), world))) for o in shown_defines(game) if o.value is not None},
     )
+
+
+def _said(value: Any) -> str:
+    """Returns the value of a define: a condition is `yes` or `no`."""
+    return ("no", "yes")[value] if isinstance(value, bool) else str(value)
 
 
 def _mask(game: ir.Game, row: np.ndarray, col: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from functools import cache, lru_cache
 from importlib.resources import files
+from math import ceil, sqrt
 
 from sjdsl.render.appearance import BAR_STEPS, Beam, Drawing, Figure
 from sjdsl.render.colours import BARS, COVERING, FILLING, INK, PAPER, Colour, hexadecimal, mixed
@@ -15,7 +16,9 @@ SIZE = 48  # pixels of a picture's side for browsers: sharp where a cell has 24 
 EDGE = 0.12  # of a cell's side
 BAR = 0.13
 BODY, OBJECT, HALF, BADGE = 0.88, 0.74, 0.5, 0.42  # sides of sprites, as shares of a cell's side
-BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))  # of a cell: row and column of the corner of each badge, in order
+SMALL_BADGE = 1 / 3  # of more badges than there are corners
+CORNERS = 4
+BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0), (1, 0.5), (0, 0.5), (0.5, 0), (0.5, 1))  # row and column of each badge of a cell, in order
 BEHIND = (((1, 1), (1, 0)), ((1, 0), (0, 0)), ((0, 0), (0, 1)), ((0, 1), (1, 1)))  # of an agent, by its heading: never over its eyes
 BEAM_OPACITY, BEAM_EDGE = 0.45, 0.09
 BADGE_INSIDE = 0.74  # of the disc that a badge lies on
@@ -40,18 +43,21 @@ def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
         parts += [_box(0, size - 1, size, 1, line), _box(size - 1, 0, 1, size, line)]
     if drawing.body is not None:
         parts.append(_placed(drawing.body, 1.0 if drawing.body.sprite in FILLING else BODY, (0.5, 0.5), size))
-    if drawing.edge is not None:
-        width = max(1, round(size * EDGE))
-        inner = size - width
-        parts += [
-            _box(*at, drawing.edge) for at in ((0, 0, size, width), (0, inner, size, width), (0, 0, width, size), (inner, 0, width, size))
-        ]
+    width = max(1, round(size * EDGE))
+    for depth, colour in enumerate((drawing.edge, *drawing.inner)):
+        if colour is not None:
+            start, side = depth * width, size - 2 * depth * width
+            far = start + side - width
+            boxes = ((start, start, side, width), (start, far, side, width), (start, start, width, side), (far, start, width, side))
+            parts += [_box(*box, colour) for box in boxes]
     parts += [_placed(picture, *slot, size) for picture, slot in zip(drawing.objects, _slots(len(drawing.objects)), strict=False)]
     width = max(1, round(size * BAR))
-    for place, eighths in drawing.bars:  # the length of a bar says how much, its colour and its side what
-        length, far = max(1, round(size * eighths / BAR_STEPS)), size - width
-        boxes = ((0, far, length, width), (0, 0, length, width), (0, size - length, width, length), (far, size - length, width, length))
-        parts.append(_box(*boxes[place], BARS[place]))
+    for place, eighths in drawing.bars:  # the length of a bar says how much, its colour and its side what; further ones lie inside
+        depth, side = divmod(place, len(BARS))
+        length, near, far = max(1, round(size * eighths / BAR_STEPS)), depth * width, size - (depth + 1) * width
+        across, along = (length, width), (width, length)
+        boxes = ((0, far, *across), (0, near, *across), (near, size - length, *along), (far, size - length, *along))
+        parts.append(_box(*boxes[side], BARS[side]))
     return _whole([*parts, *_badges(drawing.badges, size, BADGE_CORNERS)], size)
 
 
@@ -132,21 +138,24 @@ def _placed(picture: Picture, share: float, centre: tuple[float, float], size: i
 
 
 def _slots(count: int) -> list[tuple[float, tuple[float, float]]]:
-    """Returns side and centre of each of `count` objects: the middle, two halves, or four quarters."""
+    """Returns side and centre of each of `count` objects: the middle, two halves, four quarters, nine ninths and so on."""
     if count == 1:
         return [(OBJECT, (0.5, 0.5))]
     if count == 2:
         return [(HALF, (0.5, 0.25)), (HALF, (0.5, 0.75))]
-    return [(HALF, (row, col)) for row in (0.25, 0.75) for col in (0.25, 0.75)]
+    across = max(2, ceil(sqrt(count)))
+    middles = [(place + 0.5) / across for place in range(across)]
+    return [(1 / across, (row, col)) for row in middles for col in middles]
 
 
-def _badges(badges: tuple[Picture, ...], size: int, corners: Sequence[tuple[int, int]]) -> list[str]:
-    """Returns small sprites in the corners of a cell, each on a pale disc so that it is seen on any ground."""
-    side = max(3, round(size * BADGE))
+def _badges(badges: tuple[Picture, ...], size: int, corners: Sequence[tuple[float, float]]) -> list[str]:
+    """Returns small sprites at the edges of a cell, each on a pale disc so that it is seen on any ground."""
+    crowded = len(badges) > CORNERS
+    side = max(3, round(size * (SMALL_BADGE if crowded else BADGE)))
     inner = max(2, round(side * BADGE_INSIDE))
     found = []
     for picture, (row, col) in zip(badges, corners, strict=False):
-        left, top, edge = col * (size - side), row * (size - side), (side - inner) // 2
+        left, top, edge = round(col * (size - side)), round(row * (size - side)), (side - inner) // 2
         found.append(_sprite("disc", PAPER, left, top, side) + _sprite(picture.sprite, picture.colour, left + edge, top + edge, inner))
     return found
 

@@ -150,7 +150,6 @@ def test_conditions_joined_with_or_exclude_a_word_that_none_names():
 @pytest.mark.parametrize(
     ("rule", "quoted"),
     [
-        ("when count(agent) > 9 { end }", "`count(agent)` is 0 .. 2"),
         ("each agent where agent.holds is raw { when agent.holds is cut { end } }", "`agent.holds is raw` holds here"),
         ("each agent { when agent.holds is raw { } otherwise when agent.holds is raw { end } }", "`agent.holds is not raw` holds here"),
         ("each agent { when agent.holds is not raw { } otherwise { when agent.holds is ash { end } } }", "`agent.holds is raw` holds here"),

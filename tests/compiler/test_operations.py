@@ -296,6 +296,7 @@ NOT_READING = (
     "sjdsl/compiler/ir/operations.py",
     "sjdsl/compiler/syntax",
     "sjdsl/compiler/diagnostics",
+    "sjdsl/compiler/elaborate/regrouping.py",  # which writes products
     "sjdsl/runtime",
 )
 

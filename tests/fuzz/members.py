@@ -27,9 +27,12 @@ def domain(scope: Scope, depth: int, kind: str = "", counted: bool = False, sing
     inner = replace(scope.having(Variable(name, kinds, number, listed, sort)), frames=frames)
     if not kinds and r.random() < 0.25 and scope.counts:
         under = r.choice([*w.kinds, *w.groups])
-        bound = under if not inner.uses(under) and r.random() < 0.5 else w.variable()
-        text += f" on {under}" if bound == under else f" on {under} as {bound}"
-        inner = inner.having(Variable(bound, w.kinds_of(under), number))
+        if any(under == v.name for v in inner.cells()):  # that cell
+            text += f" on {under}"
+        else:
+            bound = under if not inner.uses(under) and r.random() < 0.5 else w.variable()
+            text += f" on {under}" if bound == under else f" on {under} as {bound}"
+            inner = inner.having(Variable(bound, w.kinds_of(under), number))
     text += place
     if r.random() < 0.5:
         guard, inner = where(inner, depth)

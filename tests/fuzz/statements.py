@@ -308,7 +308,7 @@ def _delay(scope: Scope) -> str:
 def destination(scope: Scope, kind: str) -> str:
     """Returns kind and condition of a destination, which may name what is known in the scope."""
     w = scope.world
-    name = kind if not w.is_now(0.4) else w.variable()
+    name = kind if not w.is_now(0.4) and not scope.uses(kind) else w.variable()
     text = kind if name == kind else f"{kind} as {name}"
     if w.is_now(0.45):
         around = replace(scope, variables=tuple(v for v in scope.variables if v.name != name))

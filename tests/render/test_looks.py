@@ -196,7 +196,7 @@ def test_the_legend_names_each_thing_once(looked: Environment, plain: Environmen
         drawn = [*cell_entries(look), *figure_entries(look)]
         assert len({text for _, text in drawn}) == len(drawn)
     texts = [text for _, text in cell_entries(make_look(looked.game))]
-    assert "crop >= 2, owner is nobody" in texts
+    assert "crop at least 2, no owner" in texts
     assert "blue" in texts
 
 
@@ -225,7 +225,7 @@ def test_a_legend_leaves_out_what_no_cell_shows() -> None:
     """Every patch has a class, so there is no plain one; and no word is said twice."""
     look = make_look(sjdsl.make("pd_arena").game)
     assert [text for _, text in cell_entries(look)] == ["floor", "wall", "patch: coop", "defect", "coop, ripe", "defect, ripe", "gate"]
-    leaning = ["bag[coop] > bag[defect]", "bag[defect] > bag[coop]"]
+    leaning = ["bag: more coop than defect", "bag: more defect than coop"]
     assert [text for _, text in figure_entries(look)] == [*leaning, "pale: can only stay"]
 
 

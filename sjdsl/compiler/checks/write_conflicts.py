@@ -18,7 +18,7 @@ from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import Fact, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import body_sort, declared_field, phases_of, written_field
+from sjdsl.compiler.ir.queries import body_sort, declared_field, phases_of, stands_at_one, written_field
 from sjdsl.compiler.ir.types import integer
 
 
@@ -232,6 +232,8 @@ def _is_of_one_agent(quantifier: Quantifier, known: tuple[Fact, ...]) -> bool:
     """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
     if not isinstance(quantifier.statement, ir.Each) or quantifier.statement.domain.var.sort.what == "cell":
         return False
+    if stands_at_one(quantifier.statement.domain):
+        return True
     index = ir.Attribute(type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index")
     low, high = narrowed(index, known)
     return low == high

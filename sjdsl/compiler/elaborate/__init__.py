@@ -19,6 +19,7 @@ from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
 from sjdsl.compiler.elaborate.observations import hidden, observables, window
 from sjdsl.compiler.elaborate.policies import policies, scenarios
+from sjdsl.compiler.elaborate.possible import know_steps, report_never
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
@@ -45,19 +46,21 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     static.phases = tuple(game.phases.values())
     declare_world(game, static, problems)
     rows = _read_map(game, static, overrides, problems)
-    kinds = build_kinds(game, static, problems)
     scope = Scope(static, problems)
+    episode = None
+    with problems.survive():
+        episode = _episode(game, scope)
+        know_steps(episode, static)
+    kinds = build_kinds(game, static, problems)
     checks_scope = Scope(static, problems, part="checks", events_readable=True)
     static.requires = requires(game, checks_scope)
     check_requires(game, checks_scope)
     agents = build_agents(game, static, problems)
     begin = start(game, scope)
     turns = schedule(game, scope)
-    episode = None
-    with problems.survive():
-        episode = _episode(game, scope)
     view = window(game, scope)
-    seen = observables(game, episode, scope)
+    rules = (*turns, *kinds, *([] if agents is None else [agents]))
+    seen = observables(game, rules, scope)
     unseen = hidden(game, scope)
     measured = measures(game, Scope(static, problems, part="metrics"))
     checked = checks(game, checks_scope)
@@ -69,6 +72,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     played = policies(game, scope.with_agent("policy"))
     of_policies = {name for name in static.shapes if name not in known or Symbol("shape", name) in static.used - of_rules}
     lineups = scenarios(game, scope)
+    report_never(static.never.values(), problems)
     if agents is None or begin is None or episode is None or game.schedule is None:
         return None, static
     typed = ir.Game(
@@ -77,6 +81,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
         cites=tuple(game.cites),
         about=tuple(game.about.items()),
         variants=tuple(game.variants),
+        chosen=game.chosen,
         sizes=tuple(static.sizes.values()),
         params=tuple(static.params.values()),
         episode=episode,

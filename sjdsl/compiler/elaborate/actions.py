@@ -26,6 +26,7 @@ from sjdsl.compiler.elaborate.lookup import (
     not_a_word,
     not_named,
 )
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import is_known, narrow_word, narrowed
@@ -293,6 +294,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
             if argument.type.kind == "word":
                 new_words[name.text] = (name, argument)
     test = inner.condition(forbid.condition)
+    check_possible(test, inner)
     for node in ir.walk(test):
         if ir.is_expression(node) and _is_out_of_sight(node):
             raise scope.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))
@@ -307,7 +309,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
 def _is_out_of_sight(node: ir.Node) -> bool:
     """Returns whether a `forbid` cannot read this: places, other agents, and what is done in the step."""
     match node:
-        case ir.Count() | ir.Sum() | ir.Extreme() | ir.StandsOn() | ir.Chose() | ir.ChoseWith() | ir.Distance():
+        case ir.Count() | ir.Sum() | ir.Extreme() | ir.StandsOn() | ir.StandsAt() | ir.Chose() | ir.ChoseWith() | ir.Distance():
             return True
         case ir.Attribute(name="row" | "col"):
             return True

@@ -9,6 +9,7 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.actions import declare_actions, forbids
 from sjdsl.compiler.elaborate.fields import one_field
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, Static
 from sjdsl.compiler.ir.sorts import AGENTS
 
@@ -74,6 +75,8 @@ def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
                     help_ = "agents always block each other: no two are on one cell; name the shapes whose lanes end at an agent"
                     raise scope.fail(errors.WrongSort(what.span, name="agents", what="the agents", wanted="a shape", help=help_))
             test = None if blocks.condition is None else scope.condition(blocks.condition)
+            if test is not None:
+                check_possible(test, scope)
             found += blocked(blocks, {AGENTS: test}, scope)
     return tuple(found)
 

@@ -16,6 +16,7 @@ from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.movers import declare_movers
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
@@ -180,4 +181,7 @@ def _blocks_when(blocks: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> 
     if blocks.condition is None:
         return None
     cell, who = ir.Member(name=kind, sort=ir.Sort("cell", (kind,))), ir.Member(name=sort.name, sort=sort)
-    return scope.bind(kind, cell).bind(who.name, who).condition(blocks.condition)
+    inner = scope.bind(kind, cell).bind(who.name, who)
+    test = inner.condition(blocks.condition)
+    check_possible(test, inner)
+    return test

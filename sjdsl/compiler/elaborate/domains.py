@@ -7,7 +7,8 @@ from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
-from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, kinds_named, unknown
+from sjdsl.compiler.elaborate.lookup import as_agent, bound_cell, check_free, check_placed, kinds_named, unknown
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
@@ -16,8 +17,8 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
 
-def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
-    """Returns a domain and the scope inside it."""
+def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, Scope]:
+    """Returns a domain and the scope inside it. `warns`: of a condition that never holds."""
     if d.kind.text == "agent":
         sort = AGENTS
     elif d.kind.text in scope.static.movers:
@@ -31,19 +32,39 @@ def domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain, Scope]:
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
     inner = with_member(d.bind, d.kind, var, scope)
     on = None
+    conditions: list[ir.Expr] = []
     if d.on is not None:
         if sort.what == "cell":
             wanted = "an agent (`agent on KIND`)"
             raise scope.fail(errors.WrongSort(d.kind.span, name=d.kind.text, what="a kind of cell", wanted=wanted))
-        under = d.on.bind or d.on.kind
-        check_free(under, inner, d.on.bind is not None)
-        on = ir.Member(name=_own_name(under, inner), sort=ir.Sort("cell", kinds_named(d.on.kind, inner)), origin=d.on.span)
-        inner = with_member(d.on.bind, d.on.kind, on, inner)
-    where = None
+        cell = _cell_around(d.on, inner)
+        if cell is not None:
+            conditions.append(ir.StandsAt(agent=var, cell=cell, origin=d.on.span))
+            inner = inner.knowing(conditions)
+        else:
+            under = d.on.bind or d.on.kind
+            check_free(under, inner, d.on.bind is not None)
+            on = ir.Member(name=_own_name(under, inner), sort=ir.Sort("cell", kinds_named(d.on.kind, inner)), origin=d.on.span)
+            inner = with_member(d.on.bind, d.on.kind, on, inner).knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
     if d.where is not None:
-        where = inner.condition(d.where)
-        inner = inner.knowing([where])
+        conditions.append(inner.condition(d.where))
+        if warns:
+            check_possible(conditions[-1], inner)
+        inner = inner.knowing(conditions[-1:])
+    where = conditions[0] if len(conditions) == 1 else None
+    if len(conditions) > 1:
+        where = ir.Logic(fn="and", args=tuple(conditions), origin=d.span)
     return ir.Domain(var=var, on=on, restriction=restriction, where=where, origin=d.span), inner
+
+
+def _cell_around(on: ast.On, scope: Scope) -> ir.Member | None:
+    """Returns the cell around that `on NAME` means; it has a name already. None if `on` binds the cell underneath."""
+    cell = bound_cell(on.kind, scope)
+    if cell is not None and on.bind is not None:
+        name = on.kind.text
+        help_ = f"`on {name}` is on that cell; to bind the cell underneath, give the one around another name, `{name} as one`"
+        raise scope.fail(errors.NameTaken(on.span, name=name, what="a cell around this statement", help=help_))
+    return cell
 
 
 def with_member(name: ast.Name | None, kind: ast.Name, var: ir.Member | None, scope: Scope) -> Scope:
@@ -61,13 +82,6 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
     while found in unseen:
         found += "_"
     return found
-
-
-def without(scope: Scope, name: str) -> Scope:
-    """Returns a scope that does not see a variable around, nor what is known of it: a domain inside has one of the same name."""
-    variables = {n: v for n, v in scope.variables.items() if n != name}
-    facts = tuple(f for f in scope.facts if name not in {v.name for v in free_variables(f.condition)})
-    return replace(scope, variables=variables, facts=facts)
 
 
 def only_one_who(scope: Scope, who: ir.Expr, instead: str) -> Scope:

@@ -7,9 +7,9 @@ from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Fix, near
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.domains import domain, only_one_who, without
+from sjdsl.compiler.elaborate.domains import domain, only_one_who
 from sjdsl.compiler.elaborate.keys import key_of
-from sjdsl.compiler.elaborate.lookup import as_agent, check_placed, check_somebody, kinds_of_cell
+from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, check_somebody, kinds_of_cell
 from sjdsl.compiler.elaborate.movers import check_heading
 from sjdsl.compiler.elaborate.paths import placed
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
@@ -108,6 +108,11 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     held = _cell(s.domain, around)
     look = _facing_and_stay(s, "who finds no cell", scope)
     if held is not None and s.stay is None:
+        if isinstance(held, ir.Member):
+            help_ = ""
+            if scope.static.kinds_of(held.name):
+                help_ = f"write `otherwise stay` after it: who cannot go there stays; any cell of the kind is `{held.name} as other`"
+            raise scope.fail(errors.PerhapsTaken(s.span, place=held.name, help=help_))
         raise scope.fail(errors.TakenOrNowhere(s.span, place=text(held)))
     place = use.streams.header(s.domain.span, s.domain.span.end)
     if body_sort(who).what == "mover":  # each sort is placed by itself
@@ -118,7 +123,8 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         return ir.Shift(who=who, to=held, facing=look, stream=stream, heading_stream=turned, origin=s.span)  # type: ignore[arg-type]
     if held is None:
         assert isinstance(s.domain, ast.Domain)
-        destination, _ = domain(s.domain, without(around, (s.domain.bind or s.domain.kind).text))
+        check_free(s.domain.bind or s.domain.kind, scope, s.domain.bind is not None)
+        destination, _ = domain(s.domain, around)
         if destination.var.sort.what != "cell" or destination.on is not None or destination.restriction is not None:
             wanted = "a kind of cell, perhaps with `where`"
             raise scope.fail(errors.WrongType(s.domain.span, wanted=wanted, given="another domain"))
@@ -142,12 +148,16 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
 
 
 def _cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
-    """Returns the one cell that a destination is: that of a field, or of a variable that has the name of no kind; None for a domain."""
+    """Returns the one cell that a destination is: that of a field, or of a variable; None for a domain."""
     if isinstance(d, ast.Domain):
         static, name = scope.static, d.kind.text
         whole = d.bind is None and d.on is None and d.restriction is None and d.where is None
-        if not whole or static.kinds_of(name) or not (name in scope.variables or name in static.fields or name in scope.withheld):
+        if not whole or not (name in scope.variables or name in static.fields or name in scope.withheld):
             return None
+        if name in scope.withheld and static.kinds_of(name):
+            what, wanted = "a cell of the statements around", "a destination that is known later"
+            help_ = f"any cell of the kind is `{name} as other`; {scope.withheld[name]}"
+            raise scope.fail(errors.WrongSort(d.kind.span, name=name, what=what, wanted=wanted, help=help_))
         d = ast.Path(d.span, d.kind, ())
     cell = scope.expression(d)
     if not kinds_of_cell(cell):

@@ -18,6 +18,7 @@ from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
     as_agent,
+    bound_cell,
     check_known_word,
     check_placed,
     check_words,
@@ -164,13 +165,10 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
 
 
 def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
-    """`nobody on soil` asks a cell variable; `x on grass` asks an agent and a kind or group."""
+    """`nobody on soil` asks a cell variable; `x on soil` an agent and that cell, or a kind or group if no statement around binds the name."""
+    cell = bound_cell(e.kind, scope)
     if isinstance(e.who, ast.Nobody):
-        cell = scope.variables.get(e.kind.text)
-        scope.refer(e.kind)
-        if not (isinstance(cell, ir.Member) and cell.sort.what == "cell"):
-            if e.kind.text in scope.variables and cell is None:
-                raise Poisoned
+        if cell is None:
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
             raise scope.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
         return ir.Unoccupied(cell=cell, origin=e.span)
@@ -179,6 +177,8 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
         raise not_named(agent, e.who, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)
+    if cell is not None:
+        return ir.StandsAt(agent=agent, cell=cell, origin=e.span)
     return ir.StandsOn(agent=agent, kinds=kinds_named(e.kind, scope), origin=e.span)
 
 
@@ -207,8 +207,8 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     return ir.InSet(value=value, container=container, origin=e.span)
 
 
-def count(d: ast.Domain, span: Span, scope: Scope) -> ir.Expr:
-    built, _ = domain(d, scope)
+def count(d: ast.Domain, span: Span, scope: Scope, warns: bool = True) -> ir.Expr:
+    built, _ = domain(d, scope, warns)
     return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=span)
 
 
@@ -220,7 +220,7 @@ def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
             help_ = f"write what holds for all of them: `all({written(domain_, scope)} where …)`"
             raise scope.fail(errors.WrongType(e.span, wanted="a condition after `where`", given="`all` without one", help=help_))
         domain_ = replace(domain_, where=ast.Unary(domain_.where.span, "not", domain_.where))
-    members, none = count(domain_, e.span, scope), ir.Number(type=integer(0, 0, "number"), value=0)
+    members, none = count(domain_, e.span, scope, warns=e.word == "any"), ir.Number(type=integer(0, 0, "number"), value=0)
     return ir.Compare(fn=">" if e.word == "any" else "==", left=members, right=none, origin=e.span)
 
 

@@ -3,8 +3,9 @@
 from math import inf
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.ast.names import Symbol
+from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, check_words, interval_text
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
@@ -44,6 +45,8 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     if declared.by is not None:
         type_ = type_.model_copy(update={"by": (level_of(declared.by, scope),)})
     capped = isinstance(declared.type, ast.Range) and declared.type.capped
+    if isinstance(declared.type, ast.Range) and any(isinstance(node, ast.Path) for node in walk(declared.type)):
+        scope.static.sized.add(field_symbol(name, held_by.name))
     return ir.VarField(name=name, held_by=held_by, type=type_, capped=capped, start=start, origin=span)
 
 

@@ -10,6 +10,7 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
@@ -59,7 +60,9 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     what: Literal["agent", "cell", "mover"] = "agent" if name == "agent" else "mover" if name in static.movers else "cell"
     test = None
     if look.where is not None:
-        test = scope.bind(name, ir.Member(name=name, sort=ir.Sort(what, kinds))).condition(look.where)
+        inner = scope.bind(name, ir.Member(name=name, sort=ir.Sort(what, kinds)))
+        test = inner.condition(look.where)
+        check_possible(test, inner)
         for node in ir.walk(test):
             field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
             between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word | ir.Number)

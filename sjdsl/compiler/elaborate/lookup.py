@@ -91,6 +91,20 @@ def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     raise scope.problems.unknown(name, known, "the agents and kinds of this game")
 
 
+def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
+    """Returns the cell that a statement around has bound by this name, which comes before a kind; None if it is no variable."""
+    if name.text not in scope.variables:
+        return None
+    scope.refer(name)
+    bound = scope.variables[name.text]
+    if bound is None:
+        raise Poisoned
+    if not (isinstance(bound, ir.Member) and bound.sort.what == "cell"):
+        wanted = "a kind, a group, or a cell of a statement around"
+        raise scope.fail(errors.WrongSort(name.span, name=name.text, what="not a cell", wanted=wanted))
+    return bound.model_copy(update={"origin": name.span})
+
+
 def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
     """Reports a variable's name that is in use already (`chosen`: written after `as`, `let` or `draw`)."""
     static, what = scope.static, ""
@@ -229,5 +243,7 @@ def use_define(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) ->
         raise Poisoned
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), scope.expressions(arguments), strict=True))
     named = {p.text: local_symbol(p) for p in define.parameters}
-    value = scope.but(variables=variables, locals=named, defining=(*scope.defining, name.text), withheld={}).expression(define.value)
+    never = None if scope.part == "checks" else scope.static.never_in(f"define {name.text}")
+    inner = scope.but(variables=variables, locals=named, defining=(*scope.defining, name.text), withheld={}, never=never)
+    value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

@@ -10,12 +10,10 @@ from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.fields import fields_of
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
-from sjdsl.compiler.elaborate.world_map import check_glyph
+from sjdsl.compiler.elaborate.world_map import POSES, check_glyph
 from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.types import words
 from sjdsl.runtime.actions import HEADINGS
-
-POSES = "^>v<"  # how agents are drawn
 
 
 def declare_movers(game: Composition, scope: Scope) -> None:

@@ -1,8 +1,7 @@
 """Elaborates `observe`: the window of an agent, what it sees there as planes in a fixed order, and what is hidden."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
@@ -14,10 +13,11 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.paths import attribute_types
+from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.implications import Fact, facts, is_known, narrowed
 from sjdsl.compiler.ir.sorts import AGENTS
-from sjdsl.compiler.ir.types import element, integer, words
+from sjdsl.compiler.ir.types import element, words
 from sjdsl.runtime.actions import HEADINGS
 
 What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
@@ -59,7 +59,9 @@ def window(game: Composition, scope: Scope) -> ir.Window:
     def view(tree: ast.Window) -> ir.View:
         assert tree.condition is not None
         sides = _sides(tree, usual, scope)
-        return ir.View(**sides, condition=observer.condition(tree.condition), origin=tree.span)
+        test = observer.condition(tree.condition)
+        check_possible(test, observer)
+        return ir.View(**sides, condition=test, origin=tree.span)
 
     views = scope.problems.each((w for w in game.windows if w.condition is not None), view)
     if views:
@@ -85,11 +87,9 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
 # ---- what is seen
 
 
-def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tuple[ir.Observable, ...]:
-    """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown."""
+def observables(game: Composition, rules: Sequence[ir.Node], scope: Scope) -> tuple[ir.Observable, ...]:
+    """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown. `rules`: those of a step."""
     static = scope.static
-    step = ir.Step(type=integer(0, inf, "steps"))
-    static.of_observed = () if episode is None else facts(ir.Compare(fn="<=", left=step, right=episode))
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
         for f in fields.values():
@@ -109,12 +109,12 @@ def observables(game: Composition, episode: ir.Expr | None, scope: Scope) -> tup
             elif not _is_of_a_plane(observable, static):
                 _hide(observable, seen, scope)
             lost -= kinds
-    _leave_looks_alone(seen, lost, game, scope)
+    _leave_looks_alone(seen, lost, game, rules, scope)
     order = ("cell", "heading", "other", "mover", "everyone", "own", "world")
     return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
 
 
-def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, scope: Scope) -> None:
+def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, rules: Sequence[ir.Node], scope: Scope) -> None:
     """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
     for observable in game.observables.values():
@@ -123,7 +123,11 @@ def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Com
             what = f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"
             scope.problems.add(errors.WrittenTwice(observable.span, what=what))
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
-        del seen[key]
+        hidden_field = seen.pop(key)
+        labels = seen["cell", key[1], ""].labels
+        is_disguise = all(label.condition is None for label in labels)
+        if not is_disguise and not _read(hidden_field, labels) and _read(hidden_field, rules):
+            scope.problems.add(errors.HiddenField(seen["cell", key[1], ""].span, kind=key[1], name=key[2]))
     detailed = {kind: field for what, kind, field in seen if what == "cell" and field and kind not in lost}
     for kind in whole:
         for label in seen["cell", kind, ""].labels:
@@ -131,6 +135,12 @@ def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Com
                 given = f"a kind whose cells look different: its `{detailed[label.name]}` is seen"
                 help_ = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
                 scope.problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help_))
+
+
+def _read(field: ir.Observable, parts: Sequence[ir.Node]) -> bool:
+    """Returns whether some parts of the rules name a field of cells."""
+    nodes = (node for part in parts for node in ir.walk(part) if isinstance(node, ir.FieldRead))
+    return any(node.name == field.field and node.held_by.overlaps(field.sort) for node in nodes)
 
 
 def _entries(observable: ir.Observable) -> list[ir.Observable]:
@@ -340,7 +350,10 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.
     observer = observer_scope(what, kind, show.what.name.text, scope)
     condition = None if show.condition is None else observer.condition(show.condition)
     check_places(what, condition, (), scope)
-    labels, type_ = _labels(show, what, observer.knowing(() if condition is None else (condition,))), field.type
+    if condition is not None:
+        check_possible(condition, observer)
+        observer = observer.knowing([condition])
+    labels, type_ = _labels(show, what, observer), field.type
     if not labels and type_.kind == "agent" and not type_.by:
         labels = _agent_labels(found.key, field)
     elif not labels:
@@ -408,8 +421,10 @@ def _labels(show: ast.Show, what: What, scope: Scope) -> tuple[ir.Label, ...]:
         if not last and label.where is None:
             raise scope.fail(errors.LabelUnconditional(label.span, name=name))
         test = None if label.where is None else scope.condition(label.where)
-        before = tuple(ir.Not(value=other.condition) for other in found if other.condition is not None)
-        check_places(what, test, scope.knowing(before).facts, scope)
+        before = scope.knowing(ir.Not(value=other.condition) for other in found if other.condition is not None)
+        check_places(what, test, before.facts, scope)
+        if test is not None:
+            check_possible(test, before)
         found.append(ir.Label(name=name, condition=test, origin=label.span))
     return tuple(found)
 
@@ -427,8 +442,10 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
             seen.pop(found.key, None)
             continue
         shown = seen.get(found.key)
-        test = observer_scope(what, kind, hide.what.name.text, scope).condition(hide.condition)
+        observer = observer_scope(what, kind, hide.what.name.text, scope)
+        test = observer.condition(hide.condition)
         check_places(what, test, (), scope)
+        check_possible(test, observer)
         if shown is None:
             scope.problems.add(errors.NeverHappens(hide.span, problem="it is not seen anyway"))
             continue
@@ -469,5 +486,8 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
         raise scope.fail(errors.UnknownName(on.span, name=on.text, near=near(on.text, [*static.kinds, *static.groups, "agents"])))
     static.refer(on, Symbol("name", on.text))
     cell = ir.Member(name=on.text, sort=ir.Sort("cell", kinds))
-    test = None if hide.condition is None else scope.with_agent("observe").bind(on.text, cell).condition(hide.condition)
+    test, observer = None, scope.with_agent("observe").bind(on.text, cell)
+    if hide.condition is not None:
+        test = observer.condition(hide.condition)
+        check_possible(test, observer)
     return ir.Hidden(what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span)

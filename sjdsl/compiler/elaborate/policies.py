@@ -13,8 +13,8 @@ from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.actions import arguments_given, check_exists, declared_action
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.lookup import check_arguments
+from sjdsl.compiler.elaborate.possible import check_possible, why_impossible
 from sjdsl.compiler.elaborate.scope import Scope
-from sjdsl.compiler.elaborate.statements import check_possible, why_impossible
 from sjdsl.compiler.ir.implications import conjuncts
 
 WITHOUT_RULES = ("random", "stay")  # policies that every game has

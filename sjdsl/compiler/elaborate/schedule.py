@@ -106,7 +106,8 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
 
 def _use(phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | str | None], scope: Scope) -> ir.Phase:
     use = PhaseUse(Streams(label, scope.static.sources))
-    inner = replace(scope, variables=values, locals={p.text: local_symbol(p) for p in phase.parameters})
+    locals_ = {p.text: local_symbol(p) for p in phase.parameters}
+    inner = replace(scope, variables=values, locals=locals_, never=scope.static.never_in(f"phase {phase.name.text}"))
     body = block(phase.block, inner, use)
     marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
     return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)

@@ -64,7 +64,10 @@ class Static:
     broken: set[Symbol] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
+    sized: set[Symbol] = field(default_factory=set)  # fields whose range is made of sizes
     of_observed: tuple[Fact, ...] = ()  # of every state that is observed
+    of_rules: tuple[Fact, ...] = ()  # of every state that rules read
+    never: dict[str, list[list[errors.NeverHappens]]] = field(default_factory=dict)  # by phase and define: what each use can't make happen
     phases: tuple[ast.Phase, ...] = ()
 
     @cached_property
@@ -81,6 +84,12 @@ class Static:
         """Records what a name stands for, and that it makes a difference to the game."""
         self.references.append((name.span, declared))
         self.used.add(declared)
+
+    def never_in(self, text: str) -> list[errors.NeverHappens]:
+        """Returns what collects the warnings of one more use of a phase or define."""
+        warnings: list[errors.NeverHappens] = []
+        self.never.setdefault(text, []).append(warnings)
+        return warnings
 
     @contextmanager
     def requiring(self) -> Iterator[None]:
@@ -116,7 +125,7 @@ class Scope(Record):
     `facts`: conditions that hold here. `part`: of the game; in `start` no agent stands anywhere.
     `withheld`: variables around that cannot be used here, with what to write instead. `returning`: an agent that is away until now.
     `about_steps`: in a check that compares the state with that before the step; `elsewhere`: variables of which nobody knows whether they were
-    away in the state that is read.
+    away in the state that is read. `never`: collects what can't happen in this use of a phase or define; None: there are no other uses.
     """
 
     static: Static
@@ -131,6 +140,7 @@ class Scope(Record):
     returning: str = ""
     about_steps: bool = False
     elsewhere: frozenset[str] = frozenset()
+    never: list[errors.NeverHappens] | None = None
 
     def fail(self, new: Diagnostic) -> Poisoned:
         """Records one diagnostic and returns what to raise: `raise scope.fail(...)`."""

@@ -13,14 +13,14 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, with_member
 from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, shift, tally
-from sjdsl.compiler.elaborate.lookup import check_free, interval_text
+from sjdsl.compiler.elaborate.lookup import check_free
 from sjdsl.compiler.elaborate.movers import move
+from sjdsl.compiler.elaborate.possible import check_possible, warn_never
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
-from sjdsl.compiler.ir.implications import Fact, compares, conjuncts, contradict, narrow_word, narrowed
+from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import is_quantified
 from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, is_number, join_units, real, words
 
 
@@ -195,6 +195,9 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     how_many = scope.number(s.number, ("count",), "a count") if isinstance(s, ast.Pick) else None
     if isinstance(s, ast.Pick) and how_many is not None and how_many.type.low < 0:
         raise scope.fail(errors.Negative(s.number.span, name="the number picked"))
+    is_literal = how_many is not None and how_many.type.unit == "number"  # a size may be another
+    if isinstance(s, ast.Pick) and how_many is not None and is_literal and how_many.type.high <= 0:
+        warn_never(s.number.span, "none is picked", scope)
     built, inner = _domain(s, header, scope, use)
     stream = use.streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
@@ -267,7 +270,7 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
             else:
                 test = probability(current.probability, scope)
                 if test.type.high <= 0:
-                    scope.problems.add(errors.NeverHappens(current.probability.span, problem="its probability is 0"))
+                    warn_never(current.probability.span, "its probability is 0", scope)
                 body = inside(current.block, header, scope, use)
             branches.append(ir.Branch(test=test, body=body, origin=current.span))
             if isinstance(current, ast.When):
@@ -289,55 +292,6 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if isinstance(s, ast.When):
         return ir.When(branches=tuple(branches), otherwise=otherwise, origin=s.span)
     return ir.Chance(branches=tuple(branches), otherwise=otherwise, stream=stream, origin=s.span)
-
-
-def check_possible(test: ir.Expr, scope: Scope) -> None:
-    """Warns if a condition contradicts what is known here, or the numbers it compares."""
-    for part in conjuncts(test):
-        why = why_impossible(part, scope)
-        if why:
-            scope.problems.add(errors.NeverHappens(part.origin or test.span, problem=why))
-
-
-def why_impossible(part: ir.Expr, scope: Scope) -> str:
-    """Returns why a condition without `and` never holds here, empty if it may hold."""
-    clash = next((f for f in scope.facts if contradict(Fact(part), f)), None)
-    if clash is not None:
-        return f"`{as_written(clash.condition, scope)}` holds here"
-    match part:
-        case ir.Compare(fn=fn, left=left, right=right):
-            low, high = narrowed(left, scope.facts)
-            never = {
-                "<": low >= right.type.high,
-                "<=": low > right.type.high,
-                ">": high <= right.type.low,
-                ">=": high < right.type.low,
-                "==": low > right.type.high or high < right.type.low,
-                "!=": False,
-            }[fn]
-            return f"`{as_written(left, scope)}` is {interval_text(low, high)}" if never else ""
-        case _:
-            return ""
-
-
-def as_written(e: ir.Expr, scope: Scope) -> str:
-    """Returns a value as its author wrote it; a condition with `not`, or with the opposite sign, if that is what holds."""
-    match e:
-        case ir.Same(left=left, right=right):
-            return f"{as_written(left, scope)} is {as_written(right, scope)}"
-        case ir.Not(value=ir.Same(left=left, right=right)):
-            return f"{as_written(left, scope)} is not {as_written(right, scope)}"
-        case ir.Compare(fn=fn, left=left, right=right) if not is_quantified(e):
-            return f"{as_written(left, scope)} {fn} {as_written(right, scope)}"
-        case ir.Compare(left=ir.Count() as counted):
-            asked = as_written(counted, scope)
-            return asked if e.fn == (">" if asked.startswith("any") else "==") else f"not {asked}"
-        case ir.Not(value=inner):
-            return f"not {as_written(inner, scope)}"
-    if e.origin is None:
-        return text(e)
-    source = scope.static.sources[e.origin.file].text[e.origin.start : e.origin.end]
-    return f"({' '.join(source.split())})" if isinstance(e, ir.Logic) else " ".join(source.split())
 
 
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:

@@ -16,6 +16,7 @@ from sjdsl.compiler.syntax.read import inside_folder
 from sjdsl.near_names import nearest
 
 MAX_MAP_BYTES = 4 * limits.MAX_MAP_CELLS
+POSES = "^>v<"  # how agents are drawn, by their heading
 Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
 
 
@@ -162,5 +163,7 @@ def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning
             problems.add(errors.GlyphTwice(span, labels=labels, glyph=meaning.glyph, first=first, second=meaning.kind))
         else:
             table[meaning.glyph] = meaning
+            if meaning.glyph in POSES:
+                problems.add(errors.GlyphOfAgents(span, glyph=meaning.glyph))
     assert all(m.kind in static.kinds for m in table.values())
     return table

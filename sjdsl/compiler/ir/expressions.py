@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     Expr: TypeAlias = (
         "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
         "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
-        "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | "
+        "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | StandsAt | Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | "
         "Lowest | Mix | Named | Narrowed | Before | EventTotal | MatrixClass"
     )
     Restriction: TypeAlias = "Near | InAgents | InCell | Among"
@@ -225,6 +225,14 @@ class StandsOn(Expression):
     type: Type = CONDITION
     agent: Expr
     kinds: tuple[str, ...]
+
+
+class StandsAt(Expression):
+    """`agent on gate` where a statement around has bound the cell `gate`: the agent (or mover) is on this very cell, a Member."""
+
+    type: Type = CONDITION
+    agent: Member
+    cell: Member
 
 
 class Not(Expression):

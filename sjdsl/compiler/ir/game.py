@@ -333,7 +333,7 @@ class Scenario(Node):
 class Game(Node):
     """A whole game, one variant of it: what the interpreter runs and the lowering reads.
 
-    `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
+    `chosen`: the variants applied, of all its `variants`. `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
     """
 
     name: str
@@ -341,6 +341,7 @@ class Game(Node):
     cites: tuple[str, ...] = ()
     about: tuple[tuple[str, str], ...] = ()
     variants: tuple[str, ...] = ()
+    chosen: tuple[str, ...] = ()
     sizes: tuple[Size, ...] = ()
     params: tuple[Param, ...] = ()
     episode: Expr
@@ -373,4 +374,4 @@ class Game(Node):
     @property
     def rules(self) -> "Game":
         """The game without the parts that no rule reads."""
-        return self.model_copy(update=dict.fromkeys(("cites", "about", "looks", "policies", "policy_shapes", "scenarios"), ()))
+        return self.model_copy(update=dict.fromkeys(("cites", "about", "chosen", "looks", "policies", "policy_shapes", "scenarios"), ()))

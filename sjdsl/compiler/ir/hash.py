@@ -46,6 +46,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.ArgumentOf: "argument_of agent action number",
     ir.Unoccupied: "unoccupied cell",
     ir.StandsOn: "stands_on agent kinds",
+    ir.StandsAt: "stands_at agent cell",
     ir.Not: "not value",
     ir.Logic: "logic fn args",
     ir.Count: "count domain",

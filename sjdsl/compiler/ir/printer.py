@@ -63,6 +63,8 @@ def expression(e: ir.Expr) -> str:
             return f"(nobody on {expression(e.cell)})"
         case ir.StandsOn():
             return f"({expression(e.agent)} on {' | '.join(e.kinds)})"
+        case ir.StandsAt():
+            return f"({expression(e.agent)} on {expression(e.cell)})"
         case ir.Not():
             return f"(not {expression(e.value)})"
         case ir.Logic():

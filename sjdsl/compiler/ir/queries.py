@@ -6,7 +6,22 @@ They say what a game declares and where, never what its rules mean: the interpre
 from collections.abc import Callable
 
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.expressions import Among, At, Compare, Count, Domain, Expr, FieldRead, InAgents, InCell, Member, Near, Shape
+from sjdsl.compiler.ir.expressions import (
+    Among,
+    At,
+    Compare,
+    Count,
+    Domain,
+    Expr,
+    FieldRead,
+    InAgents,
+    InCell,
+    Logic,
+    Member,
+    Near,
+    Shape,
+    StandsAt,
+)
 from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
@@ -24,6 +39,12 @@ def contains(node: Node, *sorts: type[Node]) -> bool:
 def is_quantified(e: Node) -> bool:
     """Returns whether an expression is written `any(D)` or `all(D)`, which are comparisons of counts."""
     return isinstance(e, Compare) and isinstance(e.left, Count) and e.left.origin is not None and e.left.origin == e.origin
+
+
+def title_of(game: Game) -> str:
+    """Returns the title of a game, with the variants of it that were chosen."""
+    title = game.title or game.name
+    return f"{title} ({'+'.join(game.chosen)})" if game.chosen else title
 
 
 def all_fields(game: Game) -> tuple[VarField, ...]:
@@ -165,6 +186,8 @@ def most_members(domain: Domain, game: Game) -> int:
 
 def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> int:
     """Returns the most members that a restriction leaves of everybody; `lanes`: those of a shape."""
+    if stands_at_one(domain):
+        return min(everybody, 1)
     match domain.restriction:
         case Near():
             return min(everybody, sum(map(len, lanes(domain.restriction))))
@@ -176,6 +199,13 @@ def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> i
             return min(everybody, 1)
         case _:
             return everybody
+
+
+def stands_at_one(domain: Domain) -> bool:
+    """Returns whether the members are those on one cell, `agent on gate` with a cell `gate` around: there is one at most."""
+    parts = domain.where.args if isinstance(domain.where, Logic) and domain.where.fn == "and" else (domain.where,)
+    at = [part for part in parts if isinstance(part, StandsAt) and part.agent.name == domain.var.name]
+    return any(domain.on is None or part.cell.name != domain.on.name for part in at)
 
 
 def num_cells(game: Game, kinds: tuple[str, ...]) -> int:

@@ -33,6 +33,8 @@ def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
             return "uncovered"
         case ir.StandsOn(kinds=kinds):
             return _fitting("on", "_or_".join(kinds))
+        case ir.StandsAt(cell=cell):
+            return _fitting("on", cell.name)
         case ir.Chose():
             return _fitting("chose", game.agents.actions[e.action])
         case ir.ChoseWith():

@@ -97,6 +97,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return invert(state_reads.occupied(cell, w))
         case ir.StandsOn():
             return state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)[1]
+        case ir.StandsAt():
+            return stands_at(e, scope, w)
         case ir.ChoseWith():
             return chosen.chose_with(e, scope, w)
         case ir.ArgumentOf():
@@ -239,6 +241,13 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
         sides = [replace(x, node=array.call("shorter_way", x.node, array.Literal(n))) for x, n in zip(sides, lengths, strict=True)]
     rows, cols = (replace(side, node=array.call("jnp.abs", side.node)) for side in sides)
     return w.keep("distance", binary("+", rows, cols, "i32"))
+
+
+def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
+    """Returns whether an agent or a mover is on a cell. Who is away is on cell 0 of the frame, which is beside the map."""
+    cell = owner(e.cell, scope, w)
+    assert isinstance(cell, CellVar)
+    return binary("==", state_reads.position(agent(e.agent, scope, w), w), state_reads.cell(cell, w), "bool")
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:

@@ -31,6 +31,7 @@ async function showEpisode(root, data) {
     paintBoard(find("board"), data, images, cells[number], moment, find("stage").clientWidth);
     scrub.value = number;
     find("step").textContent = `step ${moment.step}` + (moment.done ? ", the episode is over" : "");
+    find("world").textContent = moment.world.map(([name, value]) => `${name} ${value}`).join(" · ");
     rows.forEach((row, agent) => row(moment, agent));
     find("events").textContent = moment.events.map(([name, count]) => describeEvent(name, count)).join(" · ");
     moveCursor(number);
@@ -77,11 +78,10 @@ function tellHeight() {
 
 // Makes a row for each agent; returns what fills each of them from a moment.
 function agentRows(table, data) {
-  const some = data.moments[0].held.length > 0;
-  if (!some) table.querySelector('[data-part="has"]').remove();
+  if (!data.has) table.querySelector('[data-part="has"]').remove();
   return data.agents.map((colour, agent) => {
     const row = table.tBodies[0].insertRow();
-    const [name, action, reward, total, has] = Array.from({ length: some ? 5 : 4 }, () => row.insertCell());
+    const [name, action, reward, total, has] = Array.from({ length: data.has ? 5 : 4 }, () => row.insertCell());
     const swatch = document.createElement("span");
     swatch.className = "swatch";
     swatch.style.background = colour;
@@ -90,9 +90,22 @@ function agentRows(table, data) {
       action.textContent = moment.actions.length ? data.actions[moment.actions[agent]] : "";
       reward.textContent = moment.rewards[agent] === 0 ? "" : signed(moment.rewards[agent]);
       total.textContent = plain(moment.returns[agent]);
-      has?.replaceChildren(...moment.held[agent].flatMap(([picture, amount]) => [pictureOf(data, picture), plain(amount)]));
+      has?.replaceChildren(...havings(data, moment, agent));
     };
   });
+}
+
+// Returns what an agent has: each row behind its name, and then what else it is shown of itself.
+function havings(data, moment, agent) {
+  const parts = [];
+  let last = null;
+  for (const [row, picture, amount] of moment.held[agent]) {
+    if (row !== last) parts.push(parts.length ? ` ${row} ` : `${row} `);
+    parts.push(pictureOf(data, picture), plain(amount));
+    last = row;
+  }
+  const own = moment.own[agent].map(([name, value]) => `${name} ${value}`).join(", ");
+  return own ? [...parts, parts.length ? ` ${own}` : own] : parts;
 }
 
 function fillLegend(place, data) {

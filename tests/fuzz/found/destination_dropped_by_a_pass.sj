@@ -29,7 +29,7 @@ game found {
     each ground {
       first agent in disc(1) of ground {
         chance 0 {
-          send agent to ground
+          send agent to ground as other
         }
       }
     }

@@ -57,6 +57,12 @@ class BadGlyph(Diagnostic, code="SJ308", title="Not a glyph"):
     problem: str
 
 
+class GlyphOfAgents(Diagnostic, code="SJ311", title="A glyph that agents are drawn with", severity="warning"):
+    says = "agents are drawn as `^`, `>`, `v` and `<` where a board is written, in traces and scenes, so nobody can tell `{glyph}` from an agent"
+    hints = ("choose another glyph",)
+    glyph: str
+
+
 class MapFile(AboutName, code="SJ309", title="A map that cannot be read"):
     says = "the map `{name}` cannot be read: {problem}"
     hints = ("a map is plain text, one line a row",)

@@ -33,6 +33,11 @@ class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
     hints = ("write `otherwise stay` after it: who cannot go there stays",)
 
 
+class PerhapsTaken(NoWayFree):
+    says = "somebody may stand on `{place}`, the cell that a statement around has named"
+    place: str
+
+
 class TakenOrNowhere(NoWayFree):
     says = "somebody may stand on `{place}`, or it may be nowhere"
     place: str
@@ -165,6 +170,34 @@ class SlotsUnfilled(AboutName, code="SJ511", title="A scenario that does not fil
 class NoFocalSlot(AboutName, code="SJ512", title="A scenario without a focal agent"):
     says = "nobody is evaluated in the scenario `{name}`"
     hints = ("write `slots 1 focal` for those whose policy is evaluated",)
+
+
+class SoughtBlocks(Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"):
+    """`when`: the condition under which it blocks, empty for always."""
+
+    says = "agents cannot enter `{kind}`, which blocks them{when}, so no path leads there"
+    hints = ("`aim diamond(1) at {kind} choose ACTION` walks until one is beside the agent",)
+    kind: str
+    when: str = ""
+
+
+class SeeksItself(AboutName, code="SJ513", title="A policy that cannot get there", severity="warning"):
+    says = "the agent is a member of this domain itself, and stays where it is"
+    hints = ("write `where {name} is not agent`",)
+
+
+class BlindPath(Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"):
+    says = "paths don't take into account that `{kind}` blocks agents when {when}, so an agent may push against such a cell for ever"
+    hints = ("let it avoid those cells: `avoiding {avoided}`",)
+    kind: str
+    when: str
+    avoided: str
+
+
+class HiddenField(AboutName, code="SJ514", title="A field that a label hides", severity="warning"):
+    says = "agents don't see `{kind}.{name}` any more: no label of `{kind}` reads it"
+    hints = ("read it in the condition of a label, or write `hide {kind}.{name}` if nobody shall see it",)
+    kind: str
 
 
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):

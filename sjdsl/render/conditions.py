@@ -1,0 +1,73 @@
+"""The conditions of looks in words, for legends: `agent.health == 2` is `health 2`, `tree.fruit is ripe` is `ripe`."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.equivalence import form
+from sjdsl.compiler.ir.implications import conjuncts
+from sjdsl.compiler.ir.printer import number_text
+
+COMPARED = {"==": "{} {}", "!=": "{} not {}", "<": "{} under {}", "<=": "{} at most {}", ">": "{} over {}", ">=": "{} at least {}"}
+OF_ROW = {"sum": "all {}", "min": "least {}", "max": "most {}"}
+
+
+def in_words(condition: ir.Expr) -> str:
+    """Returns what a condition says of its cell, agent or mover, empty if it always holds."""
+    return ", ".join(filter(None, map(_part, conjuncts(condition))))
+
+
+def _part(e: ir.Expr) -> str:
+    """Returns a condition without `and`."""
+    match e:
+        case ir.Same(left=ir.Word(value=word)) | ir.Same(right=ir.Word(value=word)):
+            return word
+        case ir.Not(value=ir.Same(left=ir.Word(value=word)) | ir.Same(right=ir.Word(value=word))):
+            return f"not {word}"
+        case ir.InWords(words=words):
+            is_any = set(words) == set(e.value.type.words)
+            return "" if is_any else " or ".join(words)
+        case ir.Not(value=ir.InWords(words=words)):
+            return f"not {' or '.join(words)}"
+        case ir.Same(left=left, right=ir.Nobody() | ir.Nowhere()) | ir.IsEmpty(container=left):
+            return f"no {_value(left)}"
+        case ir.Not(value=ir.Same(left=left, right=ir.Nobody() | ir.Nowhere()) | ir.IsEmpty(container=left)):
+            return _value(left)
+        case ir.Same(left=left, right=right):
+            return f"{_value(left)} same as {_value(right)}"
+        case ir.Not(value=ir.Same(left=left, right=right)):
+            return f"{_value(left)} other than {_value(right)}"
+        case ir.Compare(fn=">", left=ir.At() as entry, right=ir.Number(value=0)):
+            return _value(entry)
+        case ir.Compare(fn=">" | "==" as fn, left=left, right=ir.Number(value=0)):
+            return f"{'some' if fn == '>' else 'no'} {_value(left)}"
+        case ir.Compare(fn=">" | "<" as fn, left=ir.At(row=row, key=one), right=ir.At(row=same, key=other)) if form(row) == form(same):
+            return f"{_value(row)}: {'more' if fn == '>' else 'less'} {_value(one)} than {_value(other)}"
+        case ir.Compare(fn=fn, left=left, right=right):
+            return COMPARED[fn].format(_value(left), _value(right))
+        case ir.InRange(value=value, low=low, high=high):
+            return f"{_value(value)} {_value(low)} to {_value(high)}"
+        case ir.Logic(fn="or", args=args):
+            return " or ".join(map(in_words, args))
+        case ir.Not(value=value):
+            return f"not {in_words(value)}"
+        case ir.Named(name=name):
+            return name
+        case _:
+            return in_words(e) if isinstance(e, ir.Logic) else _value(e)
+
+
+def _value(e: ir.Expr) -> str:
+    """Returns a value: a field without its owner."""
+    match e:
+        case ir.FieldRead(name=name) | ir.Named(name=name) | ir.Member(name=name):
+            return name
+        case ir.At(row=row, key=key):
+            return f"{_value(row)}: {_value(key)}"
+        case ir.Number(value=value):
+            return number_text(value)
+        case ir.Word(value=word):
+            return word
+        case ir.SumRow(fn=fn, row=row):
+            return OF_ROW[fn].format(_value(row))
+        case ir.Narrowed(value=value):
+            return _value(value)
+        case _:
+            raise AssertionError(e)  # the compiler refuses all others in a `look`
