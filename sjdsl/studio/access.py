@@ -44,11 +44,14 @@ class Access:
         return None
 
 
-def kept_token(folder: Path) -> str:
+def kept_token(folder: Path | None) -> str:
     """Returns the token of this user, made at the first call: a page finds a server that was started again.
 
-    folder: where it is kept, in a file that nobody else can read. Where none can be written, or others can read it, the token is new.
+    folder: where it is kept, in a file that nobody else can read. Without one, where none can be written, or where others can read it,
+    the token is new.
     """
+    if folder is None:
+        return secrets.token_urlsafe(SHORTEST)
     path = folder / TOKEN
     try:
         token = path.read_text(encoding="ascii")
