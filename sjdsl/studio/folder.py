@@ -69,7 +69,8 @@ class Folder:
         except (OSError, RuntimeError, ValueError):
             raise FileRefused(f"`{ascii(name[:80])[1:-1]}` is no path of a file") from None
         if not path.is_relative_to(self.root):
-            raise FileRefused(f"`{name}` is outside the folder that the studio was started in")
+            is_ = "is a link to a file" if (self.root / name).is_symlink() else "is"
+            raise FileRefused(f"`{name}` {is_} outside the folder that the studio was started in")
         if path.suffix not in SUFFIXES:
             raise FileRefused(f"`{name}` is neither a game (.sj) nor a map (.txt)")
         return path

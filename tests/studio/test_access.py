@@ -13,6 +13,7 @@ from starlette.websockets import WebSocketDisconnect
 from sjdsl.cli.studio import _inside
 from sjdsl.compiler import check
 from sjdsl.compiler.syntax.read import read_source
+from sjdsl.library.games_folder import games_folder
 from sjdsl.studio.access import Access, kept_token
 from sjdsl.studio.folder import Folder
 from sjdsl.studio.server import make_app
@@ -234,3 +235,52 @@ def test_a_socket_outlives_messages_that_break_readers(client: TestClient) -> No
         with pytest.raises(WebSocketDisconnect) as closed:
             socket.receive_text()
     assert closed.value.code == 1003
+
+
+def language(client: TestClient, *messages: tuple[str, dict]) -> list[dict]:
+    """Returns what the language server of the studio says to each message, in its order."""
+    answers = []
+    with client.websocket_connect("/language" + TOKEN, headers=OWN) as socket:
+        for number, (method, params) in enumerate((("initialize", {"capabilities": {}}), *messages)):
+            is_question = method != "textDocument/didOpen"
+            socket.send_text(json.dumps({"jsonrpc": "2.0", "method": method, "params": params} | ({"id": number} if is_question else {})))
+            while is_question:
+                told = json.loads(socket.receive_text())
+                if told.get("id") == number:
+                    answers.append(told)
+                    break
+    return answers[1:]
+
+
+def test_the_language_server_reads_no_other_folder(client: TestClient, folder: Path) -> None:
+    game = "sj 1\ngame  odd { param apple : reward = 1 }\n"
+    (folder / "yard.sj").write_text(game, encoding="utf-8")
+    (folder.parent / "outside.sj").write_text(game, encoding="utf-8")
+    places = [folder / "yard.sj", folder.parent / "outside.sj", folder / "link.sj"]
+    example = games_folder() / "coins.sj"
+    at = {"line": 1, "character": 20}
+    hovers = [("textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": at}) for path in places]
+    format_ = {"options": {"tabSize": 2, "insertSpaces": True}}
+    formats = [("textDocument/formatting", {"textDocument": {"uri": path.as_uri()}, **format_}) for path in places]
+    outlines = [("textDocument/documentSymbol", {"textDocument": {"uri": path.as_uri()}}) for path in (*places, example)]
+    answers = [answer["result"] for answer in language(client, *hovers, *formats, *outlines)]
+    assert [bool(answer) for answer in answers] == [True, False, False, True, False, False, True, False, False, True]
+
+
+def test_a_text_put_outside_reads_nothing_beside_it(client: TestClient, folder: Path) -> None:
+    (folder.parent / "outside.sj").write_text("sj 1\ngame base { param secret : reward = 1 }\n", encoding="utf-8")
+    uri = (folder.parent / "put.sj").as_uri()
+    text = 'sj 1\ngame put extends "outside.sj" { set secret = 2 }\n'
+    opened = {"uri": uri, "languageId": "sj", "version": 1, "text": text}
+    for line, character in ((1, 25), (1, 42)):
+        question = {"textDocument": {"uri": uri}, "position": {"line": line, "character": character}}
+        (answer,) = language(client, ("textDocument/didOpen", {"textDocument": opened}), ("textDocument/definition", question))
+        assert not answer["result"]
+
+
+def test_a_game_that_extends_itself_is_copied_once(client: TestClient, folder: Path) -> None:
+    (folder / "sub").mkdir()
+    (folder / "yard.sj").write_text('sj 1\ngame yard extends "sub/../yard.sj" { }\n', encoding="utf-8")
+    asked = {"example": "yard.sj", "path": "mine.sj", "text": "sj 1\n"}
+    assert client.post("/copy" + TOKEN, json=asked).status_code == 200
+    assert (folder / "mine.sj").read_text(encoding="utf-8") == "sj 1\n"
