@@ -39,7 +39,7 @@ class Access:
         origin = headers.get("origin")
         if origin is not None and origin not in {f"http://{host}" for host in self.hosts}:
             return "another page may not use the studio"
-        if needs_token and not (token and secrets.compare_digest(token, self.token)):
+        if needs_token and not (token and secrets.compare_digest(token.encode("utf-8", "surrogatepass"), self.token.encode())):
             return "the address has no token, or an old one: open the address that `sjdsl studio` has printed"
         return None
 

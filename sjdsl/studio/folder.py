@@ -4,12 +4,14 @@ import hashlib
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from threading import Lock
 
 from sjdsl.files import games_below, read_bytes, write_whole
 
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
 MOST = 500  # files that are listed
+_writing = Lock()  # so that of several who write from the same text one succeeds: the server answers in threads
 
 
 class FileRefused(Exception):
@@ -51,13 +53,14 @@ class Folder:
         path, data = self.inside(name), text.encode("utf-8")
         if len(data) > LARGEST:
             raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
-        now = self.read(name)[1] if path.is_file() else None
-        if now != before:
-            raise Changed(f"`{name}` was changed by somebody else since it was opened" if now else f"`{name}` is not there any more")
-        try:
-            write_whole(path, data)
-        except OSError as error:
-            raise FileRefused(f"`{name}` cannot be written: {error.strerror}") from None
+        with _writing:
+            now = self.read(name)[1] if path.is_file() else None
+            if now != before:
+                raise Changed(f"`{name}` was changed by somebody else since it was opened" if now else f"`{name}` is not there any more")
+            try:
+                write_whole(path, data)
+            except OSError as error:
+                raise FileRefused(f"`{name}` cannot be written: {error.strerror}") from None
         return digest(data)
 
     def inside(self, name: str) -> Path:

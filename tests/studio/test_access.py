@@ -2,6 +2,8 @@
 
 import json
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from urllib.parse import quote
 
@@ -13,6 +15,7 @@ from starlette.websockets import WebSocketDisconnect
 from sjdsl.cli.studio import _inside
 from sjdsl.compiler import check
 from sjdsl.compiler.syntax.read import read_source
+from sjdsl.files import write_whole
 from sjdsl.library.games_folder import games_folder
 from sjdsl.studio.access import Access, kept_token
 from sjdsl.studio.folder import Folder
@@ -284,3 +287,54 @@ def test_a_game_that_extends_itself_is_copied_once(client: TestClient, folder: P
     asked = {"example": "yard.sj", "path": "mine.sj", "text": "sj 1\n"}
     assert client.post("/copy" + TOKEN, json=asked).status_code == 200
     assert (folder / "mine.sj").read_text(encoding="utf-8") == "sj 1\n"
+
+
+def test_of_several_who_save_at_once_one_does(client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def slowly(path: Path, data: bytes) -> None:
+        time.sleep(0.05)
+        write_whole(path, data)
+
+    monkeypatch.setattr("sjdsl.studio.folder.write_whole", slowly)
+    first = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()["digest"]
+    for path, before in (("yard.sj", first), ("new.sj", None)):
+        texts = [f"sj 1\n# {number}\n" for number in range(6)]
+        with ThreadPoolExecutor(6) as pool:
+            asked = [{"path": path, "text": text, "digest": before} for text in texts]
+            answers = list(pool.map(lambda given: client.put("/file" + TOKEN, json=given).status_code, asked))
+        assert sorted(answers) == [200, *[409] * 5]
+        assert (folder / path).read_text(encoding="utf-8") == texts[answers.index(200)]
+
+
+ODD = ["%C3%A9", "%FF%FE", "%00", "%ED%A0%80", "%", "%zz", "&token=", "%F0%9F%8D%92", "+", "a" * 10_000]
+
+
+@pytest.mark.parametrize("token", ODD)
+@pytest.mark.parametrize("path", ["/", "/games", "/file"])
+def test_any_token_is_refused_in_words(client: TestClient, path: str, token: str) -> None:
+    answer = client.get(f"{path}?token={token}")
+    assert (answer.status_code, "token" in answer.text) == (403, True)
+
+
+@pytest.mark.parametrize("token", ODD)
+@pytest.mark.parametrize("path", ["/bench", "/language"])
+def test_a_socket_with_any_token_is_refused(client: TestClient, path: str, token: str) -> None:
+    with pytest.raises(WebSocketDisconnect) as closed, client.websocket_connect(f"{path}?token={token}", headers=OWN):
+        pass
+    assert closed.value.code == 4403
+
+
+@pytest.mark.parametrize("name", [b"host", b"origin", b"cookie", b"content-type", b"content-length", b"x"])
+@pytest.mark.parametrize("value", [b"\xc3\xa9", b"\xff", b"", b"127.0.0.1:8123\xe9"])
+def test_any_header_is_answered(client: TestClient, name: bytes, value: bytes) -> None:
+    headers = [(b"host", b"127.0.0.1:8123")] * (name != b"host") + [(name, value)]
+    assert client.request("GET", "/games" + TOKEN, headers=headers).status_code == (403 if name in (b"host", b"origin") else 200)
+
+
+@pytest.mark.parametrize(
+    "query", ["path=%FF", "path=%00", "path=%ED%A0%80.sj", "path", "", "path=%C3%A9.sj", "path=a.sj&path=%FF", "%FF=%FF"]
+)
+@pytest.mark.parametrize("address", ["/file", "/games", "/tour", "/copy", "/new", "/assets/%FF", "/%C3%A9"])
+@pytest.mark.parametrize("method", ["GET", "PUT", "POST", "DELETE"])
+def test_any_query_is_answered(client: TestClient, method: str, address: str, query: str) -> None:
+    answer = client.request(method, f"{address}{TOKEN}&{query}", content=b"\xff")
+    assert answer.status_code < 500
