@@ -22,6 +22,7 @@ from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
+from sjdsl.compiler.ir.implications import facts
 
 
 class Overrides(Record):
@@ -49,6 +50,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     scope = Scope(static, problems)
     checks_scope = Scope(static, problems, part="checks", events_readable=True)
     static.requires = requires(game, checks_scope)
+    static.required_facts = tuple(fact for required in static.requires for fact in facts(required))
     check_requires(game, checks_scope)
     agents = build_agents(game, static, problems)
     begin = start(game, scope)

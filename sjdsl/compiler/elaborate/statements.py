@@ -149,8 +149,7 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
         problem = f"this draw is from {f'{most:g}' if most < float('inf') else 'endlessly many'} numbers"
-        scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, "give the parameters limits, `in a .. b`"))
-        raise Poisoned
+        raise scope.fail(limits.too_much(problem, limits.MAX_DRAWN, s.span, "give the parameters limits, `in a .. b`"))
     return integer(low.type.low, high.type.high, unit)
 
 
@@ -300,7 +299,8 @@ def check_possible(test: ir.Expr, scope: Scope) -> None:
 
 def why_impossible(part: ir.Expr, scope: Scope) -> str:
     """Returns why a condition without `and` never holds here, empty if it may hold."""
-    clash = next((f for f in scope.facts if contradict(Fact(part), f)), None)
+    fact = Fact(part)
+    clash = next((f for f in scope.facts if contradict(fact, f)), None)
     if clash is not None:
         return f"{text(clash.condition)} holds here"
     match part:
