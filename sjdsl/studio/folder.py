@@ -6,7 +6,7 @@ from itertools import islice
 from pathlib import Path
 from threading import Lock
 
-from sjdsl.files import games_below, read_bytes, write_whole
+from sjdsl.files import games_below, line_end, read_bytes, write_whole
 
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
@@ -46,15 +46,18 @@ class Folder:
             raise FileRefused(f"`{name}` is not text in UTF-8") from None
 
     def write(self, name: str, text: str, before: str | None) -> str:
-        """Writes a file and returns its digest.
+        """Writes a file, with line ends as it had, and returns its digest: a page has no others than `\\n`.
 
         before: the digest when it was read; None for a file that is new. Raises Changed if it is not so any more, and FileRefused.
         """
-        path, data = self.inside(name), text.encode("utf-8")
-        if len(data) > LARGEST:
-            raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
+        path = self.inside(name)
         with _writing:
-            now = self.read(name)[1] if path.is_file() else None
+            written, now = self.read(name) if path.is_file() else ("", None)
+            if line_end(written) == "\r\n" and "\r" not in text:
+                text = text.replace("\n", "\r\n")
+            data = text.encode("utf-8")
+            if len(data) > LARGEST:
+                raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
             if now != before:
                 raise Changed(f"`{name}` was changed by somebody else since it was opened" if now else f"`{name}` is not there any more")
             try:

@@ -338,3 +338,13 @@ def test_any_header_is_answered(client: TestClient, name: bytes, value: bytes) -
 def test_any_query_is_answered(client: TestClient, method: str, address: str, query: str) -> None:
     answer = client.request(method, f"{address}{TOKEN}&{query}", content=b"\xff")
     assert answer.status_code < 500
+
+
+def test_a_page_keeps_the_line_ends_of_a_file(client: TestClient, folder: Path) -> None:
+    """The text of a page has none of Windows."""
+    (folder / "yard.sj").write_bytes(b"sj 1\r\n# before\r\n")
+    digest = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()["digest"]
+    for text in ("sj 1\n# after\n", "sj 1\n# at last\n"):
+        saved = client.put("/file" + TOKEN, json={"path": "yard.sj", "text": text, "digest": digest})
+        digest = saved.json()["digest"]
+        assert (folder / "yard.sj").read_bytes() == text.replace("\n", "\r\n").encode()
