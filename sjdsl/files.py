@@ -64,6 +64,12 @@ def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | Non
         raise
 
 
+def line_end(text: str) -> str:
+    """Returns how most lines of a text end: `\\r\\n` or `\\n`."""
+    of_windows = text.count("\r\n")
+    return "\r\n" if of_windows > text.count("\n") - of_windows else "\n"
+
+
 def read_bytes(path: Path, limit: int) -> bytes:
     """Returns the content of a file. Raises OSError, with a reason in words, where it is no file or has more than `limit` bytes."""
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:

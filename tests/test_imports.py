@@ -11,6 +11,7 @@ ROOT = Path(__file__).parents[1]
 STAGES = ["diagnostics", "ast", "syntax", "compose", "ir", "elaborate", "checks", "program", "lower", "emit"]
 # What the compiler takes from outside: they import nothing of ours. The runtime lies below it; of it these need no JAX.
 TABLES = {
+    "sjdsl.files",
     "sjdsl.near_names",
     "sjdsl.runtime.actions",
     "sjdsl.runtime.fields",

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 import click
 
+from sjdsl.cli.encoding import accept_any_text
 from sjdsl.cli.examples import below
 from sjdsl.cli.faults import INTERRUPTED, report_fault
 from sjdsl.cli.pointer import pointed
@@ -121,6 +122,7 @@ def main() -> NoReturn:
     gc.set_threshold(FEW_COLLECTIONS)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses, in a tenth of a second
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins reads the metadata of every installed package
+    accept_any_text()
     keep_programs()
     try:
         status = run()

@@ -81,7 +81,7 @@ def _format_stdin(only_check: bool) -> int:
         print_diagnostics(error.diagnostics, {STDIN_NAME: source}, err=True)
         return 1
     if not only_check:
-        click.echo(text, nl=False)
+        click.echo(text.encode(), nl=False)  # as a file has it, whatever the encoding of the terminal
         return 0
     is_same = data == text.encode()
     click.echo(f"{STDIN_NAME} {'is formatted' if is_same else 'would be reformatted'}")

@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+from pathlib import Path
 
 import click
 
@@ -12,7 +13,8 @@ MANY = 50_000  # objects between two garbage collections: a server lives long, a
 
 
 @click.command("lsp")
-def command() -> int:
+@click.option("--inside", multiple=True, metavar="DIR", help="Read no files outside this folder; may be repeated.")
+def command(inside: tuple[str, ...]) -> int:
     """Starts the language server. Editors do this themselves: docs/editors.md says how. It needs the extra `sjdsl[editor]`.
 
     The exit status follows the protocol: 0, or 1 if the editor ends the session without a shutdown request.
@@ -21,7 +23,7 @@ def command() -> int:
     from sjdsl.editor.server import make_server
 
     gc.set_threshold(MANY, 20, 20)
-    server = make_server()
+    server = make_server([*map(Path, inside)] or None)
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers:  # pygls closes what it writes to, and our own is still needed
         server.start_io(stdout=answers)
     return int(server.ended_early)

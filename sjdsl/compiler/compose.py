@@ -6,7 +6,8 @@ A repeated name replaces, inside `agents` and `observe` entry by entry; a new na
 table entry; `drop` removes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import ClassVar
@@ -99,7 +100,7 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of `extends`, an unknown variant, a change to
     what is not there, two variants that disagree.
     """
-    game = _chain(source, parse(source), ())
+    game = _inherited(tuple(chain(source)))
     game.file, game.chosen = source.name, tuple(variants)
     touched: dict[str, tuple[str, str]] = {}
     for name in variants:
@@ -114,29 +115,47 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     return game
 
 
-def _chain(source: Source, file: ast.File, seen: tuple[str, ...]) -> Composition:
-    """Returns the composition of a file on its bases, outermost base first."""
-    title = file.game.title.text if file.game.title else ""
-    if file.game.extends is None:
-        game = Composition(file.game.name.text, title, file.game.name.span)
-    else:
-        base_name = file.game.extends
-        if source.name in seen:
-            raise CompileError([errors.ExtendsCycle(base_name.span, name=source.name)])
-        base = base_of(base_name, source)
-        tree = parse(base)
-        if base.name == source.name or base.name in seen:
-            raise CompileError([errors.ExtendsCycle(base_name.span, name=base.name)])
-        game = _chain(base, tree, (*seen, source.name))
+def chain(source: Source) -> Iterator[tuple[Source, ast.File]]:
+    """Yields a text with its tree, then the game that it extends, and so on.
+
+    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of `extends`.
+    """
+    seen: list[Source] = []
+    while True:
+        file = parse(source)
+        yield source, file
+        if file.game.extends is None:
+            return
+        seen.append(source)
+        source = _base_of(file.game.extends, source)
+        if any(_is_same(source, other) for other in seen):
+            raise CompileError([errors.ExtendsCycle(file.game.extends.span, name=source.name)])
+
+
+def _is_same(a: Source, b: Source) -> bool:
+    """Returns whether two texts are of one file, by whatever path."""
+    if a.file is None or b.file is None:
+        return a.name == b.name
+    with suppress(OSError):
+        return a.file.samefile(b.file)
+    return a.file == b.file  # of an editor, not on the disk
+
+
+def _inherited(files: Sequence[tuple[Source, ast.File]]) -> Composition:
+    """Returns the composition of a file and its bases: the outermost base is the last."""
+    outermost = files[-1][1].game
+    game = Composition(outermost.name.text, "", outermost.name.span)
+    for source, file in reversed(files):
         game.name, game.span = file.game.name.text, file.game.name.span
-        game.title = title or game.title
-    game.sources[source.name] = source
-    _check_duplicates(game, file.game.sections)
-    _apply(game, file.game.sections)
+        if file.game.title is not None:
+            game.title = file.game.title.text or game.title
+        game.sources[source.name] = source
+        _check_duplicates(game, file.game.sections)
+        _apply(game, file.game.sections)
     return game
 
 
-def base_of(name: ast.String, source: Source) -> Source:
+def _base_of(name: ast.String, source: Source) -> Source:
     """Returns the text that a file `extends`, from the file's own folder. Raises CompileError if there is none, or it cannot be read."""
     problems = Problems()
     path = inside_folder(name.text, name.span, source, problems)
@@ -145,13 +164,13 @@ def base_of(name: ast.String, source: Source) -> Source:
     name_here = (Path(source.name).parent / name.text).as_posix()
     over = source.instead_of(path)
     if over is not None:
-        return Source(name_here, over, path.parent, source.over)
-    if not path.is_file():
+        return Source(name_here, over, path.parent, source.over, path.resolve())
+    if not path.exists():
         beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
         how = f"`extends` takes a file beside this one: copy a bundled game with its maps, `sjdsl new --from {name.text}`"
         how = f'{how}, and write `extends "{name.text}.sj"`' if name.text.isidentifier() else ""
         raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside), help=how)])
-    return Source(name_here, read_source(path).text, path.parent, source.over)
+    return replace(read_source(path), name=name_here, over=source.over)
 
 
 def named_entries(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, Node]]:

@@ -10,7 +10,7 @@ from lark import Token
 
 from sjdsl.compiler import Build, ast, build, check_composition
 from sjdsl.compiler.ast.names import Names, Occurrence, Symbol, names_of, occurrences
-from sjdsl.compiler.compose import Composition, base_of, compose
+from sjdsl.compiler.compose import Composition, chain, compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.limits import check_text
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -31,8 +31,7 @@ class Analysis:
         self._documents = documents
         self._seen: dict[Path, Stamp] = {}
         self._variants: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
-        folder = None if document.path is None else document.path.parent
-        self.source = Source(document.name, document.text, folder, self._over)
+        self.source = Source(document.name, document.text, document.folder, self._over, document.path)
 
     def _over(self, path: Path) -> str | None:
         self._seen[path] = _stamp(path, self._documents)
@@ -63,18 +62,10 @@ class Analysis:
     @cached_property
     def chain(self) -> tuple[tuple[Source, ast.File], ...]:
         """The text and the games that it extends, as far as they can be read: its own tree, then that of its base, and so on."""
-        found: list[tuple[Source, ast.File]] = []
+        read: list[tuple[Source, ast.File]] = []
         with suppress(CompileError):
-            source, file = self.source, parse(self.source)
-            while True:
-                found.append((source, file))
-                if file.game.extends is None:
-                    break
-                source = base_of(file.game.extends, source)
-                if any(source.name == before.name for before, _ in found):
-                    break
-                file = parse(source)
-        return tuple(found)
+            read.extend(chain(self.source))
+        return tuple(read)
 
     @cached_property
     def composition(self) -> Composition | None:

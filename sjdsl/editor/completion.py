@@ -3,7 +3,6 @@
 import re
 from collections.abc import Collection, Iterator, Sequence
 from itertools import takewhile
-from pathlib import Path
 from typing import NamedTuple
 
 from lark import Token
@@ -23,6 +22,7 @@ from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
 from sjdsl.compiler.syntax.soft_words import as_name
 from sjdsl.compiler.syntax.tokens import scan
 from sjdsl.editor.analysis import Analyses, Analysis
+from sjdsl.editor.documents import Document
 from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 
 Kind = types.CompletionItemKind
@@ -78,7 +78,7 @@ def completion(uri: str, position: types.Position, analyses: Analyses) -> list[t
     source = Source("", before[: offset - len(written)].removesuffix('"' if '"' in open_ else ""))
     tokens = [] if check_text(source) else scan(source, parser()).tokens
     if '"' in open_:
-        offers = _files(tokens, document.path)
+        offers = _files(tokens, document)
     else:
         kinds = following(tokens)
         words = automaton().words
@@ -116,14 +116,15 @@ def following(tokens: Sequence[Token]) -> Collection[str]:
     return accepted(table, stack)
 
 
-def _files(tokens: Sequence[Token], path: Path | None) -> list[Offer]:
+def _files(tokens: Sequence[Token], document: Document) -> list[Offer]:
     """Returns the files that a text in quotes can name: games after `extends`, maps after `map`."""
     suffix = {"EXTENDS": ".sj", "MAP": ".txt", "WRAPS": ".txt"}.get(tokens[-1].type) if tokens else None
-    if suffix is None or path is None:
+    top = document.folder
+    if suffix is None or top is None or not top.is_dir():
         return []
-    folders = [path.parent, *(sub for sub in sorted(path.parent.iterdir()) if sub.is_dir() and not sub.name.startswith("."))]
-    found = [file.relative_to(path.parent).as_posix() for folder in folders for file in sorted(folder.glob(f"*{suffix}")) if file != path]
-    return [Offer(name, "file") for name in found[:200]]
+    folders = [top, *(sub for sub in sorted(top.iterdir()) if sub.is_dir() and not sub.name.startswith("."))]
+    files = [file for folder in folders for file in sorted(folder.glob(f"*{suffix}")) if file.resolve() != document.path]
+    return [Offer(file.relative_to(top).as_posix(), "file") for file in files[:200]]
 
 
 def _detail(offer: Offer, analysis: Analysis | None) -> str:

@@ -37,6 +37,8 @@ def diagnostics(analysis: Analysis, documents: Documents, found: Found) -> list[
     """Returns what is wrong with a text, in its order. `found`: as far as it has been looked for."""
     told = by_variant(found)
     own = analysis.document.name
+    if analysis.document.path is None:  # not saved, or an earlier version: which files belong to it isn't known
+        told = [(d, variants) for d, variants in told if d.span.file == own and not isinstance(d, errors.NoFile)]
     shown = [_diagnostic(d, variants, analysis, documents) for d, variants in told if d.span.file == own]
     shown += [_elsewhere(d, variants, analysis, documents) for d, variants in told if d.span.file != own]
     return sorted(shown, key=lambda d: (d.range.start.line, d.range.start.character, str(d.code)))

@@ -6,7 +6,7 @@ from itertools import chain, islice
 from pathlib import Path
 
 from sjdsl.compiler.ast.names import Occurrence, Symbol, occurrences
-from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.files import games_below
 
@@ -20,7 +20,7 @@ def readable(uris: Iterable[str], analyses: Analyses) -> list[Analysis]:
 
 def bases(analysis: Analysis, analyses: Analyses) -> list[Analysis]:
     """Returns what is known of the games that a text extends, the nearest first."""
-    return readable((analyses.documents.uri(Path(s.name)) for s, _ in analysis.chain[1:] if Path(s.name).is_absolute()), analyses)
+    return readable((analyses.documents.uri(source.file) for source, _ in analysis.chain[1:] if source.file is not None), analyses)
 
 
 def declarations(symbols: Iterable[Symbol], analysis: Analysis, analyses: Analyses) -> list[tuple[Analysis, Occurrence]]:
@@ -40,11 +40,11 @@ def everywhere(
     wanted = set(symbols)
     if any(s.space == "local" for s in wanted):
         return [(analysis, [o for o in analysis.occurrences if wanted & set(o.symbols)])]
-    files = {analysis.document.name, *(source.name for source, _ in analysis.chain)}
+    files = _files(analysis)
     below = islice(chain.from_iterable(map(games_below, folders)), MOST_FILES)
     uris = [*(d.uri for d in analyses.documents), *(analyses.documents.uri(path.resolve()) for path in below)]
     texts = readable([analysis.document.uri, *(made.document.uri for made in bases(analysis, analyses)), *uris], analyses)
-    family = [made for made in texts if made is analysis or files & {source.name for source, _ in made.chain}]
+    family = [made for made in texts if made is analysis or files & _files(made)]
     resolved = defaultdict[Span, set[Symbol]](set)  # a define of a base may be used for other kinds by games that stand on it
     for span, found in (pair for made in family for pair in made.resolved.items()):
         resolved[span] |= found
@@ -53,5 +53,15 @@ def everywhere(
         known = len(wanted)
         wanted |= {symbol for together in resolved.values() if wanted & together for symbol in together}
     read = [(made, [o for o in occurrences(made.file, made.names, resolved) if wanted & set(o.symbols)]) for made in family if made.file]
-    declaring = files & {made.document.name for made, hits in read if any(o.declares for o in hits)}
-    return [(made, hits) for made, hits in read if declaring & {source.name for source, _ in made.chain}]
+    declaring = {_file(made.source) for made, hits in read if any(o.declares for o in hits)} & files
+    return [(made, hits) for made, hits in read if declaring & _files(made)]
+
+
+def _files(analysis: Analysis) -> set[Path | str]:
+    """Returns the file of a text and of each game that it extends."""
+    return {_file(source) for source in (analysis.source, *(source for source, _ in analysis.chain))}
+
+
+def _file(source: Source) -> Path | str:
+    """Returns the file of a text, links followed; of one that is in no file, its name."""
+    return source.file or source.name

@@ -8,9 +8,11 @@ from typing import Any
 from lsprotocol import types
 
 from sjdsl.compiler.ast.names import Occurrence
+from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, NOWHERE
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton
+from sjdsl.compiler.syntax.read import inside_folder
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.documents import Documents
 from sjdsl.editor.family import declarations, everywhere
@@ -71,15 +73,16 @@ def definition(uri: str, position: types.Position, analyses: Analyses) -> list[t
 
 def _named_file(uri: str, position: types.Position, analyses: Analyses) -> list[types.Location]:
     analysis = analyses.of(uri)
-    if analysis is None or analysis.document.path is None:
+    if analysis is None:
         return []
     offset = analysis.document.lines.offset(position)
     for before, token in zip(analysis.tokens, analysis.tokens[1:], strict=False):
         is_here = (token.start_pos or 0) <= offset <= (token.end_pos or 0)
         if is_here and token.type == "STRING" and before.type in ("EXTENDS", "MAP", "WRAPS"):
-            path = analysis.document.path.parent / token[1:-1]
+            path = inside_folder(token[1:-1], analysis.source.span(0, 0), analysis.source, Problems())
             start = types.Position(0, 0)
-            return [types.Location(analyses.documents.uri(path.resolve()), types.Range(start, start))] if path.is_file() else []
+            is_there = path is not None and path.is_file()
+            return [types.Location(analyses.documents.uri(path), types.Range(start, start))] if is_there else []
     return []
 
 

@@ -1,7 +1,8 @@
 """The language server: messages of the Language Server Protocol, carried by pygls, to and from one session."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from lsprotocol import types
@@ -22,9 +23,10 @@ REQUEST_FAILED = -32803  # ErrorCodes.RequestFailed of the protocol
 class Server(LanguageServer):
     """A session and the tasks that look at its texts."""
 
-    def __init__(self) -> None:
+    def __init__(self, inside: Sequence[Path] | None) -> None:
         super().__init__("sjdsl", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full)
-        self.session = Session()
+        self.inside = inside
+        self.session = Session(inside=inside)
         self.shut_down = False  # the client has asked for the end
         self.ended_early = False  # it says `exit` without that
         self._waiting: dict[str, float] = {}  # URI -> when it changed first since it was last looked at
@@ -35,7 +37,7 @@ class Server(LanguageServer):
         """Takes over what the client says of itself."""
         uris = [folder.uri for folder in params.workspace_folders or []] or [uri for uri in [params.root_uri] if uri]
         encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
-        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None])
+        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None], self.inside)
 
     def watch_files(self) -> None:
         """Has the client tell of changes of games and maps on the disk, if it can."""
@@ -106,9 +108,9 @@ class Server(LanguageServer):
         self.look_at(others)
 
 
-def make_server() -> Server:
-    """Returns a server with everything registered; `start_io` runs it."""
-    server = Server()
+def make_server(inside: Sequence[Path] | None = None) -> Server:
+    """Returns a server with everything registered; `start_io` runs it. `inside`: the folders in which it reads files, None for all."""
+    server = Server(inside)
 
     @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
     def files(ls: Server, params: types.DidChangeWatchedFilesParams) -> None:

@@ -1,7 +1,8 @@
 """One editor's session: its open texts and folders, and an answer for each thing it asks. Nothing here knows how messages travel."""
 
-from collections.abc import Iterable, Iterator
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path, PurePosixPath
+from urllib.parse import urlsplit
 
 from lsprotocol import types
 
@@ -9,7 +10,7 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.editor.completion import completion
 from sjdsl.editor.diagnostics import diagnostics
-from sjdsl.editor.documents import Document, Documents, path_of
+from sjdsl.editor.documents import Document, Documents
 from sjdsl.editor.edits import formatting, quick_fixes
 from sjdsl.editor.hover import hover
 from sjdsl.editor.navigation import definition, references, rename
@@ -20,10 +21,13 @@ GAME = ".sj"
 
 
 class Session:
-    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open."""
+    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open.
 
-    def __init__(self, encoding: str = UTF16, folders: Iterable[Path] = ()):
-        self.documents = Documents(encoding)
+    inside: the folders in which files are read, None for all.
+    """
+
+    def __init__(self, encoding: str = UTF16, folders: Iterable[Path] = (), inside: Sequence[Path] | None = None):
+        self.documents = Documents(encoding, inside)
         self.analyses = Analyses(self.documents)
         self.folders = list(folders)
 
@@ -39,7 +43,7 @@ class Session:
 
     def affected_by(self, uri: str) -> list[str]:
         """Returns the open games whose messages may differ when a text has changed: it itself, and those that stand on it."""
-        path = path_of(uri)
+        path = self.documents.path(uri)
         games = [d.uri for d in self.documents if is_game(d)]
         standing = set(self.analyses.standing_on(path)) if path is not None else set()
         return [game for game in games if game == uri or game in standing]
@@ -97,4 +101,5 @@ class Session:
 
 def is_game(document: Document) -> bool:
     """Returns whether an open text is a game, and not a map that a game names."""
-    return document.path is None or document.path.suffix == GAME
+    suffix = PurePosixPath(urlsplit(document.uri).path).suffix
+    return suffix == GAME or (suffix == "" and document.path is None)

@@ -9,22 +9,31 @@ from sjdsl.files import write_whole
 from sjdsl.version import __version__
 
 
-def cache_folder() -> Path:
-    """Returns where generated modules are kept: `$SJDSL_CACHE`, else the user's cache folder."""
+def cache_folder() -> Path | None:
+    """Returns where generated modules are kept: `$SJDSL_CACHE`, else the user's cache folder; None for a user without a home."""
     given = os.environ.get("SJDSL_CACHE")
     if given:
         return Path(given)
     base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "sjdsl"
+    if base:
+        return Path(base) / "sjdsl"
+    try:
+        return Path.home() / ".cache" / "sjdsl"
+    except RuntimeError:  # HOME isn't set, and the system doesn't know the user
+        return None
 
 
 def cached_text(key: str, make: Callable[[], str]) -> tuple[str, str]:
     """Returns the module's text and the name of the file it is kept in.
 
     Two processes may write one entry at once: each writes a file of its own and renames it into place. A damaged entry is made
-    again. A folder that cannot be written to means no cache, not an error.
+    again. No folder, or one that cannot be written to, means no cache, not an error.
     """
-    path = cache_folder() / f"{key}_{__version__}_{_compiler_digest()}.py"
+    name = f"{key}_{__version__}_{_compiler_digest()}.py"
+    folder = cache_folder()
+    if folder is None:
+        return make(), name
+    path = folder / name
     try:
         digest, _, text = path.read_text(encoding="utf-8").partition("\n")
         if digest == f"# {hashlib.sha256(text.encode()).hexdigest()}":
@@ -44,9 +53,12 @@ def keep_programs() -> None:
     """Has JAX keep in the cache folder what it compiles in this process, for the next; to be called before JAX is imported.
 
     JAX's own variables go before: JAX_COMPILATION_CACHE_DIR names another folder, JAX_ENABLE_COMPILATION_CACHE=false keeps nothing. A
-    folder that cannot be made means no cache. What is damaged in it JAX compiles again.
+    folder that cannot be made, or a user without a home, means no cache. What is damaged in it JAX compiles again.
     """
-    folder = cache_folder() / "programs"
+    cache = cache_folder()
+    if cache is None:
+        return
+    folder = cache / "programs"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -67,7 +67,7 @@ def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[
     if not isinstance(map, str | PathLike):
         raise TypeError(f"a map is a text file or a tuple of its rows, not {map!r}")
     path = Path(map)
-    if not path.is_file():
+    if not path.exists():
         raise FileNotFoundError(f"there is no map file `{map}`")
     problems = Problems()
     rows, spans = parse_file(path, str(map), Span(source.name, 0, 0, 1, 1), problems)

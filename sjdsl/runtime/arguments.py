@@ -12,9 +12,27 @@ from jax import Array
 
 from sjdsl.runtime.module import GameModule
 
+INT32 = np.iinfo(np.int32)
+
+
+def refuse_beyond_int32(actions: Any) -> None:
+    """Looks at actions before JAX takes them, which cuts longer numbers off: of 2^32 it makes 0. Those that are traced it has cut already.
+
+    Raises ValueError.
+    """
+    for part in jax.tree.leaves(actions):
+        if isinstance(part, jax.core.Tracer) or not isinstance(part, int | np.integer | np.ndarray | jax.Array):
+            continue
+        dtype = getattr(part, "dtype", np.dtype(object))  # of Python's integers, which have no limits
+        if jnp.issubdtype(dtype, jnp.integer) and jnp.iinfo(dtype).max <= INT32.max:
+            continue
+        for action in np.asarray(part).ravel().tolist():
+            if isinstance(action, int) and not INT32.min <= action <= INT32.max:
+                raise ValueError(f"an action is {action}, which is beyond int32; actions are numbers of `action_names`")
+
 
 def checked_actions(actions: Any, num_agents: int) -> Array:
-    """Returns actions as `[N]` int32.
+    """Returns actions as `[N]` int32; what is beyond int32, where JAX computes in 64 bits, is -1, which means `stay`.
 
     Raises:
       TypeError: they are no whole numbers. ValueError: there is not one for each agent.
@@ -26,6 +44,8 @@ def checked_actions(actions: Any, num_agents: int) -> Array:
         raise TypeError(f"actions are {given.dtype}, but must be whole numbers, the numbers of actions, such as int32")
     if given.shape != (num_agents,):
         raise ValueError(f"actions have shape {given.shape}, one for each agent is wanted: ({num_agents},){_for_a_batch(given.ndim - 1)}")
+    if jnp.iinfo(given.dtype).max > INT32.max:
+        return jnp.where((given < 0) | (given > INT32.max), -1, given.astype(jnp.int32))
     return given.astype(jnp.int32)
 
 

@@ -1,6 +1,7 @@
 """The environment interface: reset, step and auto-reset of one compiled game, ready for `jit`, `vmap` and `scan`."""
 
 from collections.abc import Callable
+from functools import wraps
 from typing import Any, Literal
 
 import jax
@@ -8,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from sjdsl.runtime.arguments import check_arrays, check_params, check_state, checked_actions
+from sjdsl.runtime.arguments import check_arrays, check_params, check_state, checked_actions, refuse_beyond_int32
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.gpu_program import in_its_form
 from sjdsl.runtime.module import GameModule
@@ -59,8 +60,8 @@ class Environment:
         self.observation_shape: tuple[int, int, int, int] = (self.num_agents, depth, *module.WINDOW)
         self.observation_dtype = np.dtype(np.uint8)
         self.reset: Callable[..., tuple[Array, State]] = jax.jit(in_its_form(self._reset))
-        self.step: Step = jax.jit(in_its_form(self._step))
-        self.step_env: Step = jax.jit(in_its_form(self._step_env))
+        self.step: Step = _refusing(jax.jit(in_its_form(self._step)))
+        self.step_env: Step = _refusing(jax.jit(in_its_form(self._step_env)))
         self.observe: Callable[..., Array] = jax.jit(in_its_form(self._observe))
         self._tokens: Callable[..., Array] = jax.jit(module.observe)  # one function of the program, however often a step observes
 
@@ -120,7 +121,7 @@ class Environment:
         Args:
           key: consumed; the step's draws (and those of a reset) come from it alone.
           state: of `reset` or `step`.
-          actions: `[N]` int, numbers of `action_names`; any other number is `stay`.
+          actions: `[N]` int, numbers of `action_names`; any other number of int32 is `stay`.
           params: instead of `env.params`.
         Returns:
           observation (of the state returned); state; reward `[N]` float32, raw; done bool; info: `truncated`, `terminated` bool,
@@ -128,7 +129,8 @@ class Environment:
           `terminal_state` (before the reset; they cost nothing under `jit` when unused).
         Raises:
           TypeError: actions are not whole numbers; a key, a state or parameters that are none of this game.
-          ValueError: there is not one action for each agent; a batch of keys or states.
+          ValueError: there is not one action for each agent, or one is beyond int32 (traced ones JAX cuts off to 32 bits before); a
+            batch of keys or states.
         """
         params = self._given(params)
         words = key_words(key)
@@ -193,3 +195,16 @@ class Environment:
         _, cols = self.module.FRAME
         pad = self.module.PAD
         return state.position // cols - pad, state.position % cols - pad
+
+
+def _refusing(step: Any) -> Step:
+    """Returns a compiled step that refuses actions beyond int32."""
+
+    @wraps(step)
+    def refusing(key: Array, state: State, actions: Array, params: Params | None = None) -> Any:
+        refuse_beyond_int32(actions)
+        return step(key, state, actions, params)
+
+    for name in ("lower", "trace", "eval_shape", "clear_cache"):  # of a function that JAX has compiled
+        setattr(refusing, name, getattr(step, name))
+    return refusing

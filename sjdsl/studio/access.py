@@ -39,16 +39,19 @@ class Access:
         origin = headers.get("origin")
         if origin is not None and origin not in {f"http://{host}" for host in self.hosts}:
             return "another page may not use the studio"
-        if needs_token and not (token and secrets.compare_digest(token, self.token)):
+        if needs_token and not (token and secrets.compare_digest(token.encode("utf-8", "surrogatepass"), self.token.encode())):
             return "the address has no token, or an old one: open the address that `sjdsl studio` has printed"
         return None
 
 
-def kept_token(folder: Path) -> str:
+def kept_token(folder: Path | None) -> str:
     """Returns the token of this user, made at the first call: a page finds a server that was started again.
 
-    folder: where it is kept, in a file that nobody else can read. Where none can be written, or others can read it, the token is new.
+    folder: where it is kept, in a file that nobody else can read. Without one, where none can be written, or where others can read it,
+    the token is new.
     """
+    if folder is None:
+        return secrets.token_urlsafe(SHORTEST)
     path = folder / TOKEN
     try:
         token = path.read_text(encoding="ascii")

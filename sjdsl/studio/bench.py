@@ -102,10 +102,11 @@ class Bench:
     def _text(self, request: ask.Text) -> Answer:
         """Opens a text; the answer says whether the state was kept. A text with errors leaves everything as it is."""
         folder, path = place_of(request.path, self.folder.resolve())
-        if Folder(folder).inside(path).suffix != ".sj":
+        file = Folder(folder).inside(path)
+        if file.suffix != ".sj":
             raise FileRefused(f"`{path}` is no game: its name does not end in .sj")
         over = {(folder / name).resolve(): text for name, text in request.over.items()}
-        source = Source(path, request.text, (folder / path).parent, lambda wanted: over.get(wanted.resolve()))
+        source = Source(path, request.text, (folder / path).parent, over.get, file)
         try:
             opened = open_text(source, request.variants, request.agents, request.params)
         except CompileError as error:

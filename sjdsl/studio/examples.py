@@ -85,14 +85,17 @@ def _write_missing(wanted: Mapping[str, str], folder: Folder) -> list[str]:
 
 def _needed(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
     """Yields the files that a game names, with their texts: the game that it extends, with what that needs, and the maps of all variants."""
-    try:
-        file = parse(Source(path.as_posix(), home.read(path.as_posix())[0]))
-    except CompileError:
-        return
-    for node in walk(file):
-        if isinstance(node, ast.Map) and node.file is not None:
-            yield node.file.text, home.read((path.parent / node.file.text).as_posix())[0]
-    if file.game.extends is not None:
-        base = path.parent / file.game.extends.text
-        yield file.game.extends.text, home.read(base.as_posix())[0]
-        yield from _needed(home, base)
+    seen = set[Path]()
+    while home.inside(path.as_posix()) not in seen:  # else the game extends itself
+        seen.add(home.inside(path.as_posix()))
+        try:
+            file = parse(Source(path.as_posix(), home.read(path.as_posix())[0]))
+        except CompileError:
+            return
+        for node in walk(file):
+            if isinstance(node, ast.Map) and node.file is not None:
+                yield node.file.text, home.read((path.parent / node.file.text).as_posix())[0]
+        if file.game.extends is None:
+            return
+        path = path.parent / file.game.extends.text
+        yield file.game.extends.text, home.read(path.as_posix())[0]

@@ -4,12 +4,14 @@ import hashlib
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from threading import Lock
 
-from sjdsl.files import games_below, read_bytes, write_whole
+from sjdsl.files import games_below, line_end, read_bytes, write_whole
 
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
 MOST = 500  # files that are listed
+_writing = Lock()  # so that of several who write from the same text one succeeds: the server answers in threads
 
 
 class FileRefused(Exception):
@@ -44,20 +46,24 @@ class Folder:
             raise FileRefused(f"`{name}` is not text in UTF-8") from None
 
     def write(self, name: str, text: str, before: str | None) -> str:
-        """Writes a file and returns its digest.
+        """Writes a file, with line ends as it had, and returns its digest: a page has no others than `\\n`.
 
         before: the digest when it was read; None for a file that is new. Raises Changed if it is not so any more, and FileRefused.
         """
-        path, data = self.inside(name), text.encode("utf-8")
-        if len(data) > LARGEST:
-            raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
-        now = self.read(name)[1] if path.is_file() else None
-        if now != before:
-            raise Changed(f"`{name}` was changed by somebody else since it was opened" if now else f"`{name}` is not there any more")
-        try:
-            write_whole(path, data)
-        except OSError as error:
-            raise FileRefused(f"`{name}` cannot be written: {error.strerror}") from None
+        path = self.inside(name)
+        with _writing:
+            written, now = self.read(name) if path.is_file() else ("", None)
+            if line_end(written) == "\r\n" and "\r" not in text:
+                text = text.replace("\n", "\r\n")
+            data = text.encode("utf-8")
+            if len(data) > LARGEST:
+                raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
+            if now != before:
+                raise Changed(f"`{name}` was changed by somebody else since it was opened" if now else f"`{name}` is not there any more")
+            try:
+                write_whole(path, data)
+            except OSError as error:
+                raise FileRefused(f"`{name}` cannot be written: {error.strerror}") from None
         return digest(data)
 
     def inside(self, name: str) -> Path:
@@ -69,7 +75,8 @@ class Folder:
         except (OSError, RuntimeError, ValueError):
             raise FileRefused(f"`{ascii(name[:80])[1:-1]}` is no path of a file") from None
         if not path.is_relative_to(self.root):
-            raise FileRefused(f"`{name}` is outside the folder that the studio was started in")
+            is_ = "is a link to a file" if (self.root / name).is_symlink() else "is"
+            raise FileRefused(f"`{name}` {is_} outside the folder that the studio was started in")
         if path.suffix not in SUFFIXES:
             raise FileRefused(f"`{name}` is neither a game (.sj) nor a map (.txt)")
         return path

@@ -9,14 +9,19 @@ from pathlib import Path
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from sjdsl.library.games_folder import games_folder
+from sjdsl.studio.tour import tour_folder
+
 HEADER, END = b"Content-Length: ", b"\r\n"
 NICE = 5  # how far its priority is below that of the board, which is to answer first
 
 
 async def serve_language(socket: WebSocket, folder: Path) -> None:
-    """Starts a language server for a socket, and ends it with the socket."""
+    """Starts a language server for a socket, and ends it with the socket. It reads what the studio may read: see SECURITY.md."""
     await socket.accept()
-    process = await asyncio.create_subprocess_exec(sys.executable, "-m", "sjdsl", "lsp", cwd=folder, stdin=PIPE, stdout=PIPE)
+    readable = [f"--inside={place}" for place in (folder, games_folder(), tour_folder())]
+    command = [sys.executable, "-m", "sjdsl", "lsp", *readable]
+    process = await asyncio.create_subprocess_exec(*command, cwd=folder, stdin=PIPE, stdout=PIPE)
     back = asyncio.create_task(_from_server(process, socket))
     try:
         while True:

@@ -27,8 +27,8 @@ def main() -> None:
     with contextlib.suppress(BrokenPipeError, KeyboardInterrupt):  # the server has gone
         collect_seldom()
         print(json.dumps({"ready": True}), file=answers, flush=True)
-        for line in sys.stdin:
-            print(json.dumps(answered(bench, line)), file=answers, flush=True)
+        for line in sys.stdin.buffer:
+            print(json.dumps(answered(bench, line.decode())), file=answers, flush=True)
 
 
 def collect_seldom() -> None:

@@ -70,11 +70,35 @@ def test_folders_are_searched_but_not_hidden_ones(sjdsl: Sjdsl, folder: Path) ->
     assert "no `.sj` files in the folder empty" in sjdsl("fmt", "empty").err
 
 
-def test_line_ends_and_byte_order_marks_become_plain(sjdsl: Sjdsl, folder: Path) -> None:
+def test_a_byte_order_mark_goes(sjdsl: Sjdsl, folder: Path) -> None:
     plain = (folder / "orchard.sj").read_bytes()
-    (folder / "other.sj").write_bytes(b"\xef\xbb\xbf" + plain.replace(b"\n", b"\r\n"))
+    (folder / "other.sj").write_bytes(b"\xef\xbb\xbf" + plain)
     sjdsl("fmt", "other.sj")
     assert (folder / "other.sj").read_bytes() == plain
+
+
+def test_line_ends_stay(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    formatted = (folder / "orchard.sj").read_bytes().replace(b"\n", b"\r\n")
+    ugly = UGLY.replace("\n", "\r\n").encode()
+    (folder / "orchard.sj").write_bytes(formatted)
+    (folder / "ugly.sj").write_bytes(ugly)
+    assert sjdsl("fmt", "--check", "orchard.sj").status == 0
+    assert sjdsl("fmt", "--check", "ugly.sj").status == 1
+    for content, status in ((formatted, 0), (ugly, 1)):
+        monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(content)))
+        assert sjdsl("fmt", "--check", "-").status == status
+    sjdsl("fmt", "orchard.sj", "ugly.sj")
+    assert (folder / "orchard.sj").read_bytes() == formatted
+    assert (folder / "ugly.sj").read_bytes() == formatted.replace(b"episode length", b"episode length  # steps")
+
+
+def test_a_file_with_both_line_ends_gets_those_of_most_lines(sjdsl: Sjdsl, folder: Path) -> None:
+    plain = (folder / "orchard.sj").read_bytes()
+    of_windows = plain.replace(b"\n", b"\r\n")
+    for mixed, formatted in ((plain.replace(b"\n", b"\r\n", 2), plain), (of_windows.replace(b"\r\n", b"\n", 2), of_windows)):
+        (folder / "orchard.sj").write_bytes(mixed)
+        sjdsl("fmt", "orchard.sj")
+        assert (folder / "orchard.sj").read_bytes() == formatted
 
 
 def test_links_and_permissions_stay(sjdsl: Sjdsl, folder: Path) -> None:

@@ -3,6 +3,7 @@
 A case may begin with `# variants: a b`: it is checked with these variants.
 """
 
+import os
 import re
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -21,14 +22,16 @@ from sjdsl.compiler.syntax.read import read_source
 
 ERRORS = Path(__file__).parent.parent / "errors"
 CASES = sorted(path.stem for path in ERRORS.glob("*.sj"))
-# Cases that cannot be kept as files: the bytes of the file, None for no file, "folder" for a folder.
+# Cases that cannot be kept as files: the bytes of the file, None for no file, "folder" and "pipe" for those, "link" for a folder of maps that is one.
 MADE: dict[str, bytes | str | None] = {
     "SJ005_file_too_large": b"sj 1 # " + b"." * MAX_BYTES,
     "SJ007_line_too_long": b"sj 1\n# " + b"." * MAX_LINE,
     "SJ008_missing_file": None,
     "SJ008_folder": "folder",
+    "SJ008_pipe": "pipe",
     "SJ009_nul_byte": b"sj 1\ngame pond {\0}\n",
     "SJ009_not_utf8": 'sj 1\ngame pond "Étang" { }\n'.encode("latin-1"),
+    "SJ112_link_outside": "link",
 }
 # Codes that nothing in the compiler can give yet.
 NEVER_GIVEN: set[str] = set()
@@ -66,6 +69,11 @@ def test_made_case(case: str, golden: Callable[[Path, str], None], monkeypatch: 
             Path(f"{case}.sj").write_bytes(content)
         case "folder":
             Path(f"{case}.sj").mkdir()
+        case "pipe":
+            os.mkfifo(f"{case}.sj")
+        case "link":
+            Path(f"{case}.sj").write_text((ERRORS / "SJ112_file_outside.sj").read_text().replace("../", "maps/"))
+            Path("maps").symlink_to("../elsewhere")
     assert_case(case, golden)
 
 

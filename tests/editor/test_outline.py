@@ -31,3 +31,12 @@ def test_layout_changes_only_lines_that_differ() -> None:
     assert session.formatting(uri) == []
     session.open(uri, text + "}", 3)
     assert session.formatting(uri) == []
+
+
+def test_formatting_keeps_the_line_ends_of_windows() -> None:
+    laid_out = format_source(Source("", ORCHARD)).replace("\n", "\r\n")
+    ugly = laid_out.replace("  episode 20", "  episode   20")
+    session, uri = opened(ugly)
+    (edit,) = session.formatting(uri)
+    assert edit.range.start.line + 1 == edit.range.end.line
+    assert edited(session, uri, [edit]) == laid_out

@@ -14,7 +14,7 @@ game market {
   phase trade {
     each agent where agent chose wave or agent chose offer or agent chose vote or agent chose say { set agent.heard = red }
     each agent where agent chose offer(3, 0) { give 1 to agent }
-    each agent where agent chose vote(3) or agent chose vote(0.5) { give 1 to agent }
+    each agent where agent chose vote(3) or agent chose vote(4) { give 1 to agent }
   }
   policy one { when agent.sold > 1 choose offer(agent.sold, 1) }
   policy two { when agent.sold < 3 choose offer(agent.sold, 1) }

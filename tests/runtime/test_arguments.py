@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from sjdsl import make
+from sjdsl.runtime.arguments import checked_actions
 from sjdsl.runtime.env import Environment
 from tests.runtime.test_environment import YARD, assert_same, keys
 
@@ -28,6 +29,28 @@ def test_what_is_no_actions(env: Environment, actions: Any) -> None:
     for step in (env.step, env.step_env):
         with pytest.raises(TypeError, match=f"one for each agent in their order, not {type(actions).__name__}"):
             step(jax.random.key(1), state, actions)
+
+
+@pytest.mark.parametrize("number", [2**31, 2**32 + 1, -(2**31) - 1, 2**63])
+def test_actions_beyond_int32(env: Environment, number: int) -> None:
+    """Cut off to 32 bits, 2^32 + 1 would be action 1."""
+    _, state = env.reset(jax.random.key(0))
+    dtype = np.uint64 if number == 2**63 else np.int64
+    for actions in (np.array([0, number, 0], dtype), [0, number, 0], (np.int64(0), dtype(number), np.int64(0))):
+        for step in (env.step, env.step_env):
+            with pytest.raises(ValueError, match=f"an action is {number}, which is beyond int32"):
+                step(jax.random.key(1), state, actions)
+    with jax.enable_x64(True):
+        wide = jnp.array([0, number, 0], dtype)
+        with pytest.raises(ValueError, match="beyond int32"):
+            env.step(jax.random.key(1), state, wide)
+        assert checked_actions(wide, 3).tolist() == [0, -1, 0]
+
+
+def test_unsigned_actions_beyond_int32(env: Environment) -> None:
+    _, state = env.reset(jax.random.key(0))
+    with pytest.raises(ValueError, match="beyond int32"):
+        env.step(jax.random.key(1), state, jnp.array([0, 2**31, 0], jnp.uint32))
 
 
 def test_states_and_parameters_of_another_game(env: Environment, tmp_path: Path) -> None:

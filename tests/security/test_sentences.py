@@ -9,7 +9,7 @@ import pytest
 from tests.test_prose import paragraphs
 
 ROOT = Path(__file__).parents[2]
-TEXT, FILES, REPLAYS, READING = (f"security/test_{name}.py" for name in ("generated_text", "files", "replays", "reading"))
+TEXT, FILES, REPLAYS, READING, LINKS = (f"security/test_{name}.py" for name in ("generated_text", "files", "replays", "reading", "links"))
 POLICIES, ACCESS, CHILD = "trainers/test_policy_safety.py", "studio/test_access.py", "studio/test_child.py"
 LIMITS, PAGE, SERVER = (
     "compiler/test_limits.py",
@@ -26,6 +26,12 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{READING}::test_the_language_server_runs_nothing",
     ),
     "A game names other files": ("compiler/test_error_cases.py::test_case",),  # errors/SJ112_file_outside.sj
+    "Links there may lead": (
+        f"{LINKS}::test_a_link_inside_the_folder",
+        f"{LINKS}::test_links_to_another_package",
+        f"{LINKS}::test_a_link_out_of_the_folder_is_refused",
+    ),
+    "Only regular files": (f"{LINKS}::test_what_is_no_file_is_not_waited_for",),
     "Sizes are limited": (f"{LIMITS}::test_one_message",),
     "**Compiled games** are": (f"{TEXT}::test_the_texts_of_a_game_become_no_code",),
     "Only names, numbers": (f"{TEXT}::test_the_texts_of_a_game_become_no_code", f"{TEXT}::test_the_name_of_a_file_becomes_no_code"),
@@ -43,6 +49,7 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     ),
     "Outside it, it reads only": (
         f"{ACCESS}::test_only_games_and_maps_inside_the_folder_are_read",
+        f"{ACCESS}::test_the_language_server_reads_no_other_folder",
         f"{ACCESS}::test_the_command_opens_bundled_games_as_examples_and_others_in_its_folder",
         f"{ACCESS}::test_nothing_else_is_written",
         f"{FILES}::test_saving_in_the_studio_writes_nothing_elsewhere",

@@ -2,6 +2,8 @@
 
 import json
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from urllib.parse import quote
 
@@ -13,6 +15,8 @@ from starlette.websockets import WebSocketDisconnect
 from sjdsl.cli.studio import _inside
 from sjdsl.compiler import check
 from sjdsl.compiler.syntax.read import read_source
+from sjdsl.files import write_whole
+from sjdsl.library.games_folder import games_folder
 from sjdsl.studio.access import Access, kept_token
 from sjdsl.studio.folder import Folder
 from sjdsl.studio.server import make_app
@@ -234,3 +238,113 @@ def test_a_socket_outlives_messages_that_break_readers(client: TestClient) -> No
         with pytest.raises(WebSocketDisconnect) as closed:
             socket.receive_text()
     assert closed.value.code == 1003
+
+
+def language(client: TestClient, *messages: tuple[str, dict]) -> list[dict]:
+    """Returns what the language server of the studio says to each message, in its order."""
+    answers = []
+    with client.websocket_connect("/language" + TOKEN, headers=OWN) as socket:
+        for number, (method, params) in enumerate((("initialize", {"capabilities": {}}), *messages)):
+            is_question = method != "textDocument/didOpen"
+            socket.send_text(json.dumps({"jsonrpc": "2.0", "method": method, "params": params} | ({"id": number} if is_question else {})))
+            while is_question:
+                told = json.loads(socket.receive_text())
+                if told.get("id") == number:
+                    answers.append(told)
+                    break
+    return answers[1:]
+
+
+def test_the_language_server_reads_no_other_folder(client: TestClient, folder: Path) -> None:
+    game = "sj 1\ngame  odd { param apple : reward = 1 }\n"
+    (folder / "yard.sj").write_text(game, encoding="utf-8")
+    (folder.parent / "outside.sj").write_text(game, encoding="utf-8")
+    places = [folder / "yard.sj", folder.parent / "outside.sj", folder / "link.sj"]
+    example = games_folder() / "coins.sj"
+    at = {"line": 1, "character": 20}
+    hovers = [("textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": at}) for path in places]
+    format_ = {"options": {"tabSize": 2, "insertSpaces": True}}
+    formats = [("textDocument/formatting", {"textDocument": {"uri": path.as_uri()}, **format_}) for path in places]
+    outlines = [("textDocument/documentSymbol", {"textDocument": {"uri": path.as_uri()}}) for path in (*places, example)]
+    answers = [answer["result"] for answer in language(client, *hovers, *formats, *outlines)]
+    assert [bool(answer) for answer in answers] == [True, False, False, True, False, False, True, False, False, True]
+
+
+def test_a_text_put_outside_reads_nothing_beside_it(client: TestClient, folder: Path) -> None:
+    (folder.parent / "outside.sj").write_text("sj 1\ngame base { param secret : reward = 1 }\n", encoding="utf-8")
+    uri = (folder.parent / "put.sj").as_uri()
+    text = 'sj 1\ngame put extends "outside.sj" { set secret = 2 }\n'
+    opened = {"uri": uri, "languageId": "sj", "version": 1, "text": text}
+    for line, character in ((1, 25), (1, 42)):
+        question = {"textDocument": {"uri": uri}, "position": {"line": line, "character": character}}
+        (answer,) = language(client, ("textDocument/didOpen", {"textDocument": opened}), ("textDocument/definition", question))
+        assert not answer["result"]
+
+
+def test_a_game_that_extends_itself_is_copied_once(client: TestClient, folder: Path) -> None:
+    (folder / "sub").mkdir()
+    (folder / "yard.sj").write_text('sj 1\ngame yard extends "sub/../yard.sj" { }\n', encoding="utf-8")
+    asked = {"example": "yard.sj", "path": "mine.sj", "text": "sj 1\n"}
+    assert client.post("/copy" + TOKEN, json=asked).status_code == 200
+    assert (folder / "mine.sj").read_text(encoding="utf-8") == "sj 1\n"
+
+
+def test_of_several_who_save_at_once_one_does(client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def slowly(path: Path, data: bytes) -> None:
+        time.sleep(0.05)
+        write_whole(path, data)
+
+    monkeypatch.setattr("sjdsl.studio.folder.write_whole", slowly)
+    first = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()["digest"]
+    for path, before in (("yard.sj", first), ("new.sj", None)):
+        texts = [f"sj 1\n# {number}\n" for number in range(6)]
+        with ThreadPoolExecutor(6) as pool:
+            asked = [{"path": path, "text": text, "digest": before} for text in texts]
+            answers = list(pool.map(lambda given: client.put("/file" + TOKEN, json=given).status_code, asked))
+        assert sorted(answers) == [200, *[409] * 5]
+        assert (folder / path).read_text(encoding="utf-8") == texts[answers.index(200)]
+
+
+ODD = ["%C3%A9", "%FF%FE", "%00", "%ED%A0%80", "%", "%zz", "&token=", "%F0%9F%8D%92", "+", "a" * 10_000]
+
+
+@pytest.mark.parametrize("token", ODD)
+@pytest.mark.parametrize("path", ["/", "/games", "/file"])
+def test_any_token_is_refused_in_words(client: TestClient, path: str, token: str) -> None:
+    answer = client.get(f"{path}?token={token}")
+    assert (answer.status_code, "token" in answer.text) == (403, True)
+
+
+@pytest.mark.parametrize("token", ODD)
+@pytest.mark.parametrize("path", ["/bench", "/language"])
+def test_a_socket_with_any_token_is_refused(client: TestClient, path: str, token: str) -> None:
+    with pytest.raises(WebSocketDisconnect) as closed, client.websocket_connect(f"{path}?token={token}", headers=OWN):
+        pass
+    assert closed.value.code == 4403
+
+
+@pytest.mark.parametrize("name", [b"host", b"origin", b"cookie", b"content-type", b"content-length", b"x"])
+@pytest.mark.parametrize("value", [b"\xc3\xa9", b"\xff", b"", b"127.0.0.1:8123\xe9"])
+def test_any_header_is_answered(client: TestClient, name: bytes, value: bytes) -> None:
+    headers = [(b"host", b"127.0.0.1:8123")] * (name != b"host") + [(name, value)]
+    assert client.request("GET", "/games" + TOKEN, headers=headers).status_code == (403 if name in (b"host", b"origin") else 200)
+
+
+@pytest.mark.parametrize(
+    "query", ["path=%FF", "path=%00", "path=%ED%A0%80.sj", "path", "", "path=%C3%A9.sj", "path=a.sj&path=%FF", "%FF=%FF"]
+)
+@pytest.mark.parametrize("address", ["/file", "/games", "/tour", "/copy", "/new", "/assets/%FF", "/%C3%A9"])
+@pytest.mark.parametrize("method", ["GET", "PUT", "POST", "DELETE"])
+def test_any_query_is_answered(client: TestClient, method: str, address: str, query: str) -> None:
+    answer = client.request(method, f"{address}{TOKEN}&{query}", content=b"\xff")
+    assert answer.status_code < 500
+
+
+def test_a_page_keeps_the_line_ends_of_a_file(client: TestClient, folder: Path) -> None:
+    """The text of a page has none of Windows."""
+    (folder / "yard.sj").write_bytes(b"sj 1\r\n# before\r\n")
+    digest = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()["digest"]
+    for text in ("sj 1\n# after\n", "sj 1\n# at last\n"):
+        saved = client.put("/file" + TOKEN, json={"path": "yard.sj", "text": text, "digest": digest})
+        digest = saved.json()["digest"]
+        assert (folder / "yard.sj").read_bytes() == text.replace("\n", "\r\n").encode()

@@ -47,6 +47,18 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     assert "lost" not in after
 
 
+def test_a_text_reaches_the_process_whatever_the_encoding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", "latin-1")
+
+    async def ask() -> dict:
+        worker = Child(tmp_path)
+        answer = json.loads(await worker.ask('{"id": 1, "do": "ガ"}'))
+        await worker.stop()
+        return answer
+
+    assert "ガ" in asyncio.run(ask())["refused"]
+
+
 def test_processes_wait_for_a_page_and_end_with_the_server(tmp_path: Path) -> None:
     async def one() -> tuple[int, str, list[int | None]]:
         spares = child.Spares(tmp_path, 1)

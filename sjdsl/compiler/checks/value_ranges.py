@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
-from sjdsl.compiler.ir.equivalence import Form, form
+from sjdsl.compiler.ir.equivalence import Form, Memo, form
 from sjdsl.compiler.ir.implications import conjuncts, limits_of
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.queries import most_members
@@ -28,7 +28,7 @@ class Played:
     """A game with its numbers, and what is found while its rules are gone through.
 
     steps: of an episode. timers: the largest value of each so far. totals: the largest total of each event in an episode.
-    leaving: the whole numbers that leave int32. sets, growth: of each timer, the largest value it is set to, and how much those statements
+    leaving: the whole numbers that leave int32. forms: of expressions. sets, growth: of each timer, the largest value it is set to, and how much those statements
     that count it on (`set t = t + n`) can add in a step.
     """
 
@@ -40,6 +40,7 @@ class Played:
     leaving: "list[Leaving]" = field(default_factory=list)
     sets: dict[Held, float] = field(default_factory=dict)
     growth: dict[Held, float] = field(default_factory=dict)
+    forms: Memo = field(default_factory=dict)
 
 
 class Here(Record, eq=False):
@@ -61,8 +62,9 @@ class Here(Record, eq=False):
 
     def bounded(self, e: ir.Expr, limits: Interval) -> "Here":
         """Returns this place, where a number is known to lie in an interval."""
-        low, high = self.known.get(form(e), (-inf, inf))
-        return replace(self, known={**self.known, form(e): (max(low, limits[0]), min(high, limits[1]))})
+        subject = form(e, memo=self.played.forms)
+        low, high = self.known.get(subject, (-inf, inf))
+        return replace(self, known={**self.known, subject: (max(low, limits[0]), min(high, limits[1]))})
 
 
 class Leaving(NamedTuple):
@@ -88,7 +90,7 @@ def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, i
 def interval_of(e: ir.Expr, here: Here) -> Interval:
     """Returns the interval of a number, of a row that of all its entries; what leaves int32 in it is added to what was found."""
     low, high = _VALUES.get(type(e), _by_type)(e, here)
-    guarded = here.known.get(form(e), (-inf, inf)) if here.known else (-inf, inf)
+    guarded = here.known.get(form(e, memo=here.played.forms), (-inf, inf)) if here.known else (-inf, inf)
     low, high = max(low, e.type.low, guarded[0]), min(high, e.type.high, guarded[1])
     if e.type.kind == "int" and low <= high and leaves_int32((low, high)):
         here.played.leaving.append(Leaving(e, (low, high), here))

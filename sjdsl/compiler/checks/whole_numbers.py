@@ -48,9 +48,9 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
     for target, own in events.items():  # how often it is counted in an episode at most, over all agents
         receivers = game.agents.number if event_named(game, target.name).per_agent else 1
         played.totals[target.name] = times(own.high, played.steps * receivers)
-    requires = [check for check in game.checks if check.sort == "require"]  # decided in Python's numbers, before the game is played
     for part in ir.children(game):
-        if not isinstance(part, ir.Phase) and part not in requires:
+        is_required = isinstance(part, ir.Check) and part.sort == "require"  # decided in Python's numbers, before the game is played
+        if not isinstance(part, ir.Phase) and not is_required:
             visit(part, Here(played))
     found: list[Diagnostic] = [_of_number(leaving) for leaving in played.leaving]
     found += [_of_sum(errors.TalliedBeyondInt32, target, own, own[:2]) for target, own in events.items() if leaves_int32(own[:2])]

@@ -4,9 +4,10 @@ A write is looked at with everything around it: the quantifiers (each gives inst
 conditions known to hold. Two writes of one field can only meet at one target, so conditions about the target decide.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import field, replace
 from functools import cached_property
+from itertools import combinations
 from typing import Literal
 
 from sjdsl.compiler import ir
@@ -71,6 +72,11 @@ class Write(Record, eq=False):
         owner = (self.owner,) if isinstance(self.owner, ir.Member) else ()
         return frozenset(member.name for member in (*owner, *self.keys) if member is not None)
 
+    @cached_property
+    def is_own(self) -> bool:
+        """Whether every target is written by one instance."""
+        return _is_own(self)
+
     @property
     def is_by_lot(self) -> bool:
         return isinstance(self.statement, ir.Set) and self.statement.lot is not None
@@ -110,18 +116,18 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
     around = Around(lanes={s.name: len(s.lanes) for s in game.shapes}, forbids=game.agents.forbids)
     for phase in phases_of(game):
         writes = list(_writes(phase.body, around))
+        bounded = {write for write in writes if _is_bounded(write, game)}
         for write in writes:
-            if not (write.sort == "add" or write.is_by_lot or _is_own(write) or not (write.depends - write.own_names)):
+            if not (write.sort == "add" or write.is_by_lot or write.is_own or not (write.depends - write.own_names)):
                 _report(write, write, phase, problems)
-            elif _is_bounded(write, game) and not _is_own(write):  # an `add` that several instances make at once is in range only if capped
+            elif write in bounded and not write.is_own:  # an `add` that several instances make at once is in range only if capped
                 assert isinstance(write.statement, ir.Add) and write.statement.origin is not None
                 declared = declared_field(game, written_field(write.statement.target))
                 span, low, high, reached = write.statement.origin, declared.type.low, declared.type.high, "the sum of several adds"
                 problems.add(errors.FieldRange(span, name=_target_text(write), declared=declared.name, low=low, high=high, reached=reached))
-        for i, a in enumerate(writes):
-            for b in writes[i + 1 :]:
-                if _same_target(a, b) and not _compatible(a, b, game):
-                    _report(a, b, phase, problems)
+        for a, b in combinations(writes, 2):
+            if _same_target(a, b) and not _compatible(a, b, bounded):
+                _report(a, b, phase, problems)
         move = next((node for s in phase.body for node in ir.walk(s) if isinstance(node, ir.Move)), None)
         if move is not None and (len(phase.body) > 1 or phase.body[0] is not move):
             problems.add(errors.MoveAlone(move.span))
@@ -292,9 +298,9 @@ def _same_target(a: Write, b: Write) -> bool:
     return all(x == y or None in (x, y) for x, y in zip(a.target.entries, b.target.entries, strict=False))
 
 
-def _compatible(a: Write, b: Write, game: ir.Game) -> bool:
+def _compatible(a: Write, b: Write, bounded: Collection[Write]) -> bool:
     if a.sort == b.sort == "add":
-        return not (_is_bounded(a, game) or _is_bounded(b, game)) or _exclusive(a, b)
+        return not (a in bounded or b in bounded) or _exclusive(a, b)
     if a.is_by_lot and b.is_by_lot and len(a.target.entries) == len(b.target.entries):
         return True  # all who would write one target draw together
     if a.sort == b.sort and a.value == b.value and not (a.depends | b.depends):
@@ -307,7 +313,7 @@ def _exclusive(a: Write, b: Write) -> bool:
     apart = [x for x in a.branches for y in b.branches if x.statement is y.statement and x.way != y.way]
     if any(x.once for x in apart):
         return True
-    if _is_own(a) and _is_own(b) and ((apart and _shared_quantifier(a, b)) or _two_sides(a, b)):
+    if a.is_own and b.is_own and ((apart and _shared_quantifier(a, b)) or _two_sides(a, b)):
         return True
     return any(contradict(x, y) for x in a.about_target for y in b.about_target)
 

@@ -31,10 +31,11 @@ class Poisoned(Exception):
 
 @dataclass
 class Problems:
-    """Collects diagnostics; each mistake once. `suppressed`: kinds that are not recorded."""
+    """Collects diagnostics, by `add`; each mistake once. `suppressed`: kinds that are not recorded."""
 
     found: list[Diagnostic] = field(default_factory=list)
     suppressed: tuple[type[Diagnostic], ...] = ()
+    _messages: dict[tuple[type[Diagnostic], Span], set[str]] = field(default_factory=dict, repr=False)  # of those that are found
 
     @property
     def failed(self) -> bool:
@@ -43,8 +44,11 @@ class Problems:
 
     def add(self, new: Diagnostic) -> None:
         """Records one diagnostic."""
-        same = (d for d in self.found if type(d) is type(new) and d.span == new.span)
-        if not isinstance(new, self.suppressed) and all(d.message != new.message for d in same):
+        if isinstance(new, self.suppressed):
+            return
+        messages = self._messages.setdefault((type(new), new.span), set())
+        if new.message not in messages:
+            messages.add(new.message)
             self.found.append(new)
 
     def fail(self, new: Diagnostic) -> Poisoned:

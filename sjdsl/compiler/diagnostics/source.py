@@ -21,6 +21,7 @@ class Span(Record):
 class Source:
     """One file as read: `name` is what messages call it, `folder` is where its maps and bases are looked up.
 
+    `file`: where the text was read, links followed; None for a text of no file.
     `over`: the texts that stand in place of files there, None for a file that is as on the disk: an editor has some open.
     """
 
@@ -28,10 +29,11 @@ class Source:
     text: str
     folder: Path | None = field(default=None, compare=False)
     over: Callable[[Path], str | None] | None = field(default=None, compare=False, repr=False)
+    file: Path | None = field(default=None, compare=False, repr=False)
 
     def instead_of(self, path: Path) -> str | None:
         """Returns the text that stands in place of a file, None where the file itself is to be read."""
-        return None if self.over is None else self.over(path)
+        return None if self.over is None else self.over(path.resolve())
 
     def span(self, start: int, end: int) -> Span:
         """Returns the span of the characters `start .. end`."""

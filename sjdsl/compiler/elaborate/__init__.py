@@ -23,6 +23,7 @@ from sjdsl.compiler.elaborate.possible import know_steps, report_never
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
+from sjdsl.compiler.ir.implications import facts
 
 
 class Overrides(Record):
@@ -54,6 +55,7 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     kinds = build_kinds(game, static, problems)
     checks_scope = Scope(static, problems, part="checks", events_readable=True)
     static.requires = requires(game, checks_scope)
+    static.required_facts = tuple(fact for required in static.requires for fact in facts(required))
     check_requires(game, checks_scope)
     agents = build_agents(game, static, problems)
     begin = start(game, scope)

@@ -135,7 +135,9 @@ def _check_counts(game: Composition, problems: Problems) -> None:
         ("fields", len(fields) + len(game.fields) + len(game.agent_fields), limits.MAX_FIELDS),
         ("phases", len(game.phases), limits.MAX_PHASES),
     )
-    problems.found += [limits.too_much(f"the game has {given} {what}", limit, game.span) for what, given, limit in counts if given > limit]
+    for what, given, limit in counts:
+        if given > limit:
+            problems.add(limits.too_much(f"the game has {given} {what}", limit, game.span))
 
 
 def _glyphs(kind: ast.Kind, scope: Scope) -> None:

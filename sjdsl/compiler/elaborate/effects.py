@@ -180,8 +180,7 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if steps.type.high > limits.MAX_SHIFT:
         far = f"{steps.type.high:g}" if steps.type.high < float("inf") else "any number of"
         help_ = "give the parameters limits, `in a .. b`, or bound it with `min`"
-        scope.problems.found.append(limits.too_much(f"this can be {far} cells", limits.MAX_SHIFT, s.steps.span, help_))
-        raise Poisoned
+        raise scope.fail(limits.too_much(f"this can be {far} cells", limits.MAX_SHIFT, s.steps.span, help_))
     return ir.Shift(who=who, steps=steps, **way, facing=look or "same", stream=stream, origin=s.span)  # type: ignore[arg-type]
 
 

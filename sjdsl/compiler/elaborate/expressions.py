@@ -103,12 +103,31 @@ def product(e: ast.Binary, scope: Scope) -> ir.Expr:
 
 
 def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
-    """`a and b`: b is read knowing a; `a or b`: b is read knowing not a."""
-    left = scope.condition(e.left)
-    known = left if e.op == "and" else ir.Not(value=left)
-    right = scope.knowing([known]).condition(e.right)
-    args = tuple(part for side in (left, right) for part in (side.args if isinstance(side, ir.Logic) and side.fn == e.op else (side,)))
-    return ir.Logic(fn="and" if e.op == "and" else "or", args=args, origin=e.span)
+    """`a and b`: b is read knowing a; `a or b`: b is read knowing not a. All are read, also where one of them is wrong."""
+    args: list[ir.Expr] = []
+    is_wrong = False
+    for operand in _operands(e):
+        try:
+            condition = scope.condition(operand)
+        except Poisoned:
+            is_wrong = True
+            scope = scope.unsure()
+            continue
+        args.extend(condition.args if isinstance(condition, ir.Logic) and condition.fn == e.op else [condition])
+        scope = scope.knowing([condition if e.op == "and" else ir.Not(value=condition)])
+    if is_wrong:
+        raise Poisoned
+    return ir.Logic(fn="and" if e.op == "and" else "or", args=tuple(args), origin=e.span)
+
+
+def _operands(e: ast.Binary) -> list[ast.Expr]:
+    """Returns the operands of `a and b and c`, or of several `or`, which is read as `(a and b) and c`."""
+    last = [e.right]
+    left = e.left
+    while isinstance(left, ast.Binary) and left.op == e.op:
+        last.append(left.right)
+        left = left.left
+    return [left, *reversed(last)]
 
 
 def identity(e: ast.Binary, scope: Scope) -> ir.Expr:

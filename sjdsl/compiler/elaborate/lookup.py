@@ -239,7 +239,7 @@ def use_define(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) ->
         if too_many:
             what, limit = "uses of defines, once those inside them are written out", limits.MAX_EXPANSIONS
         if not any(isinstance(d, errors.TooMuch) for d in scope.problems.found):
-            scope.problems.found.append(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
+            scope.problems.add(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
         raise Poisoned
     variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), scope.expressions(arguments), strict=True))
     named = {p.text: local_symbol(p) for p in define.parameters}

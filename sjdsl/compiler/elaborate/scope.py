@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -65,6 +65,7 @@ class Static:
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
     sized: set[Symbol] = field(default_factory=set)  # fields whose range is made of sizes
+    required_facts: tuple[Fact, ...] = ()  # what they say
     of_observed: tuple[Fact, ...] = ()  # of every state that is observed
     of_rules: tuple[Fact, ...] = ()  # of every state that rules read
     never: dict[str, list[list[errors.NeverHappens]]] = field(default_factory=dict)  # by phase and define: what each use can't make happen
@@ -218,11 +219,11 @@ class Scope(Record):
     @property
     def facts_and_requires(self) -> tuple[Fact, ...]:
         """What holds here, the game's `require`s too."""
-        return self.knowing(self.static.requires).facts
+        return (*self.facts, *self.static.required_facts)
 
     def unsure(self) -> "Scope":
         """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""
-        return self.but(problems=Problems(self.problems.found, errors.GUARDABLE))
+        return self.but(problems=replace(self.problems, suppressed=errors.GUARDABLE))
 
     def with_agent(self, part: Part) -> "Scope":
         """Returns a scope of another part of the game, in which `agent` stands for any one of them."""

@@ -150,8 +150,7 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
         problem = f"this draw is from {f'{most:g}' if most < float('inf') else 'endlessly many'} numbers"
-        scope.problems.found.append(limits.too_much(problem, limits.MAX_DRAWN, s.span, "give the parameters limits, `in a .. b`"))
-        raise Poisoned
+        raise scope.fail(limits.too_much(problem, limits.MAX_DRAWN, s.span, "give the parameters limits, `in a .. b`"))
     return integer(low.type.low, high.type.high, unit)
 
 

@@ -1,5 +1,6 @@
 """Elaborates the map: text in the game or in a file beside it; refuses ragged rows and unknown glyphs."""
 
+import errno
 import re
 import unicodedata
 from collections import Counter
@@ -13,10 +14,12 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.syntax.read import inside_folder
+from sjdsl.files import read_bytes
 from sjdsl.near_names import nearest
 
 MAX_MAP_BYTES = 4 * limits.MAX_MAP_CELLS
 POSES = "^>v<"  # how agents are drawn, by their heading
+TOO_MANY_CELLS = f"it has more than {limits.MAX_MAP_CELLS} cells"
 Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
 
 
@@ -32,7 +35,7 @@ def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
     over = source.instead_of(path)
     if over is not None:
         return _parse_rows(over.encode("utf-8", "replace"), name_here, span, problems)
-    if path.is_file():
+    if path.exists():
         return parse_file(path, name_here, span, problems)
     meant = nearest(path.name, [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else [])
     problems.add(errors.NoFile(span, name=name, near=Near(str(Path(name).with_name(meant)) if meant else "")))
@@ -45,10 +48,10 @@ def parse_file(path: Path, name: str, span: Span, problems: Problems) -> Rows:
     name: of the file, as messages call it. span: what names the file, to say there that it cannot be read.
     """
     try:
-        with path.open("rb") as file:
-            data = file.read(MAX_MAP_BYTES + 1)
+        data = read_bytes(path, MAX_MAP_BYTES)
     except OSError as error:
-        problems.add(errors.MapFile(span, name=name, problem=f"it cannot be read: {(error.strerror or 'unknown').lower()}"))
+        problem = TOO_MANY_CELLS if error.errno == errno.EFBIG else f"it cannot be read: {(error.strerror or 'unknown').lower()}"
+        problems.add(errors.MapFile(span, name=name, problem=problem))
         return (), ()
     return _parse_rows(data, name, span, problems)
 
@@ -60,7 +63,7 @@ def _parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
     except UnicodeDecodeError:
         problem = "it is not text"
     if len(data) > MAX_MAP_BYTES:
-        problem = f"it has more than {limits.MAX_MAP_CELLS} cells"
+        problem = TOO_MANY_CELLS
     elif re.match(r"sj \d", text):
         problem = "it is a game"
     if problem:

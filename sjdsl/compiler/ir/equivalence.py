@@ -12,20 +12,33 @@ from sjdsl.compiler.ir.node import Node
 
 Form = tuple[Any, ...]
 Names = Mapping[str, object]  # what stands for some variables: of bound ones, how many are bound around them
+Memo = dict[int, tuple[Node, Form]]  # by the `id` of an expression; with it, so that no other gets that `id`
 NONE: Names = {}
 
 
-def form(e: Node, names: Names = NONE) -> Form:
-    """Returns what is compared of an expression. `names`: what stands for its free variables instead of their own names."""
+def form(e: Node, names: Names = NONE, memo: Memo | None = None) -> Form:
+    """Returns what is compared of an expression.
+
+    names: what stands for its free variables instead of their own names. memo: the forms under these names that are known, to which
+    new ones are added: for whoever asks for the forms of an expression and of its parts.
+    """
+    if memo is None:
+        return _form(e, names, None)
+    if id(e) not in memo:
+        memo[id(e)] = e, _form(e, names, memo)
+    return memo[id(e)][1]
+
+
+def _form(e: Node, names: Names, memo: Memo | None) -> Form:
     match e:
         case Member() | Local():
             return ("variable", names.get(e.name, e.name))
         case Number():
             return ("number", e.value)
         case FieldRead():
-            return ("field", e.name, None if e.owner is None else form(e.owner, names))
+            return ("field", e.name, None if e.owner is None else form(e.owner, names, memo))
         case Named() | Narrowed():
-            return form(e.value, names)
+            return form(e.value, names, memo)
         case Count():
             return ("count", _domain(e.domain, names)[0])
         case Sum():
@@ -33,15 +46,15 @@ def form(e: Node, names: Names = NONE) -> Form:
             return ("sum", domain, form(e.value, inner))
         case Extreme():
             domain, inner = _domain(e.domain, names)
-            return (e.fn, domain, form(e.value, inner), _form_of_part(e.otherwise, names))
+            return (e.fn, domain, form(e.value, inner), _form_of_part(e.otherwise, names, memo))
         case _:
-            return (type(e), *(_form_of_part(getattr(e, name), names) for name in _compared(type(e))))
+            return (type(e), *(_form_of_part(getattr(e, name), names, memo) for name in _compared(type(e))))
 
 
-def _form_of_part(value: object, names: Names) -> object:
+def _form_of_part(value: object, names: Names, memo: Memo | None) -> object:
     if isinstance(value, Node):
-        return form(value, names)
-    return tuple(_form_of_part(v, names) for v in value) if isinstance(value, tuple) else value
+        return form(value, names, memo)
+    return tuple(_form_of_part(v, names, memo) for v in value) if isinstance(value, tuple) else value
 
 
 def _domain(d: Domain, names: Names) -> tuple[Form, Names]:

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form
-from sjdsl.compiler.ir.linear import narrowed_sum
+from sjdsl.compiler.ir.equivalence import NONE, Form, Memo, Names, form
+from sjdsl.compiler.ir.linear import Linear, linear, narrowed_sum, not_negative
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 
 
@@ -60,6 +60,11 @@ class Fact(Record, eq=False):
     @cached_property
     def claim(self) -> "Claim":
         return _claim(self.condition)
+
+    @cached_property
+    def not_negative(self) -> tuple[Linear, ...]:
+        """The sums of which the fact says that they are at least 0."""
+        return tuple(not_negative(self.condition))
 
 
 def facts(condition: ir.Expr, holds: bool = True) -> tuple[Fact, ...]:
@@ -208,20 +213,23 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
 
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
+    return _narrowed(e, known, {}, {}) if known else (e.type.low, e.type.high)
+
+
+def _narrowed(e: ir.Expr, known: Sequence[Fact], forms: Memo, sums: dict[int, Linear]) -> tuple[float, float]:
+    """`forms`, `sums`: of the parts of an expression, by their `id`, each computed once."""
     low, high = e.type.low, e.type.high
-    if not known:
-        return low, high
     if isinstance(e, ir.Arithmetic) and not e.type.by:
-        by_parts = CALCULATIONS[e.fn].interval(*(narrowed(a, known) for a in e.args))
+        by_parts = CALCULATIONS[e.fn].interval(*(_narrowed(a, known, forms, sums) for a in e.args))
         low, high = max(low, by_parts[0]), min(high, by_parts[1])
     elif isinstance(e, ir.Named):
-        low, high = narrowed(e.value, known)
-    subject = form(e)
+        low, high = _narrowed(e.value, known, forms, sums)
+    subject = form(e, memo=forms)
     for f in known:
         if f.subject == subject:
             for bounds in (f.claim.interval, f.claim.reach):
                 if bounds is not None:
                     low, high = max(low, bounds[0]), min(high, bounds[1])
     if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
-        return narrowed_sum(e, (low, high), (f.condition for f in known))
+        return narrowed_sum(linear(e, sums), (low, high), (sum_ for f in known for sum_ in f.not_negative))
     return low, high

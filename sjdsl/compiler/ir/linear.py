@@ -15,6 +15,7 @@ from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.operations import CALCULATIONS
 
 Interval = tuple[float, float]
+Memo = dict[int, "Linear"]  # by the `id` of an expression, which must live as long
 
 
 class Linear(Record, eq=False):
@@ -42,27 +43,34 @@ class Linear(Record, eq=False):
         return float(low), float(high)
 
 
-def linear(e: ir.Expr) -> Linear:
-    """Returns a number as a sum of parts, which are no sums themselves."""
+def linear(e: ir.Expr, memo: Memo | None = None) -> Linear:
+    """Returns a number as a sum of parts, which are no sums themselves. `memo`: the sums that are known, to which this one is added."""
+    memo = {} if memo is None else memo
+    if id(e) not in memo:
+        memo[id(e)] = _linear(e, memo)
+    return memo[id(e)]
+
+
+def _linear(e: ir.Expr, memo: Memo) -> Linear:
     match e:
         case ir.Number():
             return Linear(Fraction(e.value))
         case ir.Named() | ir.Narrowed():
-            return linear(e.value)
+            return linear(e.value, memo)
         case ir.Arithmetic(fn=fn, args=args) if CALCULATIONS[fn].factors and not e.type.by:
             sum_ = Linear()
             for part, factor in zip(args, CALCULATIONS[fn].factors, strict=True):
-                sum_ = sum_.plus(linear(part), factor)
+                sum_ = sum_.plus(linear(part, memo), factor)
             return sum_
         case _:
             own = form(e)
             return Linear(Fraction(0), {own: Fraction(1)}, {own: (e.type.low, e.type.high)})
 
 
-def narrowed_sum(e: ir.Expr, interval: Interval, known: Iterable[ir.Expr]) -> Interval:
-    """Returns the interval of a sum or difference once conditions that compare sums of the same parts are used, one at a time."""
-    mine, (low, high) = linear(e), interval
-    for fact in (sure for condition in known for sure in _not_negative(condition)):
+def narrowed_sum(mine: Linear, interval: Interval, known: Iterable[Linear]) -> Interval:
+    """Returns the interval of a sum or difference once it is known what other sums of the same parts are at least 0, one at a time."""
+    low, high = interval
+    for fact in known:
         for part in mine.factors.keys() & fact.factors.keys():
             factor = mine.factors[part] / fact.factors[part]
             rest = mine.plus(fact, -factor).interval  # e is this and `factor` times the fact, which is at least 0
@@ -73,7 +81,7 @@ def narrowed_sum(e: ir.Expr, interval: Interval, known: Iterable[ir.Expr]) -> In
     return low, high
 
 
-def _not_negative(condition: ir.Expr) -> Iterator[Linear]:
+def not_negative(condition: ir.Expr) -> Iterator[Linear]:
     """Yields what is at least 0 if a condition holds, of sums of several parts; of fewer, their intervals say as much."""
     match condition:
         case ir.Compare(fn=fn, left=left, right=right) if fn != "!=" and not (left.type.by or right.type.by):
@@ -87,7 +95,7 @@ def _not_negative(condition: ir.Expr) -> Iterator[Linear]:
                 turned = Linear().plus(apart, -1)
                 yield turned.plus(Linear(Fraction(-1))) if whole and fn == "<" else turned
         case ir.InRange(value=value, low=low, high=high):
-            yield from _not_negative(ir.Compare(fn=">=", left=value, right=low))
-            yield from _not_negative(ir.Compare(fn="<=", left=value, right=high))
+            yield from not_negative(ir.Compare(fn=">=", left=value, right=low))
+            yield from not_negative(ir.Compare(fn="<=", left=value, right=high))
         case _:
             pass

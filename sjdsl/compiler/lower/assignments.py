@@ -32,6 +32,8 @@ from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variab
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
+MOST_TERMS = 100  # of one sum: it is nested, and Python goes through it recursively
+
 
 class Target(Record):
     """One field that a statement writes: of whom (None: the world), at which keys of its row, in which instances."""
@@ -387,8 +389,10 @@ def finish(w: Writer) -> None:
         declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
         dtype = state_reads.storage(declared, w)
         node = as_dtype(Value(w.current(attribute), dtype), "i32" if declared.type.kind == "int" else "f32").node
-        for total in sums:
+        for number, total in enumerate(sums, 1):
             node = joined("+", node, total.node)
+            if number % MOST_TERMS == 0:
+                node = w.bind(attribute, node)
         if declared.capped:
             node = array.call("jnp.clip", node, array.Literal(int(declared.type.low)), array.Literal(int(declared.type.high)))
         if dtype not in ("i32", "f32"):
@@ -396,6 +400,8 @@ def finish(w: Writer) -> None:
         w.assign(attribute, node)
     for attribute, sets in w.joined.items():
         node = w.current(attribute)
-        for added in sets:
+        for number, added in enumerate(sets, 1):
             node = array.Binary("|", node, added)
+            if number % MOST_TERMS == 0:
+                node = w.bind(attribute, node)
         w.assign(attribute, node)

@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path, PurePosixPath
 
 from sjdsl.compiler import ast
+from sjdsl.compiler.compose import chain
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.tree import walk
@@ -46,18 +47,16 @@ def copied_files(game: Path, name: str) -> dict[str, str]:
     source = read_source(game)
     span = parse(source).game.name.span
     texts = {f"{name}.sj": source.text[: span.start] + name + source.text[span.end :]}
-    waiting, problems = [(source, PurePosixPath())], Problems()
-    while waiting:
-        source, folder = waiting.pop()
-        for node in walk(parse(source)):
-            named = node.file if isinstance(node, ast.Map) else node.extends if isinstance(node, ast.Game) else None
-            path = None if named is None else inside_folder(named.text, named.span, source, problems)
-            if named is None or path is None:
-                continue
-            found = read_source(path)
-            texts[str(folder / named.text)] = found.text
-            if isinstance(node, ast.Game):
-                waiting.append((found, (folder / named.text).parent))
+    problems = Problems()
+    place = PurePosixPath(f"{name}.sj")  # of a text in the copy
+    for one, file in chain(source):
+        texts.setdefault(str(place), one.text)
+        for map_ in (node.file for node in walk(file) if isinstance(node, ast.Map) and node.file is not None):
+            path = inside_folder(map_.text, map_.span, one, problems)
+            if path is not None:
+                texts[str(place.parent / map_.text)] = read_source(path).text
+        if file.game.extends is not None:
+            place = place.parent / file.game.extends.text
     if problems.found:
         raise CompileError(problems.found)
     return texts

@@ -96,6 +96,13 @@ class FileOutside(AboutName, code="SJ112", title="A path that leaves the folder"
     hints = ("name a file in the game's own folder or below it",)
 
 
+class LinkOutside(FileOutside):
+    says = "`{name}` leaves the folder of the game: `{link}` is a link to `{target}`"
+    hints = ("put a copy in place of the link; a link may lead to what is in the game's own folder",)
+    link: str
+    target: str
+
+
 class WrongSort(NotKnown, code="SJ113", title="A name of another sort"):
     says = "`{name}` is {what}; expected {wanted}"
     what: str
