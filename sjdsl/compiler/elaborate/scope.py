@@ -64,8 +64,8 @@ class Static:
     broken: set[Symbol] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
-    sized: set[Symbol] = field(default_factory=set)  # fields whose range is made of sizes
     required_facts: tuple[Fact, ...] = ()  # what they say
+    sized: set[Symbol] = field(default_factory=set)  # fields whose range is made of sizes
     of_observed: tuple[Fact, ...] = ()  # of every state that is observed
     of_rules: tuple[Fact, ...] = ()  # of every state that rules read
     never: dict[str, list[list[errors.NeverHappens]]] = field(default_factory=dict)  # by phase and define: what each use can't make happen
