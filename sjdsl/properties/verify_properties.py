@@ -198,7 +198,7 @@ def _in_all_sizes(family: GameFamily, number: int, proves: Callable[[ir.Game], b
 
 def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
     """Returns the verdict on a symmetry: it is proved if no rule of a step reads a number, unless who is sent first takes cells from the others."""
-    if told := why_asymmetric(check, family.crowded):
+    if told := why_asymmetric(check, family):
         return make_verdict(family, check, False, "decided", told)
     because, (chosen, crowded) = why_symmetric(check, family.own), order_of_sending(check, family.own)
     if chosen:
