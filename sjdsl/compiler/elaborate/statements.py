@@ -17,10 +17,12 @@ from sjdsl.compiler.elaborate.lookup import check_free, interval_text
 from sjdsl.compiler.elaborate.movers import move
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
-from sjdsl.compiler.ir.equivalence import form
+from sjdsl.compiler.ir.equivalence import form, is_exact
 from sjdsl.compiler.ir.implications import Fact, compares, conjuncts, contradict, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, is_number, join_units, real, words
+from sjdsl.compiler.ir.range_arithmetic import ends
+from sjdsl.compiler.ir.ranges import range_of
+from sjdsl.compiler.ir.types import INTEGER_UNITS, SLACK, integer, is_number, join_units, real, words
 
 
 def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
@@ -306,17 +308,27 @@ def why_impossible(part: ir.Expr, scope: Scope) -> str:
     match part:
         case ir.Compare(fn=fn, left=left, right=right):
             low, high = narrowed(left, scope.facts)
+            least, most = right.type.low, right.type.high
+            if not is_exact(part):
+                low, high = _as_float32(left, low, high)
+                least, most = _as_float32(right, least, most)
             never = {
-                "<": low >= right.type.high,
-                "<=": low > right.type.high,
-                ">": high <= right.type.low,
-                ">=": high < right.type.low,
-                "==": low > right.type.high or high < right.type.low,
+                "<": low >= most,
+                "<=": low > most,
+                ">": high <= least,
+                ">=": high < least,
+                "==": low > most or high < least,
                 "!=": False,
             }[fn]
             return f"{text(left)} is {interval_text(low, high)}" if never else ""
         case _:
             return ""
+
+
+def _as_float32(e: ir.Expr, low: float, high: float) -> tuple[float, float]:
+    """Returns the interval of an exact number as that of a float32; what is computed is rounded more than once."""
+    low_slack, high_slack = (0.0, 0.0) if range_of(e).given else (SLACK * max(1.0, abs(end)) for end in (low, high))
+    return ends(low - low_slack, high + high_slack)
 
 
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:

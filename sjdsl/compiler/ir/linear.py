@@ -11,7 +11,7 @@ from math import isinf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.equivalence import Form, form
+from sjdsl.compiler.ir.equivalence import Form, form, is_exact
 from sjdsl.compiler.ir.operations import CALCULATIONS
 
 Interval = tuple[float, float]
@@ -60,9 +60,13 @@ def linear(e: ir.Expr) -> Linear:
 
 
 def narrowed_sum(e: ir.Expr, interval: Interval, known: Iterable[ir.Expr]) -> Interval:
-    """Returns the interval of a sum or difference once conditions that compare sums of the same parts are used, one at a time."""
+    """Returns the interval of a sum or difference once conditions that compare sums of the same parts are used, one at a time.
+
+    Of whole numbers only those that compare whole numbers: others round what they compare.
+    """
     mine, (low, high) = linear(e), interval
-    for fact in (sure for condition in known for sure in _not_negative(condition)):
+    usable = (condition for condition in known if e.type.kind == "real" or is_exact(condition))
+    for fact in (sure for condition in usable for sure in _not_negative(condition)):
         for part in mine.factors.keys() & fact.factors.keys():
             factor = mine.factors[part] / fact.factors[part]
             rest = mine.plus(fact, -factor).interval  # e is this and `factor` times the fact, which is at least 0
