@@ -60,8 +60,8 @@ class Verification:
         played = [i for i in self.numbers if i not in self._known]
         self._needed = {i: statements_needed_by(checks[i], family.own, leaves) for i in played}
         states = [i for i in played if checks[i].sort != "expect"]
-        self._leaves = only is None and may_leave_float32(family.own)
-        self._search, self.has_played = Search(family, states, effort, self._needed, progress, self._leaves), False
+        self._reals_may_leave = only is None and may_leave_float32(family.own)
+        self._search, self.has_played = Search(family, states, effort, self._needed, progress, self._reals_may_leave), False
         self._runner, self._faults = EpisodeRunner(family, effort.seed), list[Verdict]()
 
     def verdict(self, number: int) -> Verdict:
@@ -85,7 +85,7 @@ class Verification:
     def report(self) -> Report:
         """Returns all verdicts. A game whose reals may leave float32 is played for that, even if every check has a verdict without play."""
         verdicts = tuple(self.verdict(i) for i in self.numbers)
-        if self._leaves and not self._faults:
+        if self._reals_may_leave and not self._faults:
             _ = self._finished_search
         ran, leaves = self._search.ran, leaf_statements(self.family.own) if self.has_played else ()
         idle = {leaf.statement.origin.line for leaf in leaves if leaf.statement_id not in ran and leaf.statement.origin is not None}
@@ -100,7 +100,7 @@ class Verification:
     @cached_property
     def _finished_search(self) -> Search:
         """The search, when all is played."""
-        if self._needed or self._leaves:
+        if self._needed or self._reals_may_leave:
             self.has_played = True
             self._search.run()
         return self._search

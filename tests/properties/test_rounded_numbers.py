@@ -119,6 +119,8 @@ def test_which_writes_exclude_each_other(one: str, other: str, exclusive: bool) 
 def test_a_cancelled_sum_that_is_rounded_leaves_its_range() -> None:
     assert refused(rule="set part = round((share + 1000000000) - 1000000000)") == {"SJ204"}
     assert not refused(rule="set part = round(share)")
+    assert not refused(rule="when huge >= 0 and huge <= j { set part = round(huge * 8) }")
+    assert refused(rule="set part = round(max(huge - 1000000, 0))", checks="require huge <= 1000040") == {"SJ204"}  # up to a millionth
     assert not refused(rule="set part = round(min(max((huge + 1000000000) - 1000000000, 0), 39))")
 
 

@@ -9,12 +9,14 @@ from typing import NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Names, form, is_exact
+from sjdsl.compiler.ir.evaluate_constant import TOLERANCE
 from sjdsl.compiler.ir.linear import narrowed_sum
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.range_arithmetic import ends
 from sjdsl.compiler.ir.ranges import are_numbers, range_of
 
 STEP = 2.0**-23  # from a float32 to the next one, relative; at most
+LOOSE = 2 * TOLERANCE  # by how much a real may pass the number that a `require` compares it with, relative
 
 
 def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
@@ -254,16 +256,25 @@ def narrowed_real(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number as it is computed in float32, once the facts about it and about its parts are used."""
 
     def limits(part: ir.Expr) -> Interval:
-        low, high = -inf, inf
-        subject = form(part)
-        for f in known:
-            bounds = f.claim.interval if f.subject == subject else None
-            if bounds is not None:
-                low, high = max(low, bounds[0]), min(high, bounds[1])
-        return ends(low, high) if part.type.kind == "real" else (low, high)
+        low, high = _claimed(part, known)
+        if part.type.kind == "int":
+            return low, high
+        return ends(low - LOOSE * max(1.0, abs(low)), high + LOOSE * max(1.0, abs(high)))
 
     computed = range_of(e, limits)
     return computed.low, computed.high
+
+
+def _claimed(e: ir.Expr, known: Iterable[Fact]) -> Interval:
+    """Returns the interval that the facts about this very number leave to it."""
+    low, high = -inf, inf
+    subject = form(e)
+    for f in known:
+        if f.subject == subject:
+            for bounds in (f.claim.interval, f.claim.reach):
+                if bounds is not None:
+                    low, high = max(low, bounds[0]), min(high, bounds[1])
+    return low, high
 
 
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
@@ -276,12 +287,8 @@ def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
         low, high = max(low, by_parts[0]), min(high, by_parts[1])
     elif isinstance(e, ir.Named):
         low, high = narrowed(e.value, known)
-    subject = form(e)
-    for f in known:
-        if f.subject == subject:
-            for bounds in (f.claim.interval, f.claim.reach):
-                if bounds is not None:
-                    low, high = max(low, bounds[0]), min(high, bounds[1])
+    claimed = _claimed(e, known)
+    low, high = max(low, claimed[0]), min(high, claimed[1])
     if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
         return narrowed_sum(e, (low, high), (without_nan(f.condition) for f in known))
     return low, high

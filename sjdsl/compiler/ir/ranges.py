@@ -25,7 +25,7 @@ from sjdsl.compiler.ir.range_arithmetic import (
 from sjdsl.compiler.ir.types import without_zero
 
 Limits = Callable[[ir.Expr], tuple[float, float]]
-_GIVEN = (ir.FieldRead, ir.Attribute, ir.Distance, ir.Step, ir.Count, ir.Lowest, ir.Local, ir.ArgumentOf)
+_GIVEN = (ir.ParamRef, ir.FieldRead, ir.Attribute, ir.Distance, ir.Step, ir.Count, ir.Lowest, ir.Local, ir.ArgumentOf)
 
 
 def no_limits(_: ir.Expr) -> tuple[float, float]:
@@ -77,7 +77,7 @@ def _range(e: ir.Expr, limits: Limits) -> Range:
             return _union([range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type)
         case ir.Case():
             return _union([range_of(arm.value, limits) for arm in e.arms], e.type)
-        case _ if isinstance(e, (ir.ParamRef, *_GIVEN)):
+        case _ if isinstance(e, _GIVEN):
             return given(e.type)
         case _:
             return anything(e.type.kind == "int")
@@ -93,10 +93,10 @@ def are_numbers(*numbers: ir.Expr) -> bool:
     return all(e.type.kind != "real" or range_of(e).sound for e in numbers)
 
 
-def stays_in_float32(e: ir.Expr, times_: float = 1) -> bool:
-    """Returns whether a real, so many times, is neither infinite nor NaN."""
+def stays_in_float32(e: ir.Expr, added: float = 1) -> bool:
+    """Returns whether a real is neither infinite nor NaN, also if so many of it are added."""
     r = range_of(e)
-    return r.sound and times_ * r.largest <= FLOAT32
+    return r.sound and added * r.largest <= FLOAT32
 
 
 def apart(a: ir.Expr, b: ir.Expr, known: bool = False) -> bool:
