@@ -182,26 +182,26 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
             )
         case "symmetric":
             return _symmetric(family, check)
-        case "always" | "once" if rounds_only_numbers(game) and _in_all_sizes(
-            family, number, lambda game: bool(decide(game.checks[number].values[-1]))
-        ):
+        case "always" | "once" if _in_all_sizes(family, number, lambda game: bool(decide(game.checks[number].values[-1]))):
             return make_verdict(family, check, True, "proved", "the ranges of the values it reads imply it")
         case "conserved" if is_untouched(check.values[0], game, family.sends_later) and are_numbers(check.values[0]):
             return make_verdict(family, check, True, "proved", "no rule writes anything that the check reads")
-        case "monotone" if rounds_only_numbers(game) and _in_all_sizes(
-            family, number, lambda game: decide_monotone(game.checks[number], game)
-        ):
+        case "monotone" if _in_all_sizes(family, number, lambda game: decide_monotone(game.checks[number], game)):
             return make_verdict(family, check, True, "proved", "every operation that leads from one to the other is monotone")
         case _:
             return None
 
 
 def _in_all_sizes(family: GameFamily, number: int, proves: Callable[[ir.Game], bool]) -> bool:
-    """Returns whether a proof of a check succeeds for the game as it is, on its map twice, and in all sizes that it may depend on."""
-    if not (proves(family.own) and proves(family.doubled)):
+    """Returns whether a proof of a check, by ranges, succeeds for the game as it is, on its map twice, and in all sizes that it may depend on."""
+
+    def succeeds(game: ir.Game) -> bool:
+        return rounds_only_numbers(game) and proves(game)
+
+    if not (succeeds(family.own) and succeeds(family.doubled)):
         return False
     others = in_all_sizes(family, family.own.checks[number])
-    return others is not None and all(map(proves, others))
+    return others is not None and all(map(succeeds, others))
 
 
 def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
