@@ -159,7 +159,7 @@ def summary(report: Report) -> str:
     missed, untested = sum(not v.passed for v in verdicts), sum(v.status == "untested" for v in verdicts)
     parts = [f"{missed} not passed"] * bool(missed) + [f"{untested} untested"] * bool(untested)
     parts += ["a real number leaves float32"] * bool(report.faults)
-    if not verdicts:
+    if not verdicts and not report.faults:
         return f"{count} (write them in `checks {{ … }}`)"
     return f"{count}, {', '.join(parts)}" if parts else f"{count} passed"
 

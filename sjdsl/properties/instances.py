@@ -1,13 +1,13 @@
 """A game under test, and its instances in other sizes, which proofs are made for."""
 
-from bisect import bisect
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from sjdsl.compiler import Build, ast, build_composition, ir
 from sjdsl.compiler.compose import compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.limits import MAX_AGENTS
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate import Overrides
@@ -60,16 +60,25 @@ class GameFamily:
         nodes = (node for phase in self.composition.phases.values() for node in walk(phase))
         return any(isinstance(node, ast.Send) and node.after is not None for node in nodes)
 
-    @cached_property
-    def crowded(self) -> ir.Game:
-        """The game on its own map with as many agents as the file allows there; perhaps with fewer if a `require` refuses some numbers."""
+    @property
+    def number_varies(self) -> bool:
+        """Whether the file allows several numbers of agents."""
+        assert self.composition.number is not None
+        return any(isinstance(node, ast.Name) for node in walk(self.composition.number))
+
+    @property
+    def number_is_a_size(self) -> bool:
+        """Whether one size is the number of agents."""
         number = self.composition.number
-        size = self.composition.constants.get(number.name.text) if isinstance(number, ast.Path) and not number.steps else None
-        if size is None or not isinstance(size.high, ast.Int):
-            return self.own
-        more = range(self.own.agents.number + 1, size.high.value + 1)
-        accepted = bisect(more, False, key=lambda agents: self._build(self.own.rows, agents) is None)
-        return (self._build(self.own.rows, more[accepted - 1]) if accepted else None) or self.own
+        return isinstance(number, ast.Path) and not number.steps and number.name.text in self.composition.constants
+
+    def in_all_numbers(self) -> Iterator[ir.Game]:
+        """Yields the game on its own map with each number of agents that the file allows there; if that is neither fixed nor a size, as it is."""
+        yield self.own
+        others = [n for n in range(1, MAX_AGENTS + 1) if n != self.own.agents.number] if self.number_is_a_size else []
+        for game in (self._build(self.own.rows, agents) for agents in others):
+            if game is not None:
+                yield game
 
     @cached_property
     def compiled(self) -> "tuple[Environment, Mapping[str, StatementId]]":

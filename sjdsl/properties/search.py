@@ -43,9 +43,14 @@ class Search:
         effort: Effort,
         needed: Mapping[int, Collection[StatementId]] | None = None,
         progress: Progress = lambda _: None,
+        reals: bool = False,
     ):
-        """`numbers`: of checks about states. `needed`: statements on which checks depend, also other checks: while one never ran, it is played on."""
+        """`numbers`: of checks about states. `needed`: statements on which checks depend, also other checks: while one never ran, it is played on.
+
+        `reals`: whether it is played on until a real leaves float32.
+        """
         self.family, self.effort, self._needed, self._progress = family, effort, needed or {}, progress
+        self._reals = reals
         self.left, self.found = list(numbers), dict[int, Counterexample]()
         self.steps, self.ran, self.triggered = 0, set[StatementId](), set[int]()
         self._random, self._is_compiled = Random(effort.seed), effort.compiled and find_spec("jax") is not None
@@ -53,12 +58,12 @@ class Search:
     def run(self) -> None:
         """Plays everything. What has been found is there, too, if this is interrupted."""
         budget = self.effort.examples * (BEFORE if self._is_compiled else ALONE)
-        while budget > 0 and (self.left or self.missing()):
+        while budget > 0 and (self.left or not self._has_all(set())):
             self._progress(f"{self.steps} steps of random play")
             scenario = random_scenario(self.family.own, min(budget, self._random.choice(LENGTHS)), self._random)
             self._look_at(scenario, len(scenario.actions), self.left)
             budget -= len(scenario.actions)
-        if self._is_compiled and (self.left or self.missing()):
+        if self._is_compiled and (self.left or not self._has_all(set())):
             from sjdsl.properties.worlds import WorldSearch
 
             worlds = WorldSearch(self.family, self.left, self.effort, self._progress)
@@ -77,7 +82,7 @@ class Search:
 
     def _has_all(self, ran: set[StatementId]) -> bool:
         """Returns whether nothing is missing once these statements have run, too."""
-        return self.missing() <= ran
+        return self.missing() <= ran and (FLOATS in self.found or not self._reals)
 
     def _look_at(
         self, scenario: Scenario, steps: int, numbers: Sequence[int], is_enough: Callable[[set[StatementId]], bool] = lambda _: False

@@ -6,19 +6,42 @@ numbers. So a game whose rules read none of these goes on alike when agents swap
 
 from collections.abc import Iterator
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.queries import body_sort
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.evaluate import arguments_of
+from sjdsl.properties.instances import GameFamily
 
 
-def why_asymmetric(check: ir.Check, game: ir.Game) -> str:
+def why_asymmetric(check: ir.Check, family: GameFamily) -> str:
     """Returns which line of a step tells agents (or movers of a sort) apart, and how; nothing if none does.
 
-    game: with as many agents as the file allows, as rules that name two agents by their numbers treat two agents alike.
+    With every number of agents that the file allows: a rule that names all by their numbers names only some of more agents.
     """
     sort = _sort_of(check)
+    numbered = _forbidden_by_number(family) if sort == AGENTS else None
+    if numbered is None:
+        return _why_asymmetric(sort, family.own)
+    if family.number_varies and not family.number_is_a_size:
+        return f"line {numbered.span.line} names agents by their numbers, and the file allows several numbers of agents"
+    return next(filter(None, (_why_asymmetric(sort, game) for game in family.in_all_numbers())), "")
+
+
+def _forbidden_by_number(family: GameFamily) -> ast.Forbid | None:
+    """Returns a `forbid` that names agents by numbers, as `forbid vote(0)` does; not `forbid vote(x)`, where x is any of them."""
+    composition = family.composition
+    declared = {action.name: action.arguments for action in family.own.agents.with_arguments}
+    for forbid in composition.forbids.values():
+        for chosen in forbid.actions:
+            for tree, argument in zip(chosen.arguments or (), declared.get(chosen.name.text, ()), strict=False):
+                is_name = isinstance(tree, ast.Path) and tree.name.text not in {*composition.constants, *composition.defines}
+                if argument.type.kind == "agent" and not is_name:
+                    return forbid
+    return None
+
+
+def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
     for rule in (*game.schedule, game.agents, *game.kinds):
         for node in ir.walk(rule):
             if told := _reads_number(node, sort) or (_names_agents(node, game) if sort == AGENTS else ""):

@@ -7,13 +7,14 @@ from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of, event_named
+from sjdsl.compiler.ir.ranges import are_numbers
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.extras import is_installed
 from sjdsl.properties.counterexample import LARGEST, describe_counterexample, describe_episode, describe_overflow, episode_opening
 from sjdsl.properties.effects import is_untouched
 from sjdsl.properties.engines import Episode, EpisodeRunner
 from sjdsl.properties.instances import GameFamily
-from sjdsl.properties.intervals import decide
+from sjdsl.properties.intervals import decide, may_leave_float32, rounds_only_numbers
 from sjdsl.properties.monitors import CONFIDENCE, FLOATS, Violation, least_share
 from sjdsl.properties.monotonicity import decide_monotone
 from sjdsl.properties.search import Counterexample, Search
@@ -59,7 +60,8 @@ class Verification:
         played = [i for i in self.numbers if i not in self._known]
         self._needed = {i: statements_needed_by(checks[i], family.own, leaves) for i in played}
         states = [i for i in played if checks[i].sort != "expect"]
-        self._search, self.has_played = Search(family, states, effort, self._needed, progress), False
+        self._reals_may_leave = only is None and may_leave_float32(family.own)
+        self._search, self.has_played = Search(family, states, effort, self._needed, progress, self._reals_may_leave), False
         self._runner, self._faults = EpisodeRunner(family, effort.seed), list[Verdict]()
         self._full = effort.full
 
@@ -82,8 +84,10 @@ class Verification:
         return self._known | {i: self._failed(found) for i, found in self._search.found.items() if i not in (FLOATS, *self._known)}
 
     def report(self) -> Report:
-        """Returns all verdicts."""
+        """Returns all verdicts. A game whose reals may leave float32 is played for that, even if every check has a verdict without play."""
         verdicts = tuple(self.verdict(i) for i in self.numbers)
+        if self._reals_may_leave and not self._faults:
+            _ = self._finished_search
         ran, leaves = self._search.ran, leaf_statements(self.family.own) if self.has_played else ()
         idle = {leaf.statement.origin.line for leaf in leaves if leaf.statement_id not in ran and leaf.statement.origin is not None}
         return Report(verdicts, self._search.steps, tuple(sorted(idle)), self.faults)
@@ -97,7 +101,7 @@ class Verification:
     @cached_property
     def _finished_search(self) -> Search:
         """The search, when all is played."""
-        if self._needed:
+        if self._needed or self._reals_may_leave:
             self.has_played = True
             self._search.run()
         return self._search
@@ -181,7 +185,7 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
             return _symmetric(family, check)
         case "always" | "once" if _in_all_sizes(family, number, lambda game: bool(decide(game.checks[number].values[-1]))):
             return make_verdict(family, check, True, "proved", "the ranges of the values it reads imply it")
-        case "conserved" if is_untouched(check.values[0], game, family.sends_later):
+        case "conserved" if is_untouched(check.values[0], game, family.sends_later) and are_numbers(check.values[0]):
             return make_verdict(family, check, True, "proved", "no rule writes anything that the check reads")
         case "monotone" if _in_all_sizes(family, number, lambda game: decide_monotone(game.checks[number], game)):
             return make_verdict(family, check, True, "proved", "every operation that leads from one to the other is monotone")
@@ -190,16 +194,20 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
 
 
 def _in_all_sizes(family: GameFamily, number: int, proves: Callable[[ir.Game], bool]) -> bool:
-    """Returns whether a proof of a check succeeds for the game as it is, on its map twice, and in all sizes that it may depend on."""
-    if not (proves(family.own) and proves(family.doubled)):
+    """Returns whether a proof of a check, by ranges, succeeds for the game as it is, on its map twice, and in all sizes that it may depend on."""
+
+    def succeeds(game: ir.Game) -> bool:
+        return rounds_only_numbers(game) and proves(game)
+
+    if not (succeeds(family.own) and succeeds(family.doubled)):
         return False
     others = in_all_sizes(family, family.own.checks[number])
-    return others is not None and all(map(proves, others))
+    return others is not None and all(map(succeeds, others))
 
 
 def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
     """Returns the verdict on a symmetry: it is proved if no rule of a step reads a number, unless who is sent first takes cells from the others."""
-    if told := why_asymmetric(check, family.crowded):
+    if told := why_asymmetric(check, family):
         return make_verdict(family, check, False, "decided", told)
     because, (chosen, crowded) = why_symmetric(check, family.own), order_of_sending(check, family.own)
     if chosen:

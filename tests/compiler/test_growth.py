@@ -67,7 +67,7 @@ LONG = {
 def test_twice_the_text_is_twice_the_work(name: str) -> None:
     calls(LONG[name](10))  # builds what is built once
     short, middle, long = (calls(LONG[name](number)) for number in (50, 100, 200))
-    assert long - middle < 2.1 * (middle - short)
+    assert long - middle < 2.5 * (middle - short)  # in proportion 2; as the square 4
 
 
 @pytest.mark.parametrize("statement", ["add 1 to taken", "when step == # { set taken = 3 }", "give # to agent"])

@@ -4,7 +4,9 @@
 
 It shares no rule with the proofs. `always`, `once` and `monotone` are computed as compiled, under JAX, in random worlds with parameters
 and fields at the ends of their ranges, and in other sizes of the game. `conserved` is looked at along play, and `symmetric` by a step
-beside the same step of agents with other numbers, under the very same rules (modules played on NumPy).
+beside the same step of agents with other numbers, under the very same rules (modules played on NumPy), also with other numbers of agents.
+For each random game there are some of numbers that float32 rounds; there `always` is computed again after a step from random worlds, as a
+range of a field is a proof of the rules that write it.
 """
 
 import argparse
@@ -23,6 +25,7 @@ import numpy as np
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.lower import NotSupported
 from sjdsl.library.factory import load_module
 from sjdsl.properties import GameFamily
@@ -32,14 +35,17 @@ from tests.fuzz import numpy_jax
 from tests.fuzz.judge import written
 from tests.fuzz.programs import Program, program
 from tests.fuzz.together import OnNumPy, on_numpy, random_play
-from tests.properties.random_checks import many_checks, without
-from tests.properties.random_worlds import ALIKE, encoded, random_params, random_worlds
+from tests.properties.random_checks import REMOVABLE, many_checks, without
+from tests.properties.random_numbers import numbers_game
+from tests.properties.random_worlds import ALIKE, Worlds, encoded, random_params, random_worlds
 from tests.properties.unchanged_rules import asymmetry
 
 CHECKS, EVEN = 200, 2  # in a game; games with no checks but symmetries, as few games are symmetric
+NUMBERS, FIELDS = 4, 8  # games of numbers that float32 rounds, and fields with a guard of their own in each
 SIZES, TRIES = 1, 2  # other sizes of a game that are looked at; tries to find some
 STATES = ("always", "once", "monotone")
 PLAYS, STEPS = 2, 6  # in which `conserved` is looked at
+STEPPED = 256  # worlds from which a step is taken
 
 
 @dataclass
@@ -67,29 +73,43 @@ def random_family(seed: int, checks: int = CHECKS) -> GameFamily | None:
     return None
 
 
+def numbers_family(seed: int) -> GameFamily | None:
+    """Returns a random game of numbers that float32 rounds, without what is refused; None if it is all refused."""
+    text = numbers_game(Random(seed), FIELDS)
+    for _ in range(20):
+        try:
+            return GameFamily(Source("numbers.sj", text, None))
+        except CompileError as error:
+            lines = {d.span.line for d in error.diagnostics if d.severity == "error"}
+            text = without(text, lines, (*REMOVABLE, "when"))
+    return None
+
+
 def proved(family: GameFamily) -> list[int]:
     """Returns the numbers of the checks that are proved."""
     verdicts = [decide_statically(family, number) for number in range(len(family.own.checks))]
     return [number for number, verdict in enumerate(verdicts) if verdict is not None and verdict.how == "proved"]
 
 
-def hunt(family: GameFamily, seed: int, worlds: int, hunted: Hunted) -> None:
-    """Looks for counterexamples of all that is proved of a game."""
+def hunt(family: GameFamily, seed: int, worlds: int, hunted: Hunted, stepped: int = 0) -> None:
+    """Looks for counterexamples of all that is proved of a game. `stepped`: the worlds from which a step is taken."""
     random, numbers = Random(seed), proved(family)
     by_sort = {sort: [n for n in numbers if family.own.checks[n].sort == sort] for sort in (*STATES, "conserved", "symmetric")}
     of_states = [n for sort in STATES for n in by_sort[sort]]
     try:
-        for game in (family.own, *_other_sizes(family, random)):
-            _hunt_states(game, of_states, random, worlds, hunted, family)
+        games = (family.own, *_other_sizes(family, random))
+        for game in games:
+            _hunt_states(game, of_states, random, worlds, hunted, family, stepped)
         _hunt_conserved(family.own, by_sort["conserved"], random, hunted, family)
-        compared = {number: asymmetry(family.own, family.own.checks[number], random) for number in by_sort["symmetric"]}
+        compared = {number: [asymmetry(game, game.checks[number], random) for game in games] for number in by_sort["symmetric"]}
     except NotSupported:
         return
     counted = [*of_states, *by_sort["conserved"]]
-    for number, (steps, where) in compared.items():
+    for number, results in compared.items():
+        steps = sum(taken for taken, _ in results)
         counted += [number] if steps else []
         hunted.worlds += steps
-        _note(where, number, family, hunted)
+        _note(next((where for _, where in results if where), ""), number, family, hunted)
     hunted.proofs.update(family.own.checks[number].sort for number in counted)
 
 
@@ -122,7 +142,9 @@ def _size(size: ast.Constant, where: str, random: Random) -> int | None:
     return {"low": low, "high": high}.get(where, random.randint(low, high))
 
 
-def _hunt_states(game: ir.Game, numbers: Sequence[int], random: Random, many: int, hunted: Hunted, family: GameFamily) -> None:
+def _hunt_states(
+    game: ir.Game, numbers: Sequence[int], random: Random, many: int, hunted: Hunted, family: GameFamily, stepped: int
+) -> None:
     if not numbers:
         return
     values = [game.checks[n].values if game.checks[n].sort == "monotone" else game.checks[n].values[-1:] for n in numbers]
@@ -131,14 +153,36 @@ def _hunt_states(game: ir.Game, numbers: Sequence[int], random: Random, many: in
     worlds = random_worlds(env, game, random, many)
     table = _computed(lowered.values, worlds.state, worlds.params)
     hunted.worlds += many
+    after = _after_a_step(env, worlds, random, stepped)
+    table_after = _computed(lowered.values, after.state, after.params) if stepped else table[:0]
+    hunted.worlds += stepped
     at = 0
     for number, some in zip(numbers, values, strict=True):
-        columns, at = table[:, at : at + len(some)], at + len(some)
+        columns, columns_after, at = table[:, at : at + len(some)], table_after[:, at : at + len(some)], at + len(some)
         check = game.checks[number]
         wrong = _turns(columns, check.words[0] == "rising") if check.sort == "monotone" else np.flatnonzero(columns[:, 0] == 0)
+        if check.sort != "monotone" and not columns_after.all():
+            at_step = int(np.flatnonzero(columns_after[:, 0] == 0)[0])
+            state = {name: value[at_step].tolist() for name, value in after.state.items()}
+            _note(f"sizes {[s.value for s in game.sizes]}, after a step: {state}", number, family, hunted)
+            continue
         if len(wrong):
             world = {name: value[wrong[0]].tolist() for name, value in (*worlds.params.items(), *worlds.state.items())}
             _note(f"sizes {[s.value for s in game.sizes]}, {columns[wrong[0]].tolist()}: {world}", number, family, hunted)
+
+
+def _after_a_step(env: OnNumPy, worlds: Worlds, random: Random, many: int) -> Worlds:
+    """Returns so many of the worlds after a step with random actions, on NumPy."""
+    states, first = [], env.module.initial_state()
+    for world in range(many):
+        params = {name: numpy_jax.as_array(value[world]) for name, value in worlds.params.items()}
+        state = first.replace(**{name: numpy_jax.as_array(value[world]) for name, value in worlds.state.items()})
+        env.params = replace(env.params, **params)
+        play = random_play(env.game, random.getrandbits(32), 1)
+        with np.errstate(all="ignore"):
+            states.append(env.advance(play.keys[0], state, play.actions[0])[0])
+    after = {name: np.stack([np.asarray(getattr(state, name)) for state in states]) for name in worlds.state} if states else {}
+    return Worlds(after, {name: value[:many] for name, value in worlds.params.items()})
 
 
 def _computed(values: Any, state: dict[str, np.ndarray], params: dict[str, np.ndarray]) -> np.ndarray:
@@ -198,6 +242,9 @@ def hunt_seeds(seeds: Iterator[int], verdicts: int, worlds: int) -> Hunted:
         for family in (random_family(seed), *(random_family(seed + i * 2**32, 0) for i in range(1, 1 + EVEN))):
             if family is not None:
                 hunt(family, seed, worlds, hunted)
+        for family in (numbers_family(seed + i * 2**32) for i in range(NUMBERS)):
+            if family is not None:
+                hunt(family, seed, worlds, hunted, STEPPED)
         jax.clear_caches()
         load_module.cache_clear()
         gc.collect()

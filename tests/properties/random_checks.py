@@ -36,11 +36,14 @@ def many_checks(number: int) -> Callable[[World], list[Lines]]:
     return made
 
 
-def without(text: str, lines: set[int]) -> str:
-    """Returns a text without the checks in these lines, from 1, and without the slopes whose numbers are declared in them."""
+def without(text: str, lines: set[int], removable: tuple[str, ...] = REMOVABLE) -> str:
+    """Returns a text without the checks in these lines, from 1, and without the slopes whose numbers are declared in them.
+
+    removable: how such lines begin; with another one among them nothing is returned.
+    """
     written = text.split("\n")
     gone = [written[line - 1].strip() for line in lines]
-    if any(not line.startswith(REMOVABLE) for line in gone):
+    if any(not line.startswith(removable) for line in gone):
         return ""
     names = {line.split()[1] for line in gone if line.startswith("define ")}
     kept = [

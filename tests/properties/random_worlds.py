@@ -16,7 +16,8 @@ from sjdsl.interpreter.numbers import real
 from tests.fuzz.together import OnNumPy
 
 ALIKE = 32  # worlds with the same parameters
-COUNTS, WORTHS = (0, 1, 2, 7, 1000, 2**31 - 1), (0.0, 0.1, -0.1, 1.0, 0.3, -2.5, 1000.0, 3e30)  # of what has no limit
+COUNTS, WORTHS = (0, 1, 2, 7, 1000, 2**31 - 1), (0.0, 0.1, -0.1, 1.0, 0.3, -2.5, 1000.0, 2.0**30)  # of what has no limit
+HELD = (0, 1, -1, 0.1, 0.3, -7.7, 1000, 3e38, np.inf, -np.inf, np.nan)  # by a field of reals, which may have left float32
 TIMES = (0, 0, 1, 2, 9, 250)
 
 
@@ -94,7 +95,7 @@ def _held(declared: ir.VarField, game: ir.Game, like: np.ndarray, rng: np.random
     type_, shape = declared.type, like.shape
     match type_.kind:
         case "real":
-            return rng.choice(np.array([0, 1, -1, 0.1, 0.3, -7.7, 1000], np.float32), shape)
+            return rng.choice(np.array(HELD, np.float32), shape)
         case "agents":
             return rng.integers(0, 2 ** min(game.agents.number, 32), shape).astype(like.dtype)
         case "cell":

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from importlib import import_module
 from math import inf
 
@@ -11,15 +12,16 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import arithmetic
 from sjdsl.compiler.elaborate.scope import Scope
-from sjdsl.compiler.ir import range_arithmetic, ranges
+from sjdsl.compiler.ir import implications, operations, range_arithmetic, ranges
 from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.operations import Calculation
 from sjdsl.properties import GameFamily, effects, intervals, monotonicity, symmetry
 from tests.properties.hunt import Hunted, hunt, hunt_seeds
 from tests.properties.test_false_proofs import SEEN, meet, numbers, yard
+from tests.properties.test_rounded_numbers import large
 
 Put = Callable[[pytest.MonkeyPatch], None]
-FEW = 512
+FEW, STEPPED = 512, 256
 
 
 @pytest.mark.thorough
@@ -83,6 +85,31 @@ def one_size(put: pytest.MonkeyPatch) -> None:
     put.setattr(import_module("sjdsl.properties.verify_properties"), "in_all_sizes", lambda *_: [])
 
 
+def compared_exactly(put: pytest.MonkeyPatch) -> None:
+    """A whole number beside a real isn't rounded."""
+    put.setattr(implications, "is_exact", lambda _: True)
+
+
+def ends_as_whole_numbers(put: pytest.MonkeyPatch) -> None:
+    for module in (ranges, operations):
+        put.setattr(module, "differ_as_reals", lambda *_: True)
+
+
+def own_number_of_agents(put: pytest.MonkeyPatch) -> None:
+    put.setattr(symmetry, "_forbidden_by_number", lambda _: None)
+
+
+def without_nan(put: pytest.MonkeyPatch) -> None:
+    compared = intervals.compared
+    put.setattr(intervals, "compared", lambda *numbers: [replace(r, sound=True) for r in compared(*numbers)])
+
+
+def voting(number: str) -> GameFamily:
+    """Returns a game with one agent, or with more, in which nobody can vote for agent 0."""
+    rule = "each agent where agent chose vote { give 1 to agent.vote }"
+    return large("symmetric agents", rule, players="1 in 1 .. 4", number=number, forbid="forbid vote(0) when step >= 0")
+
+
 SLOPE = "define value = {}  define argument = pot"
 FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
     "a fraction over a number": (share_to_one, lambda: numbers("always share / 0.1 <= 1")),
@@ -102,6 +129,20 @@ FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
     "whole numbers that wrap": (endless, lambda: numbers("always hoard * 10000 >= 0")),
     "other numbers of agents": (one_size, lambda: numbers("always players == 3")),
     "other sizes": (one_size, lambda: numbers("always free == 4")),
+    "a guard with a real": (
+        compared_exactly,
+        lambda: large("always k <= 5", "when n >= 16777211 and n <= 16777216.0 { set k = n - 16777211 }"),
+    ),
+    "a guard on a sum with a real": (
+        compared_exactly,
+        lambda: large("always k <= 5", "when n + j >= 16777211 and n + j <= 16777216 + 0.0 { set k = n + j - 16777211 }"),
+    ),
+    "a ramp between whole numbers": (ends_as_whole_numbers, lambda: large("always not (n < m) or ramp(n, n, m) <= 1")),
+    "more agents than named": (own_number_of_agents, lambda: voting("players")),
+    "agents whose number is computed": (own_number_of_agents, lambda: voting("players * 1")),
+    "a product with infinity": (without_nan, lambda: large("always pot * 0 <= 0")),
+    "the least of NaN and a number": (without_nan, lambda: large("always min(pot, 5) <= 5")),
+    "a sum that overflows": (without_nan, lambda: large("always sum(pot * 0 over grass) in 0 .. 0")),
 }
 
 
@@ -111,9 +152,9 @@ def test_a_wrong_rule_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> No
     found = Hunted()
     with monkeypatch.context() as patched:
         put(patched)
-        hunt(game(), 1, FEW, found)
+        hunt(game(), 1, FEW, found, STEPPED)
     assert found.found
     found = Hunted()
     with suppress(CompileError):  # what is refused is not proved
-        hunt(game(), 1, FEW, found)
+        hunt(game(), 1, FEW, found, STEPPED)
     assert not found.found

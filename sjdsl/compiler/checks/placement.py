@@ -11,8 +11,10 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.ir.equivalence import is_exact
+from sjdsl.compiler.ir.evaluate_constant import compares
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.queries import body_sort, phases_of
 from sjdsl.compiler.ir.sorts import AGENTS
@@ -101,7 +103,7 @@ def _decide(test: ir.Expr, agent: Body) -> bool | None:
             return None if inner is None else not inner
         case ir.Compare():
             left, right = _number(test.left, agent), _number(test.right, agent)
-            return None if left is None or right is None else bool(COMPARISONS[test.fn].holds(left, right))
+            return None if left is None or right is None else compares(test.fn, left, right, is_exact(test))
         case ir.Truth():
             return test.value
         case _:

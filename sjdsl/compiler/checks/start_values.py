@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
+from sjdsl.compiler.ir.equivalence import is_exact
+from sjdsl.compiler.ir.evaluate_constant import compares
+from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.queries import glyphs_of, movers_named, starts_of
 
 
@@ -90,9 +92,10 @@ def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
         case ir.Same():
             return bool(value(e.left) == value(e.right))
         case ir.Compare():
-            return bool(COMPARISONS[e.fn].holds(value(e.left), value(e.right)))
+            return compares(e.fn, value(e.left), value(e.right), is_exact(e))
         case ir.InRange():
-            return bool(value(e.low) <= value(e.value) <= value(e.high))
+            low, number, high = (value(part) for part in (e.low, e.value, e.high))
+            return compares("<=", low, number, is_exact(e)) and compares("<=", number, high, is_exact(e))
         case ir.InWords():
             return value(e.value) in e.words
         case _:

@@ -9,7 +9,7 @@ from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import can_be_empty
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.implications import compares, narrowed
+from sjdsl.compiler.ir.implications import compares, narrowed_real
 from sjdsl.compiler.ir.operations import Calculation
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.ranges import apart, range_of
@@ -40,9 +40,10 @@ def calculation(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: 
     if row.apart is not None:
         one, other = row.apart
         a, b, known = args[one], args[other], scope.facts_and_requires
-        # by their ranges (as float32), a guard, and a `require`
-        if not (apart(a, b) or any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))):
-            raise scope.fail(errors.Crossed(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
+        compared = any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))
+        if not apart(a, b, compared):
+            problem = errors.RoundedToOne if compared else errors.Crossed
+            raise scope.fail(problem(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
     if all(isinstance(a, ir.Number) for a in args):
         value = row.fold(*(a.value for a in args if isinstance(a, ir.Number)))
         return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
@@ -78,7 +79,7 @@ def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope
         divisor = without_zero(types[row.divisor])
         ends[row.divisor] = divisor.low, divisor.high
     if row.bounded:
-        ends = [narrowed(a, scope.facts_and_requires) for a in args]
+        ends = [narrowed_real(a, scope.facts_and_requires) for a in args]
     low, high = row.interval(*ends)
     if row.bounded and max(-low, high) > limits.MAX_VALUE:
         labels = parameters_read(scope.static, *args)

@@ -9,11 +9,13 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.lookup import interval_text
 from sjdsl.compiler.elaborate.scope import Scope, Static
-from sjdsl.compiler.ir.equivalence import form
+from sjdsl.compiler.ir.equivalence import form, is_exact
 from sjdsl.compiler.ir.implications import Fact, Interval, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.queries import is_quantified
-from sjdsl.compiler.ir.types import integer
+from sjdsl.compiler.ir.range_arithmetic import ends
+from sjdsl.compiler.ir.ranges import range_of
+from sjdsl.compiler.ir.types import SLACK, integer
 
 STEP = ir.Step(type=integer(0, float("inf"), "steps"))
 
@@ -63,22 +65,26 @@ def why_impossible(part: ir.Expr, scope: Scope) -> str:
         return "" if words else f"no word is left for `{as_written(fact.claim.subject, scope)}`"
     match part:
         case ir.Compare(fn=fn, left=left, right=right):
-            return _why_not(fn, left, right, scope)
+            return _why_not(fn, left, right, is_exact(part), scope)
         case ir.InRange(value=value, low=low, high=high):
-            return _why_not(">=", value, low, scope) or _why_not("<=", value, high, scope)
+            exact = is_exact(part)
+            return _why_not(">=", value, low, exact, scope) or _why_not("<=", value, high, exact, scope)
         case ir.Not(value=ir.Same(left=left, right=right)) if form(left) == form(right):
             return "both sides are the same"
         case _:
             return ""
 
 
-def _why_not(fn: str, left: ir.Expr, right: ir.Expr, scope: Scope) -> str:
-    """Returns why a comparison never holds, empty if it may hold."""
+def _why_not(fn: str, left: ir.Expr, right: ir.Expr, exact: bool, scope: Scope) -> str:
+    """Returns why a comparison never holds, empty if it may hold. exact: whether whole numbers are compared, which aren't rounded."""
     if form(left) == form(right) and fn in ("<", ">", "!="):
         return "both sides are the same"
     if _can_be_chosen(left, scope.static) or _can_be_chosen(right, scope.static):
         return ""
     (low, high), (least, most) = _reach(left, scope), _reach(right, scope)
+    if not exact:
+        low, high = _as_float32(left, low, high)
+        least, most = _as_float32(right, least, most)
     never = {
         "<": low >= most,
         "<=": low > most,
@@ -118,6 +124,12 @@ def _reach(number: ir.Expr, scope: Scope) -> Interval:
     """Returns the numbers that an expression can be where a condition stands."""
     of_time = scope.static.of_observed if scope.part == "observe" else scope.static.of_rules
     return narrowed(number, (*of_time, *scope.facts))
+
+
+def _as_float32(e: ir.Expr, low: float, high: float) -> tuple[float, float]:
+    """Returns the interval of an exact number as that of a float32; what is computed is rounded more than once."""
+    low_slack, high_slack = (0.0, 0.0) if range_of(e).given else (SLACK * max(1.0, abs(end)) for end in (low, high))
+    return ends(low - low_slack, high + high_slack)
 
 
 def _can_be_chosen(number: ir.Expr, static: Static) -> bool:

@@ -1,13 +1,31 @@
 """Alpha-equivalence of expressions: a normal form that two share if they differ only in the names of bound variables.
 
-Alpha-equivalence: positions, types, and the defines and guards an expression has come through do not matter either.
+Alpha-equivalence: positions, types, and the defines and guards an expression has come through do not matter either. What does: whether
+numbers are computed and compared exactly, as whole numbers, or as reals: `n > 16777216` and `n > 16777216.0` are two conditions.
 """
 
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from sjdsl.compiler.ir.expressions import Count, Domain, Extreme, FieldRead, Local, Member, Named, Narrowed, Number, Sum
+from sjdsl.compiler.ir.expressions import (
+    Arithmetic,
+    Case,
+    Compare,
+    Count,
+    Domain,
+    Expr,
+    Extreme,
+    FieldRead,
+    InRange,
+    Local,
+    Member,
+    Named,
+    Narrowed,
+    Number,
+    ShiftRow,
+    Sum,
+)
 from sjdsl.compiler.ir.node import Node
 
 Form = tuple[Any, ...]
@@ -46,9 +64,24 @@ def _form(e: Node, names: Names, memo: Memo | None) -> Form:
             return ("sum", domain, form(e.value, inner))
         case Extreme():
             domain, inner = _domain(e.domain, names)
-            return (e.fn, domain, form(e.value, inner), _form_of_part(e.otherwise, names, memo))
+            return (e.fn, e.type.kind, domain, form(e.value, inner), _form_of_part(e.otherwise, names, memo))
         case _:
-            return (type(e), *(_form_of_part(getattr(e, name), names, memo) for name in _compared(type(e))))
+            parts = (_form_of_part(getattr(e, name), names, memo) for name in _compared(type(e)))
+            return (type(e), is_exact(e), *parts)
+
+
+def is_exact(e: Node) -> bool:
+    """Returns whether no real is computed, and none is compared: a whole number beside a real is rounded to float32."""
+    match e:
+        case Compare():
+            numbers: tuple[Expr, ...] = (e.left, e.right)
+        case InRange():
+            numbers = (e.low, e.value, e.high)
+        case Arithmetic() | Case() | ShiftRow():
+            numbers = (e,)
+        case _:
+            return True
+    return all(number.type.kind != "real" for number in numbers)
 
 
 def _form_of_part(value: object, names: Names, memo: Memo | None) -> object:

@@ -1,11 +1,16 @@
-"""Evaluates conditions on the numbers of a game, such as those of `require`, for given parameters."""
+"""Evaluates conditions on the numbers of a game, such as those of `require`, for given parameters.
+
+Whole numbers are exact. Reals are rounded to float32 at each step, as in play, so that what a `require` says of them holds there, too.
+"""
 
 from collections.abc import Callable, Mapping
 from operator import mul
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.equivalence import is_exact
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, PAYOFF_CLASSES, REDUCTIONS
+from sjdsl.compiler.ir.range_arithmetic import nearest
 
 TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
@@ -44,13 +49,14 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
         case ir.Case():
             return _value(next(arm.value for arm in e.arms if _applies(arm, _value(e.subject, params))), params)
         case ir.Arithmetic():
-            return _entry_by_entry(CALCULATIONS[e.fn].fold, *(_value(a, params) for a in e.args))
+            return _entry_by_entry(_fold(e), *(_value(a, params) for a in e.args))
         case ir.Compare():
             a, b = _value(e.left, params), _value(e.right, params)
-            equal = abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b))  # numbers that are as good as equal are
-            return bool(COMPARISONS[e.fn].holds(a, a if equal else b))
+            return compares(e.fn, a, b, is_exact(e), _tolerance(e.left, e.right))
         case ir.InRange():
-            return _value(e.low, params) - TOLERANCE <= _value(e.value, params) <= _value(e.high, params) + TOLERANCE
+            low, value, high = (_value(part, params) for part in (e.low, e.value, e.high))
+            exact, tolerance = is_exact(e), _tolerance(e.low, e.value, e.high)
+            return compares("<=", low, value, exact, tolerance) and compares("<=", value, high, exact, tolerance)
         case ir.InWords():
             return _value(e.value, params) in e.words
         case ir.Same():
@@ -64,6 +70,30 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return PAYOFF_CLASSES[e.name].holds(r, s, t, p)
         case _:
             raise AssertionError(e)
+
+
+def compares(fn: str, a: float, b: float, exact: bool, tolerance: float = 0.0) -> bool:
+    """Returns whether a comparison holds; `exact`: of whole numbers; others are rounded to float32, and may be as good as equal."""
+    if not exact:
+        a, b = nearest(a), nearest(b)
+    equal = abs(a - b) <= tolerance * max(1.0, abs(a), abs(b))
+    return bool(COMPARISONS[fn].holds(a, a if equal else b))
+
+
+def _tolerance(*numbers: ir.Expr) -> float:
+    """Returns by how much numbers that are as good as equal differ, relative: nothing where a whole number is compared that can vary."""
+    varying = any(e.type.kind == "int" and e.type.low < e.type.high for e in numbers)
+    return 0.0 if varying or all(e.type.kind == "int" for e in numbers) else TOLERANCE
+
+
+def _fold(e: ir.Arithmetic) -> Callable[..., float]:
+    """Returns what calculates a number from others as in play, where reals are float32."""
+    fold = CALCULATIONS[e.fn].fold
+    if e.type.kind == "real":
+        return lambda *numbers: nearest(fold(*map(nearest, numbers)))
+    if any(a.type.kind == "real" for a in e.args):
+        return lambda *numbers: fold(*map(nearest, numbers))
+    return fold
 
 
 def _entry_by_entry(fold: Callable[..., Any], *values: Any) -> Any:

@@ -8,13 +8,22 @@ from typing import NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.equivalence import NONE, Form, Memo, Names, form
+from sjdsl.compiler.ir.equivalence import NONE, Form, Memo, Names, form, is_exact
+from sjdsl.compiler.ir.evaluate_constant import TOLERANCE
 from sjdsl.compiler.ir.linear import Linear, linear, narrowed_sum, not_negative
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
+from sjdsl.compiler.ir.range_arithmetic import ends
+from sjdsl.compiler.ir.ranges import are_numbers, range_of
+
+STEP = 2.0**-23  # from a float32 to the next one, relative; at most
+LOOSE = 2 * TOLERANCE  # by how much a real may pass the number that a `require` compares it with, relative
 
 
 def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
-    """Yields conditions that all hold if `condition` holds (or, with `holds` False, if it does not)."""
+    """Yields conditions that all hold if `condition` holds (or, with `holds` False, if it does not).
+
+    Where a real may be NaN, with which no comparison holds, a comparison that does not hold stays one: `not x > y`.
+    """
     match condition:
         case ir.Named():
             yield from conjuncts(condition.value, holds)
@@ -25,10 +34,23 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
         case ir.Logic() if (condition.fn == "and") == holds:
             for part in condition.args:
                 yield from conjuncts(part, holds)
-        case ir.Compare() if not holds:
-            yield condition.model_copy(update={"fn": COMPARISONS[condition.fn].opposite})
+        case ir.Compare() if not holds and are_numbers(condition.left, condition.right):
+            yield _opposite(condition)
         case _:
             yield condition if holds else ir.Not(value=condition, origin=condition.origin)
+
+
+def _opposite(comparison: ir.Compare) -> ir.Compare:
+    return comparison.model_copy(update={"fn": COMPARISONS[comparison.fn].opposite})
+
+
+def without_nan(condition: ir.Expr) -> ir.Expr:
+    """Returns what a condition says of numbers: `x <= y` for `not x > y`."""
+    match condition:
+        case ir.Not(value=ir.Compare() as comparison):
+            return _opposite(comparison)
+        case _:
+            return condition
 
 
 Interval = tuple[float, float]
@@ -48,10 +70,16 @@ class Fact(Record, eq=False):
         return _directed(self.condition, self.names)
 
     @cached_property
-    def opposite(self) -> Form | None:
-        """What the fact excludes, if that is one condition."""
+    def form_without_nan(self) -> Form:
+        return _directed(without_nan(self.condition), self.names)
+
+    @cached_property
+    def excluded(self) -> tuple[Form, ...]:
+        """What can't hold beside the fact, as far as one condition says it."""
         excluded = list(conjuncts(self.condition, holds=False))
-        return _directed(excluded[0], self.names) if len(excluded) == 1 else None
+        if len(excluded) != 1:
+            return ()
+        return tuple(_directed(condition, self.names) for condition in (excluded[0], without_nan(excluded[0])))
 
     @cached_property
     def subject(self) -> Form | None:
@@ -64,7 +92,11 @@ class Fact(Record, eq=False):
     @cached_property
     def not_negative(self) -> tuple[Linear, ...]:
         """The sums of which the fact says that they are at least 0."""
-        return tuple(not_negative(self.condition))
+        return tuple(not_negative(without_nan(self.condition)))
+
+    @cached_property
+    def is_exact(self) -> bool:
+        return is_exact(without_nan(self.condition))
 
 
 def facts(condition: ir.Expr, holds: bool = True) -> tuple[Fact, ...]:
@@ -86,9 +118,9 @@ def _arguments_known(condition: ir.Expr) -> Iterator[ir.Expr]:
 
 
 def is_known(condition: ir.Expr, known: Iterable[Fact]) -> bool:
-    """Returns whether a condition is one of the facts."""
+    """Returns whether a condition is one of the facts; of a comparison, also where a real in it is NaN."""
     wanted = _directed(condition)
-    return any(f.form == wanted for f in known)
+    return any(wanted in (f.form, f.form_without_nan) for f in known)
 
 
 def compares(left: ir.Expr, fn: ir.Comparison, right: ir.Expr | float, known: Iterable[Fact]) -> bool:
@@ -98,16 +130,15 @@ def compares(left: ir.Expr, fn: ir.Comparison, right: ir.Expr | float, known: It
 
 
 def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
-    if isinstance(condition, ir.Compare):
-        fn, left, right = condition.fn, condition.left, condition.right
-        fn, left, right = (COMPARISONS[fn].mirror, right, left) if fn in ("<", "<=") else (fn, left, right)
-        return (ir.Compare, fn, form(left, names), form(right, names))
+    if isinstance(condition, ir.Compare) and condition.fn in ("<", "<="):
+        mirrored = {"fn": COMPARISONS[condition.fn].mirror, "left": condition.right, "right": condition.left}
+        condition = condition.model_copy(update=mirrored)
     return form(condition, names)
 
 
 def contradict(a: Fact, b: Fact) -> bool:
     """Returns whether two facts can be seen never to hold together: opposite, other words, other ranges, other actions."""
-    if a.form == b.opposite:
+    if a.form in b.excluded:
         return True
     if a.subject is None or a.subject != b.subject:
         return False
@@ -126,12 +157,28 @@ def contradict(a: Fact, b: Fact) -> bool:
             return set(here.kinds) <= set(there.kinds)
     mine, theirs = a.claim, b.claim
     if mine.interval is not None and theirs.interval is not None:
-        return mine.interval[1] < theirs.interval[0] or theirs.interval[1] < mine.interval[0]
+        return not (_admits_nan(a) and _admits_nan(b)) and _are_disjoint(mine, theirs)
     return mine.words is not None and theirs.words is not None and not mine.words & theirs.words
 
 
+def _admits_nan(fact: Fact) -> bool:
+    """Returns whether a fact that compares numbers also holds of NaN."""
+    return isinstance(fact.condition, ir.Not)
+
+
+def _are_disjoint(a: "Claim", b: "Claim") -> bool:
+    """Returns whether no number is in the intervals of both claims; what a real is compared with is rounded to float32."""
+    assert a.subject is not None
+    assert a.interval is not None
+    assert b.interval is not None
+    one, other = a.interval, b.interval
+    if a.subject.type.kind == "real":
+        one, other = ends(*one), ends(*other)
+    return one[1] < other[0] or other[1] < one[0]
+
+
 class Claim(NamedTuple):
-    """What a condition says of one expression. interval: by a comparison with a number; reach: by one with something else, from its type."""
+    """What a condition says of one expression, unless that is NaN. interval: by a comparison with a number; reach: by one with something else, from its type."""
 
     subject: ir.Expr | None = None
     interval: Interval | None = None
@@ -140,18 +187,19 @@ class Claim(NamedTuple):
 
 
 def _claim(condition: ir.Expr) -> Claim:
-    match condition:
+    exact = is_exact(without_nan(condition))
+    match without_nan(condition):
         case ir.Chose(agent=agent) | ir.ChoseWith(agent=agent) | ir.StandsOn(agent=agent) | ir.Not(value=ir.StandsOn(agent=agent)):
             return Claim(agent)
         case ir.Not(value=inner):
             words, subject = _words_named(inner)
             return Claim() if subject is None else Claim(subject, words=frozenset(subject.type.words) - words)
         case ir.InRange(value=subject, low=ir.Number(value=low), high=ir.Number(value=high)):
-            return Claim(subject, (low, high))
+            return Claim(subject, limits_of("==", subject, (low, high), exact))
         case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
-            return Claim(subject, limits_of(fn, subject, (value, value)))
+            return Claim(subject, limits_of(fn, subject, (value, value), exact))
         case ir.Compare(fn=fn, left=ir.Number(value=value), right=subject):
-            return Claim(subject, limits_of(COMPARISONS[fn].mirror, subject, (value, value)))
+            return Claim(subject, limits_of(COMPARISONS[fn].mirror, subject, (value, value), exact))
         case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if right.type.kind == "int":
             return Claim(subject, reach=limits_of(fn, subject, (right.type.low, right.type.high)))
         case _:
@@ -178,17 +226,26 @@ def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
     return (words, subject) if subject.type.kind == "word" else (frozenset(), None)
 
 
-def limits_of(fn: str, subject: ir.Expr, other: Interval) -> Interval | None:
-    """Returns the interval of what is compared with something in another; a whole number that is below it is below it by one."""
+def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) -> Interval | None:
+    """Returns the interval of what is compared with something in another; a whole number that is below it is below it by one.
+
+    exact: whether whole numbers are compared; otherwise both are rounded to float32, so that a whole number may be beyond its equal.
+    """
     low, high = other
     whole = subject.type.kind == "int"
+    if whole and not exact:
+        low, high = ends(low, high)
+        if fn in ("<=", ">=", "=="):
+            low, high = low - STEP * abs(low), high + STEP * abs(high)
+    least = ceil(low) if whole and not isinf(low) else low
+    most = floor(high) if whole and not isinf(high) else high
     match fn:
         case "==":
-            return low, high
+            return least, most
         case "<=":
-            return -inf, floor(high) if whole and not isinf(high) else high
+            return -inf, most
         case ">=":
-            return ceil(low) if whole and not isinf(low) else low, inf
+            return least, inf
         case "<":
             return -inf, ceil(high) - 1 if whole and not isinf(high) else high
         case ">":
@@ -211,6 +268,30 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
     return ir.Narrowed(type=ir.Type(kind="word", words=words), value=e, origin=e.origin)
 
 
+def narrowed_real(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
+    """Returns the interval of a number as it is computed in float32, once the facts about it and about its parts are used."""
+
+    def limits(part: ir.Expr) -> Interval:
+        low, high = _claimed(form(part), known)
+        if part.type.kind == "int":
+            return low, high
+        return ends(low - LOOSE * max(1.0, abs(low)), high + LOOSE * max(1.0, abs(high)))
+
+    computed = range_of(e, limits)
+    return computed.low, computed.high
+
+
+def _claimed(subject: Form, known: Iterable[Fact]) -> Interval:
+    """Returns the interval that the facts about a number leave to it."""
+    low, high = -inf, inf
+    for f in known:
+        if f.subject == subject:
+            for bounds in (f.claim.interval, f.claim.reach):
+                if bounds is not None:
+                    low, high = max(low, bounds[0]), min(high, bounds[1])
+    return low, high
+
+
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
     return _narrowed(e, known, {}, {}) if known else (e.type.low, e.type.high)
@@ -224,12 +305,9 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact], forms: Memo, sums: dict[int, Li
         low, high = max(low, by_parts[0]), min(high, by_parts[1])
     elif isinstance(e, ir.Named):
         low, high = _narrowed(e.value, known, forms, sums)
-    subject = form(e, memo=forms)
-    for f in known:
-        if f.subject == subject:
-            for bounds in (f.claim.interval, f.claim.reach):
-                if bounds is not None:
-                    low, high = max(low, bounds[0]), min(high, bounds[1])
+    claimed = _claimed(form(e, memo=forms), known)
+    low, high = max(low, claimed[0]), min(high, claimed[1])
     if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
-        return narrowed_sum(linear(e, sums), (low, high), (sum_ for f in known for sum_ in f.not_negative))
+        usable = (f for f in known if e.type.kind == "real" or f.is_exact)  # others round what they compare
+        return narrowed_sum(linear(e, sums), (low, high), (sum_ for f in usable for sum_ in f.not_negative))
     return low, high

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, disjoint, real
+from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, differ_as_reals, disjoint, real
 from sjdsl.compiler.ir.types import SLACK, join_units, over_unit, times, times_unit
 
 Interval = tuple[float, float]
@@ -200,12 +200,13 @@ def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> S
 
 def _quotient_rounding(a: Range, b: Range) -> Rounding:
     least = min(abs(b.low), abs(b.high))
-    return Rounding(a.terms / least * max(1.0, b.terms / least), True, once=False)  # XLA may multiply by 1 / b
+    return Rounding(times(a.terms / least, max(1.0, b.terms / least)), True, once=False)  # XLA may multiply by 1 / b
 
 
 def _ramp_range(parts: Sequence[Range]) -> Range:
     value, zero, one = map(real, parts)
-    differ = disjoint(*parts[1:]) or (zero.steady and one.steady)  # as a guard or a `require` says, to a part in a million
+    exact = parts[1].given and parts[2].given and differ_as_reals(*parts[1:])  # as a guard or a `require` says
+    differ = disjoint(*parts[1:]) or exact
     sound = value.sound and zero.sound and one.sound and differ and zero.largest + one.largest <= FLOAT32
     return Range(0.0, 1.0, terms=1.0, given=False, sound=sound)
 
@@ -401,7 +402,7 @@ OPERATIONS: tuple[Function, ...] = (
         fold=operator.mul,
         interval=_product,
         slope=lambda parts, _: _together([_scaled(parts[0].slope, parts[1].range), _scaled(parts[1].slope, parts[0].range)]),
-        rounding=lambda a, b: Rounding(a.terms * b.terms, True),
+        rounding=lambda a, b: Rounding(times(a.terms, b.terms), True),
     ),
     _operator(
         "/",

@@ -2,7 +2,8 @@
 
 The interval of a type is that of exact numbers. Here every real is rounded: `pot * 0.05` for a pot of 9 is a little more than 0.45.
 One operation on numbers that are given rounds to the nearest float32, and so do the ends of its interval. Where a result is rounded
-again, XLA may do it in another order or once instead of twice, and each end is moved outward by `SLACK`.
+again, XLA may do it in another order or once instead of twice, and each end is moved outward by `SLACK`. A real that leaves float32 is
+infinite, and what is computed from infinity may be NaN.
 """
 
 import struct
@@ -13,6 +14,7 @@ from math import inf
 from sjdsl.compiler.ir.node import Type
 
 INT32 = (-(2.0**31), 2.0**31 - 1)
+WHOLE = 2.0**24  # up to here every whole number is a float32
 FLOAT32 = (2 - 2.0**-23) * 2.0**127  # the largest
 SMALLEST = 2.0**-126  # what is smaller may be taken for 0
 SLACK = 2.0**-20  # of a result that is rounded more than once, relative; one rounding: 2^-24
@@ -20,11 +22,11 @@ SLACK = 2.0**-20  # of a result that is rounded more than once, relative; one ro
 
 @dataclass(frozen=True)
 class Range:
-    """All that a number can be: `low` .. `high`.
+    """All that a number can be: `low` .. `high`, which may be infinite, and NaN if it isn't `sound`.
 
     terms: the largest absolute value of what it is a sum of, to which rounding errors are relative. steady: it is no difference of
     such terms, so that they are relative to itself. given: a number that is given, or a whole one: no more than one rounding in it.
-    sound: it is a number; False if it could be infinity minus infinity and the like. literal: it is computed from written numbers alone,
+    sound: it is a number; False if it may be NaN. literal: it is computed from written numbers alone,
     perhaps before they are rounded to float32.
     """
 
@@ -67,16 +69,15 @@ def nearest(x: float) -> float:
 
 
 def anything(whole: bool) -> Range:
-    return Range(*INT32, whole=True, terms=-INT32[0]) if whole else Range(-FLOAT32, FLOAT32, terms=FLOAT32, sound=False)
+    return Range(*INT32, whole=True, terms=-INT32[0]) if whole else Range(-inf, inf, terms=inf, sound=False)
 
 
 def given(type_: Type) -> Range:
-    """Returns the range of a number that is no result. A counter without a limit goes as far as int32, a real as far as float32."""
-    low, high = INT32 if type_.kind == "int" else (-FLOAT32, FLOAT32)
-    low, high = max(low, type_.low), min(high, type_.high)
-    if type_.kind == "int":
-        return Range(low, high, whole=True, terms=max(abs(low), abs(high)))
-    return real(Range(low, high, whole=True))
+    """Returns the range of a number that is no result. A counter without a limit goes as far as int32."""
+    if type_.kind == "real":
+        return real(Range(type_.low, type_.high, whole=True))
+    low, high = max(INT32[0], type_.low), min(INT32[1], type_.high)
+    return Range(low, high, whole=True, terms=max(abs(low), abs(high)))
 
 
 def whole(low: float, high: float, *parts: Range) -> Range:
@@ -93,6 +94,11 @@ def rounded(r: Range, often: float = 1) -> Range:
     return replace(r, low=low, high=high, given=False)
 
 
+def is_finite(r: Range) -> bool:
+    """Returns whether a number stays in float32, unless it is NaN."""
+    return r.largest <= FLOAT32
+
+
 def as_compared(ranges: Sequence[Range]) -> list[Range]:
     """Returns the ranges of numbers that are compared: as reals if one of them is one."""
     if all(r.whole for r in ranges):
@@ -101,7 +107,12 @@ def as_compared(ranges: Sequence[Range]) -> list[Range]:
     return [rounded(r) for r in reals] if all(r.literal for r in reals) else reals
 
 
+def differ_as_reals(a: Range, b: Range) -> bool:
+    """Returns whether two numbers that a comparison tells apart differ as float32: whole numbers beyond 2^24 may be rounded to one."""
+    return not (a.whole and b.whole) or max(a.largest, b.largest) <= WHOLE
+
+
 def disjoint(a: Range, b: Range) -> bool:
-    """Returns whether two numbers are never equal."""
+    """Returns whether two numbers are never equal as float32."""
     left, right = map(real, as_compared((a, b)))
-    return left.sound and right.sound and (left.high < right.low or right.high < left.low)
+    return left.high < right.low or right.high < left.low

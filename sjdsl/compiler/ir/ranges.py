@@ -1,45 +1,82 @@
 """The range of every number of a game, whatever the state and the parameters are: the rules are followed down to what is given."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import reduce
-from math import inf
+from math import inf, isnan
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.limits import MAX_VALUE
 from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
-from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, anything, as_compared, disjoint, ends, given, real, rounded, whole
+from sjdsl.compiler.ir.range_arithmetic import (
+    FLOAT32,
+    Range,
+    anything,
+    as_compared,
+    differ_as_reals,
+    disjoint,
+    ends,
+    given,
+    is_finite,
+    real,
+    rounded,
+    whole,
+)
 from sjdsl.compiler.ir.types import without_zero
 
+Limits = Callable[[ir.Expr], tuple[float, float]]
 _GIVEN = (ir.ParamRef, ir.FieldRead, ir.Attribute, ir.Distance, ir.Step, ir.Count, ir.Lowest, ir.Local, ir.ArgumentOf)
 
 
-def range_of(e: ir.Expr) -> Range:
-    """Returns what a number, or an entry of a row of numbers, can be. What is not known here can be anything."""
+def no_limits(_: ir.Expr) -> tuple[float, float]:
+    return -inf, inf
+
+
+def range_of(e: ir.Expr, limits: Limits = no_limits) -> Range:
+    """Returns what a number, or an entry of a row of numbers, can be. What is not known here can be anything.
+
+    limits: the interval that is known of a number from elsewhere, as from a guard; not where other variables are bound, or of another state.
+    """
+    r, (low, high) = _range(e, limits), limits(e)
+    if low <= r.low and r.high <= high:
+        return r
+    limited = replace(r, low=max(low, r.low), high=min(high, r.high))
+    return replace(limited, terms=limited.largest) if r.given else limited
+
+
+def _range(e: ir.Expr, limits: Limits) -> Range:
     match e:
         case ir.Number():
             return replace(given(ir.Type(kind=e.type.kind, low=e.value, high=e.value)), literal=True)
+        case ir.ParamRef() if e.type.kind == "real":
+            return given(ir.Type(kind="real", low=max(e.type.low, -MAX_VALUE), high=min(e.type.high, MAX_VALUE)))
+        case ir.FieldRead() | ir.Local() if e.type.kind == "real":  # added to or computed, so that it may have left float32
+            return replace(given(e.type), sound=False)
         case ir.Count(domain=ir.Domain(var=ir.Member(sort=ir.Sort(what="cell")), restriction=None, where=None)):
             return given(e.type.model_copy(update={"low": e.type.high}))
-        case ir.Named() | ir.Narrowed() | ir.Before():
+        case ir.Named() | ir.Narrowed():
+            return range_of(e.value, limits)
+        case ir.Before():
             return range_of(e.value)
         case ir.At() if e.key.type.kind == "mix":
-            return rounded(real(range_of(e.row)), len(e.key.type.words))
+            row = real(range_of(e.row, limits))
+            return rounded(replace(row, sound=row.sound and is_finite(row)), len(e.key.type.words))
         case ir.At():
-            return range_of(e.row)
+            return range_of(e.row, limits)
         case ir.Arithmetic():
-            return _calculated(e)
+            return _calculated(e, limits)
         case ir.SumRow() if REDUCTIONS[e.fn].adds:
-            return _sum(range_of(e.row), len(e.row.type.by[0]), len(e.row.type.by[0]))
+            return _sum(range_of(e.row, limits), len(e.row.type.by[0]), len(e.row.type.by[0]))
         case ir.SumRow():
-            return range_of(e.row)
+            return range_of(e.row, limits)
         case ir.Sum():
             return _sum(range_of(e.value), 0, _most(e))
         case ir.ShiftRow():
-            return _union((range_of(e.row), range_of(e.filler)), e.type)
+            return _union((range_of(e.row, limits), range_of(e.filler, limits)), e.type)
         case ir.Extreme():
             return _union([range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type)
         case ir.Case():
-            return _union([range_of(arm.value) for arm in e.arms], e.type)
+            return _union([range_of(arm.value, limits) for arm in e.arms], e.type)
         case _ if isinstance(e, _GIVEN):
             return given(e.type)
         case _:
@@ -51,9 +88,21 @@ def compared(*numbers: ir.Expr) -> list[Range]:
     return as_compared([range_of(e) for e in numbers])
 
 
-def apart(a: ir.Expr, b: ir.Expr) -> bool:
-    """Returns whether two numbers are never equal, by their ranges."""
-    return disjoint(range_of(a), range_of(b))
+def are_numbers(*numbers: ir.Expr) -> bool:
+    """Returns whether none of some numbers can be NaN."""
+    return all(e.type.kind != "real" or range_of(e).sound for e in numbers)
+
+
+def stays_in_float32(e: ir.Expr, added: float = 1) -> bool:
+    """Returns whether a real is neither infinite nor NaN, also if so many of it are added."""
+    r = range_of(e)
+    return r.sound and added * r.largest <= FLOAT32
+
+
+def apart(a: ir.Expr, b: ir.Expr, known: bool = False) -> bool:
+    """Returns whether two numbers are never equal as float32, by their ranges. `known`: a comparison tells them apart."""
+    one, other = range_of(a), range_of(b)
+    return disjoint(one, other) or (known and differ_as_reals(one, other))
 
 
 def _union(parts: Iterable[Range], type_: ir.Type) -> Range:
@@ -68,10 +117,10 @@ def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:
     return Range(low, high, parts[0].whole, max(p.terms for p in parts), steady, given_, sound, literal)
 
 
-def _calculated(e: ir.Arithmetic) -> Range:
+def _calculated(e: ir.Arithmetic, limits: Limits) -> Range:
     """Returns the range of a number that is calculated from others."""
     row, is_whole = CALCULATIONS[e.fn], e.type.kind == "int"
-    parts = [range_of(a) for a in e.args]
+    parts = [range_of(a, limits) for a in e.args]
     if row.range is not None:
         return row.range(parts)
     if row.share and e.type.unit == "fraction" and all(isinstance(a, ir.Count) for a in e.args):  # of all, some
@@ -84,7 +133,10 @@ def _calculated(e: ir.Arithmetic) -> Range:
     low, high = row.interval(*((p.low, p.high) for p in parts))
     if is_whole:
         return whole(low, high, *parts) if all(p.sound for p in parts) else anything(True)
-    return _exact(low, high, parts) if row.rounding is None else _of_reals(row, low, high, *parts)
+    if row.rounding is not None:
+        return _of_reals(row, low, high, *parts)
+    exact = _exact(low, high, parts)
+    return exact if row.factors else replace(exact, terms=min(exact.terms, exact.largest))  # no sum any more
 
 
 def _not_zero(divisor: Range, type_: ir.Type) -> Range:
@@ -100,7 +152,9 @@ def _of_reals(row: Calculation, low: float, high: float, a: Range, b: Range) -> 
     """Returns the range of what is calculated from two reals in float32, and is exactly in `low` .. `high`."""
     assert row.rounding is not None
     terms, steady, once = row.rounding(a, b)
-    finite = max(a.largest, b.largest) <= FLOAT32
+    finite = is_finite(a) and is_finite(b)
+    if isnan(low) or isnan(high):  # the sum of infinite ends
+        return anything(False)
     literal = a.literal and b.literal
     r = Range(low, high, terms=terms, steady=steady and a.steady and b.steady, sound=a.sound and b.sound and finite, literal=literal)
     if not (once and a.given and b.given and not literal) or max(abs(low), abs(high)) > FLOAT32:
@@ -117,7 +171,9 @@ def _sum(r: Range, least: int, most: float) -> Range:
     low, high = min([*many, 0.0] if not least else many), max([*many, 0.0] if not least else many)
     if r.whole:
         return whole(low, high, r)
-    summed = Range(low, high, terms=most * r.terms, steady=r.steady and (r.low >= 0 or r.high <= 0), sound=r.sound)
+    one_sign = r.low >= 0 or r.high <= 0
+    sound = r.sound and (one_sign or most * r.largest <= FLOAT32)  # no infinity minus infinity
+    summed = Range(low, high, terms=most * r.terms, steady=r.steady and one_sign, sound=sound)
     return rounded(summed, max(1.0, most))
 
 

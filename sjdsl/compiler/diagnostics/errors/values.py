@@ -200,6 +200,11 @@ class Crossed(Diagnostic, code="SJ215", title="Bounds that can cross"):
     high: str
 
 
+class RoundedToOne(Crossed):
+    says = "the bounds {low} and {high} can be one number once they are rounded to float32, as whole numbers beyond 16777216 are"
+    hints = ("give them limits within -16777216 .. 16777216, such as `in 0 .. 1000`",)
+
+
 class NotFixed(Diagnostic, code="SJ216", title="Not known when compiled"):
     says = "{what} must be known when the game is compiled"
     hints = ("use numbers and `size`s only",)
