@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from sjdsl.near_names import meant, nearest
+from sjdsl.near_names import either, meant, nearest
 
 RETIRED: Mapping[str, str] = {
     "checkpoint_every": "checkpoints are written by time now, see `checkpoint_minutes` and `checkpoint_share`, or every `checkpoint_updates` "
@@ -42,5 +42,5 @@ def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Map
         return f"unknown key `{key}`{meant(key, known, 'the keys are')}"
     need = EXPECTED[kind].format(**fault.get("ctx", {})) if kind in EXPECTED else fault["msg"]
     words = re.findall(r"'([^']+)'", need)  # the known values, if there are only some
-    near = nearest(fault["input"], words) if isinstance(fault["input"], str) else ""
-    return f"`{key}` must be {need}, not {fault['input']!r}" + (f"; did you mean `{near}`?" if near else "")
+    near = nearest(fault["input"], words) if isinstance(fault["input"], str) else ()
+    return f"`{key}` must be {need}, not {fault['input']!r}" + (f"; did you mean {either(near)}?" if near else "")

@@ -6,7 +6,7 @@ from sjdsl.cli.game_file import open_game
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import Written, read_written, report
 from sjdsl.library.checked_game import split_variants
-from sjdsl.near_names import nearest
+from sjdsl.near_names import meant
 
 DEFAULT = "default"
 
@@ -34,7 +34,6 @@ def read_variant(source: Source, name: str) -> Written:
     known = [variant for variant, _ in plain.variants]
     for part in chosen:
         if part not in known:
-            near = nearest(part, [*known, DEFAULT])
-            meant = f"; did you mean `{near}`?" if near else ""
-            raise click.ClickException(f"`{plain.file}` has no variant `{part}`{meant}; its variants are {', '.join([DEFAULT, *known])}")
+            near = meant(part, [*known, DEFAULT], "")
+            raise click.ClickException(f"`{plain.file}` has no variant `{part}`{near}; its variants are {', '.join([DEFAULT, *known])}")
     return read_written(source, chosen) if chosen else plain

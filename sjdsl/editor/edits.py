@@ -30,7 +30,7 @@ def quick_fixes(analysis: Analysis, range_: types.Range, documents: Documents) -
                     title=suggestion.says[:1].upper() + suggestion.says[1:],
                     kind=types.CodeActionKind.QuickFix,
                     diagnostics=shown,
-                    is_preferred=number == 0 and len(told) == 1,
+                    is_preferred=number == 0 and len(told) == 1 and (len(inside) == 1 or d.fix is not None),
                     edit=types.WorkspaceEdit(document_changes=[types.TextDocumentEdit(versioned, edits)]),
                 )
             )

@@ -16,5 +16,5 @@ game market {
     each agent where agent chose wave or agent chose offer or agent chose vote or agent chose say { set agent.heard = red }
     each agent where agent chose offer { when agent.offer > 1 { give 1 to agent } }
   }
-  observe { hide agent.heard when agent.vote is other }
+  observe { hide agent.heard when agent.vote is agent }
 }

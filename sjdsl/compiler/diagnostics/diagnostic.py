@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal, dataclass_transform
 
 from sjdsl.compiler.diagnostics.frozen import Frozen, Record
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.near_names import nearest
+from sjdsl.near_names import either, nearest
 
 Severity = Literal["error", "warning"]
 MOST_LISTED = 20  # names in one help line
@@ -60,9 +60,10 @@ def _fields(kind: type[Any]) -> dict[str, Field[Any]]:
 class Diagnostic(Facts):
     """One mistake of one file. A subclass is one kind of mistake: a code, a message, and the facts it tells as fields.
 
-    `says` and `hints` are templates over fields and properties: `{near.nearest}` is text, `{cells:cell}` is "1 cell" or "3 cells",
-    floats have no needless digits. Of several hints the first is given that tells no empty fact; `help`, if given, goes before all.
-    `instead` has for each hint the text that it proposes in place of the span, a template too, empty for none.
+    `says` and `hints` are templates over fields and properties: `{name}` is text, `{cells:cell}` is "1 cell" or "3 cells", a tuple of
+    names is told as alternatives, floats have no needless digits. Of several hints the first is given that tells no empty fact; `help`, if
+    given, goes before all. `instead` has for each hint the text that it proposes in place of the span, a template too, empty for none; of
+    a tuple of names each is proposed.
     A subclass of a subclass is another message of the same code.
     """
 
@@ -92,23 +93,32 @@ class Diagnostic(Facts):
         return self.help or self._chosen()[0]
 
     def _chosen(self) -> tuple[str, str]:
-        """Returns the hint that is given, and what it proposes in place of the span."""
+        """Returns the hint that is given, and the template of what it proposes in place of the span."""
         for number, hint in enumerate(self.hints):
             parts = self._parts(hint)
             if all(parts):
-                return "".join(parts), "".join(self._parts(self.instead[number])) if number < len(self.instead) else ""
+                return "".join(parts), self.instead[number] if number < len(self.instead) else ""
         return "", ""
 
     @property
     def suggestions(self) -> tuple[Suggestion, ...]:
         """The changes that the message suggests, as edits."""
-        hint, instead = ("", "") if self.help else self._chosen()
+        instead = "" if self.help else self._chosen()[1]
         found = []
         if self.fix is not None:
             text = " ".join(self.fix.text.split())
             found.append(Suggestion(f"write `{text}`" if text else "put a space" if self.fix.text else "delete it", (self.fix,)))
-        found += [Suggestion(f"write `{instead}`", (Fix(self.span, instead),))] if instead and hint else []
+        found += [Suggestion(f"write `{proposed}`", (Fix(self.span, proposed),)) for proposed in self._proposed(instead) if proposed]
         return tuple(found)
+
+    def _proposed(self, template: str) -> list[str]:
+        """Returns a template as it is with each name of a tuple."""
+        texts = [""]
+        for text, fact, _, _ in Formatter().parse(template):
+            value = "" if fact is None else attrgetter(fact)(self)
+            values = value if isinstance(value, tuple) else (value,)
+            texts = [f"{before}{text}{one}" for before in texts for one in values]
+        return texts
 
     def _parts(self, template: str) -> list[str]:
         """Returns a template in parts: each of its texts, and each fact as it is shown."""
@@ -117,7 +127,7 @@ class Diagnostic(Facts):
             parts += [text] if text else []
             if fact is not None:
                 value = attrgetter(fact)(self)
-                shown = format(value, "g" if isinstance(value, float) else "")
+                shown = either(value) if isinstance(value, tuple) else format(value, "g" if isinstance(value, float) else "")
                 parts.append(f"{shown} {noun}{'s' * (value != 1)}" if noun else shown)
         return parts
 
@@ -145,14 +155,14 @@ class CompileError(Exception):
 
 
 class Near(Record):
-    """What a name that is not known may have been meant for: the nearest known one, and a statement that lists them all."""
+    """What a name that is not known may have been meant for: the nearest known ones, and a statement that lists all."""
 
-    nearest: str = ""
+    nearest: tuple[str, ...] = ()
     listed: str = ""
 
 
 def near(name: str, candidates: Iterable[str], what: str = "") -> Near:
-    """Returns the candidate that is nearest to a name; all of them too, if `what` says what they are, in the plural: "the actions"."""
+    """Returns the candidates that are nearest to a name; all of them too, if `what` says what they are, in the plural: "the actions"."""
     known = list(dict.fromkeys(candidates))
     shown = ", ".join(f"`{k}`" for k in known[:MOST_LISTED])
     more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""

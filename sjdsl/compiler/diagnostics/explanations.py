@@ -4,7 +4,7 @@ from pathlib import Path
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
-from sjdsl.near_names import nearest
+from sjdsl.near_names import either, nearest
 
 FOLDER = Path(__file__).parent / "explain"
 
@@ -27,5 +27,5 @@ def explain(code: str) -> str:
     wanted = asked if asked in known else f"SJ{asked.removeprefix('SJ').zfill(3)}"
     if wanted not in known:
         near = nearest(wanted, known)
-        raise ValueError(f"there is no code `{code[:20]}`" + (f"; did you mean `{near}`?" if near else ""))
+        raise ValueError(f"there is no code `{code[:20]}`" + (f"; did you mean {either(near)}?" if near else ""))
     return (FOLDER / f"{wanted}.md").read_text("utf-8")

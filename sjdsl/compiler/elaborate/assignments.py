@@ -6,7 +6,16 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_words, declared_name, interval_text, kinds_of_cell, or_nowhere
+from sjdsl.compiler.elaborate.lookup import (
+    as_agent,
+    check_known_word,
+    check_words,
+    declared_name,
+    interval_text,
+    kinds_of_cell,
+    or_nowhere,
+    read_beside,
+)
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
@@ -49,9 +58,18 @@ def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
             return static.kinds[field.held_by.names[0]][field.name]
 
 
+def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
+    """Returns what a statement writes; if that is wrong, the value is read all the same, for its own mistakes."""
+    try:
+        return target_of(s.target, scope)
+    except Poisoned:
+        read_beside(s.value, scope)
+        raise
+
+
 def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
     """Returns `set target = value` or `set target = value by lot`."""
-    target, field = target_of(s.target, scope)
+    target, field = _target_beside(s, scope)
     if target.type.kind == "word":
         check_known_word(s.value, target, target.type.words, scope)
     value = narrow_word(scope.expression(s.value), scope.facts)
@@ -115,7 +133,7 @@ def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scop
 
 def add(s: ast.Add, scope: Scope) -> ir.Stmt:
     """Returns `add value to target`: a number, a row to a row, an agent to a set."""
-    target, field = target_of(s.target, scope)
+    target, field = _target_beside(s, scope)
     value = scope.expression(s.value)
     if target.type.kind == "agents":
         if not as_agent(value):

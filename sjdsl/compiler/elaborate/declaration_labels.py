@@ -8,7 +8,7 @@ from dataclasses import replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label, Near
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Static
 
@@ -33,8 +33,8 @@ def with_declaration_labels(found: list[Diagnostic], game: Composition) -> list[
                 span, text = ranges.get(d.declared), "its range is declared here"
             case errors.TooFewCells() | errors.NoFreeCell() | errors.TakenOrNowhere():
                 span, text = agents, "so many agents"
-            case errors.NotKnown():
-                span, text = named.get(d.near.nearest), f"`{d.near.nearest}` is declared here"
+            case errors.NotKnown(near=Near(nearest=(name,))):
+                span, text = named.get(name), f"`{name}` is declared here"
         elsewhere = span is not None and (span.file, span.line) != (d.span.file, d.span.line)
         labelled.append(replace(d, labels=(Label(span, text),)) if span is not None and elsewhere and not d.labels else d)
     return labelled

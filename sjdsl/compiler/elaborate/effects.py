@@ -9,7 +9,14 @@ from sjdsl.compiler.diagnostics.diagnostic import Fix, near
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.domains import domain, only_one_who
 from sjdsl.compiler.elaborate.keys import key_of
-from sjdsl.compiler.elaborate.lookup import as_agent, check_free, check_placed, check_somebody, kinds_of_cell
+from sjdsl.compiler.elaborate.lookup import (
+    as_agent,
+    check_free,
+    check_placed,
+    check_somebody,
+    kinds_of_cell,
+    read_beside,
+)
 from sjdsl.compiler.elaborate.movers import check_heading
 from sjdsl.compiler.elaborate.paths import placed
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
@@ -51,7 +58,12 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
 
 
 def give(s: ast.Give, scope: Scope) -> ir.Stmt:
-    value = scope.number(s.value, ("reward",), "a reward")
+    try:
+        value = scope.number(s.value, ("reward",), "a reward")
+    except Poisoned:
+        if not isinstance(s.receiver, ast.All):
+            read_beside(s.receiver, scope)
+        raise
     if not isinstance(s.receiver, ast.All):
         return ir.Give(value=value, receiver=receiver(s.receiver, scope), origin=s.span)
     but = None

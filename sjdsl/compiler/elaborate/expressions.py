@@ -26,6 +26,7 @@ from sjdsl.compiler.elaborate.lookup import (
     kinds_of_cell,
     not_named,
     or_nowhere,
+    read_beside,
     use_define,
 )
 from sjdsl.compiler.elaborate.paths import distance, path
@@ -135,8 +136,7 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
     try:
         left = scope.expression(e.left)
     except Poisoned:
-        if not (isinstance(e.right, ast.Path) and not e.right.steps):  # it may be a word of what could not be read
-            scope.expression(e.right)
+        read_beside(e.right, scope)
         raise
     if left.type.kind == "word" and not left.type.by:
         check_known_word(e.right, left, left.type.words, scope)
@@ -202,7 +202,14 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
 
 
 def within(e: ast.Within, scope: Scope) -> ir.Expr:
-    value = scope.expression(e.value)
+    try:
+        value = scope.expression(e.value)
+    except Poisoned:
+        bounds = [e.container] if e.high is None else [e.container, e.high]
+        words = [ast.Path(name.span, name, ()) for name in e.container.names] if isinstance(e.container, ast.Words) else bounds
+        for tree in words:
+            read_beside(tree, scope)
+        raise
     if isinstance(e.container, ast.Words):
         if value.type.kind != "word":
             raise wrong_type(scope, e.value, "a word", value.type)

@@ -80,7 +80,7 @@ def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
         is_colour = word.text in COLOURS if isinstance(word, ast.Name) else HEXADECIMAL.fullmatch(word.text)
         if sort == "colour" and not is_colour:
             known = (*SPRITES, *COLOURS)
-            meant = word.text if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
+            meant = (word.text,) if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
             sprites, colours = ", ".join(SPRITES), ", ".join(COLOURS)
             raise scope.fail(errors.NoPaint(word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours))
         if sort in chosen:

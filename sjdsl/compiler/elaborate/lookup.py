@@ -135,7 +135,24 @@ def check_known_word(tree: ast.Expr | ast.Table, owner: ir.Expr | str, words: It
         return
     name = tree.name.text
     if name not in static.names() and Symbol("name", name) not in static.broken and name not in static.events:
-        raise not_a_word(tree.span, name, owner, words, scope)
+        raise not_a_word(tree.span, name, owner, words, scope.sure())
+
+
+def read_beside(tree: ast.Expr, scope: Scope) -> None:
+    """Reports the mistakes of what is compared with, or put into, something that could not be read.
+
+    A name alone may be a word of that. It is a mistake if it is nothing in the whole game, and all of that could be read.
+    """
+    if not isinstance(tree, ast.Path) or tree.steps:
+        with scope.problems.survive():
+            scope.unsure().expression(tree)
+    elif not scope.static.broken:
+        tried = Problems()
+        with tried.survive():
+            scope.but(problems=tried).expression(tree)
+        for problem in tried.found:
+            if isinstance(problem, errors.UnknownName):
+                scope.problems.add(problem)
 
 
 def not_a_word(span: Span, word: str, owner: ir.Expr | str, words: Iterable[str], scope: Scope) -> Poisoned:

@@ -225,6 +225,10 @@ class Scope(Record):
         """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""
         return self.but(problems=replace(self.problems, suppressed=errors.GUARDABLE))
 
+    def sure(self) -> "Scope":
+        """Returns this scope for a mistake that no condition around could rule out: it is always reported."""
+        return self.but(problems=replace(self.problems, suppressed=()))
+
     def with_agent(self, part: Part) -> "Scope":
         """Returns a scope of another part of the game, in which `agent` stands for any one of them."""
         return Scope(self.static, self.problems, part=part).bind("agent", ir.Member(name="agent", sort=AGENTS))

@@ -1,6 +1,8 @@
 """Elaborates statements: from AST to typed IR."""
 
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
 from typing import assert_never
 
 from sjdsl.compiler import ast, ir
@@ -197,7 +199,10 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
     is_literal = how_many is not None and how_many.type.unit == "number"  # a size may be another
     if isinstance(s, ast.Pick) and how_many is not None and is_literal and how_many.type.high <= 0:
         warn_never(s.number.span, "none is picked", scope)
-    built, inner = _domain(s, header, scope, use)
+    built, inner = _domain(s.domain, scope)
+    if built is None:
+        inside(s.block, header, inner, use)
+        raise Poisoned
     stream = use.streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
         raise scope.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
@@ -214,20 +219,20 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
             return ir.Pick(number=how_many, most=most, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
 
 
-def _domain(s: ast.Each | ast.Pick | ast.First, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Domain, Scope]:
-    """Returns a domain; if it is wrong, the statements inside are read all the same, for their own mistakes."""
+def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
+    """Returns a domain and the scope inside it. Of one that is wrong only the scope: what is inside is read for its own mistakes."""
     try:
-        return domain(s.domain, scope)
+        return domain(d, scope)
     except Poisoned:
-        kinds = [s.domain.kind.text] + ([] if s.domain.on is None else [s.domain.on.kind.text])
+        kinds = [d.kind.text] + ([] if d.on is None else [d.on.kind.text])
         if not all(k == "agent" or k in scope.static.movers or scope.static.kinds_of(k) for k in kinds):
             raise  # a misspelt kind would make every use of its variable one more mistake
-        around = scope if s.domain.where is None else scope.unsure()
-        inner = with_member(s.domain.bind, s.domain.kind, None, around)
-        if s.domain.on is not None:
-            inner = with_member(s.domain.on.bind, s.domain.on.kind, None, inner)
-        inside(s.block, header, inner, use)
-        raise
+        if d.where is not None:
+            scope = scope.unsure()
+            with suppress(Poisoned):
+                return None, domain(replace(d, where=None), scope)[1]
+        inner = with_member(d.bind, d.kind, None, scope)
+        return None, inner if d.on is None else with_member(d.on.bind, d.on.kind, None, inner)
 
 
 def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
@@ -244,8 +249,11 @@ def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> 
 def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
     header = use.streams.header(s.span, s.block.span.start)
     stream = use.streams.of_statement(header)
-    left, inner = domain(s.left, scope)
-    right, inner = domain(s.right, inner)
+    left, inner = _domain(s.left, scope)
+    right, inner = _domain(s.right, inner)
+    if left is None or right is None:
+        inside(s.block, header, inner, use)
+        raise Poisoned
     if s.first and not isinstance(right.restriction, ir.Near):
         wanted, given = "`in SHAPE of x` after `with first`", "a domain without a shape"
         raise scope.fail(errors.WrongType(s.right.span, wanted=wanted, given=given))
@@ -275,6 +283,7 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
             if isinstance(current, ast.When):
                 scope = scope.knowing([ir.Not(value=test)])
         except Poisoned:
+            inside(current.block, header, scope.unsure(), use)
             if isinstance(current, ast.When):
                 scope = scope.unsure()
         header = f"{header} otherwise"

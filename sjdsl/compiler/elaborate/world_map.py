@@ -38,7 +38,7 @@ def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
     if path.exists():
         return parse_file(path, name_here, span, problems)
     meant = nearest(path.name, [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else [])
-    problems.add(errors.NoFile(span, name=name, near=Near(str(Path(name).with_name(meant)) if meant else "")))
+    problems.add(errors.NoFile(span, name=name, near=Near(tuple(str(Path(name).with_name(one)) for one in meant))))
     return (), ()
 
 

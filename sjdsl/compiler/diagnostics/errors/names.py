@@ -8,7 +8,7 @@ from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic, Near
 class NotKnown(AboutName):
     """A name of nothing, or of something of another sort."""
 
-    hints = ("did you mean `{near.nearest}`?", "{near.listed}")
+    hints = ("did you mean {near.nearest}?", "{near.listed}")
     instead: ClassVar[tuple[str, ...]] = ("{near.nearest}",)
     near: Near = Near()
 
@@ -49,9 +49,9 @@ class PhaseNotScheduled(StartScheduled):
 
 class PhaseNotWritten(StartScheduled):
     says = "phase `{name}` is scheduled but not written"
-    hints = ("did you mean `{nearest}`?",)
+    hints = ("did you mean {nearest}?",)
     instead = ("{nearest}",)
-    nearest: str
+    nearest: tuple[str, ...]
 
 
 class PhasesNotWritten(StartScheduled):
@@ -66,7 +66,7 @@ class PhasesNotWritten(StartScheduled):
 
 class NoEvent(NotKnown, code="SJ107", title="Event not declared"):
     says = "event `{name}` is not declared in `metrics`"
-    hints = ("write `event {name}` in `metrics`, or did you mean `{near.nearest}`?", "write `event {name}` in `metrics`")
+    hints = ("write `event {name}` in `metrics`, or did you mean {near.nearest}?", "write `event {name}` in `metrics`")
     instead = ("{near.nearest}",)
 
 
@@ -148,10 +148,10 @@ class DefineCycle(AboutName, code="SJ119", title="A define that uses itself"):
 class NoPaint(AboutName, code="SJ120", title="No such sprite or colour"):
     says = "`{name}` is neither a sprite nor a colour"
     hints = (
-        'did you mean `{nearest}`? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
+        'did you mean {nearest}? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
         'the sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
     )
     instead = ("{nearest}",)
-    nearest: str
+    nearest: tuple[str, ...]
     sprites: str
     colours: str

@@ -105,7 +105,7 @@ class WordOutside(Diagnostic, code="SJ205", title="Not one of the words"):
     """`owner`: what has the words, as it is written; `declared`: the field or event that declares them, if one does."""
 
     says = "`{word}` is not one of the words of {owner}"
-    hints = ("did you mean `{nearest}`? the words are {listed}", "its words are {listed}")
+    hints = ("did you mean {nearest}? the words are {listed}", "its words are {listed}")
     instead = ("{nearest}",)
     word: str
     owner: str
@@ -113,7 +113,7 @@ class WordOutside(Diagnostic, code="SJ205", title="Not one of the words"):
     words: tuple[str, ...]
 
     @property
-    def nearest(self) -> str:
+    def nearest(self) -> tuple[str, ...]:
         return nearest(self.word, self.words)
 
     @property

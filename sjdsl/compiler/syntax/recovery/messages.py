@@ -21,6 +21,7 @@ from sjdsl.compiler.syntax.recovery.repair import (
     near_keywords,
     statement_slip,
 )
+from sjdsl.near_names import either, nearest
 
 PHRASES = {
     "NAME": "a name",
@@ -192,7 +193,9 @@ def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
         if kind in group and other <= set(kinds):
             return help_
     near = [trouble.automaton.words.get(kind, "") for kind in near_keywords(trouble, trouble.at, kinds)]
-    return f"did you mean `{near[0]}`?" if len(near) == 1 and near[0] else ""
+    if len(near) > 1 and len(nearest(trouble.texts[trouble.at], near)) < len(near):  # of which one is as good as the other
+        return ""
+    return f"did you mean {either(near)}?" if near and near[0] else ""
 
 
 def _context(trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source) -> tuple[Label, ...]:

@@ -179,7 +179,7 @@ def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
     words = {word: kind for word, kind in words.items() if word.isalpha()}
     near = []
     while best := nearest(text, words):
-        near.append(words.pop(best))
+        near += [words.pop(word) for word in best]
     return near
 
 
