@@ -278,7 +278,7 @@ class PPOConfig(Config):
     advantage_floor: NonNegativeFloat = 0.03  # the least standard deviation that a minibatch's advantages are divided by
     clip_epsilon: PositiveFloat = 0.2
     scale_clip_epsilon: bool = False  # divide clip_epsilon by the number of agents
-    clip_value_loss: bool = True
+    clip_value_loss: bool = False
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 

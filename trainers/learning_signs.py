@@ -26,7 +26,7 @@ class Signs:
     def count(self, row: Row) -> None:
         """Counts an update."""
         self.updates += 1
-        self.paid |= row.get("reward_per_step") != 0
+        self.paid |= row.get("rewarded_steps") != 0
         self.explained += row.get("explained_variance", math.nan)
         if row["episodes"] > 0:
             self.latest = row["collective_return"]

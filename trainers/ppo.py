@@ -25,7 +25,7 @@ from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
 from .own_settings import filled
 from .partners import Partners, learning_agents
 from .policies import trained_policy
-from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, start_worlds
+from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, rewarded_steps, start_worlds
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
@@ -96,6 +96,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         metrics = {
             **mean_episode(played.finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
+            "rewarded_steps": rewarded_steps(rollout.reward),
             "metric": played.measured,
             **losses,
             "explained_variance": explained_variance(value, target),
@@ -114,6 +115,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
 
 def check_minibatches(config: PPOConfig) -> None:
     """Raises ConfigError if the rollout doesn't divide into minibatches, or a minibatch into devices."""
+    devices = len(jax.devices())
     if config.memory == "none":
         if config.steps_per_update % config.num_minibatches:
             raise ConfigError(
@@ -123,9 +125,9 @@ def check_minibatches(config: PPOConfig) -> None:
     elif config.num_envs % config.num_minibatches:
         raise ConfigError(
             f"networks with memory learn from whole rollouts: num_envs = {config.num_envs} cannot be split into "
-            f"num_minibatches = {config.num_minibatches} equal parts"
+            f"num_minibatches = {config.num_minibatches} equal parts; the largest that works is {max(config.num_envs // devices, 1)}"
         )
-    size, devices = minibatch_size(config), len(jax.devices())
+    size = minibatch_size(config)
     if size % devices:
         raise ConfigError(
             f"a minibatch of {size} {'steps' if config.memory == 'none' else 'environments'} cannot be spread over {devices} devices; "

@@ -81,6 +81,11 @@ def chosen_log_probability(logits: Array, action: Array) -> Array:
     return jnp.take_along_axis(jax.nn.log_softmax(logits), action[..., None], axis=-1)[..., 0]
 
 
+def rewarded_steps(reward: Array) -> Array:
+    """Returns the share of steps in which some agent's reward isn't 0, of rewards `[T, B, N]`."""
+    return (reward != 0).any(axis=-1).mean()
+
+
 def collect_rollout(
     env: Environment, actor: Actor, worlds: Worlds, key: Array, num_steps: int, shaping: Shaping, partners: Partners = NOBODY
 ) -> tuple[Worlds, Rollout, FinishedEpisodes, dict[str, Array]]:
@@ -112,10 +117,21 @@ def collect_rollout(
         if shaping.own is None:
             shaped_reward = shaping.shape(reward, trace)
         else:
-            happened = (worlds.observation, worlds.state, info["events"], info["metrics"], done, info["truncated"])
-            shaped_reward = jax.vmap(shaping.own)(Step(reward, trace, action, *happened)).astype(jnp.float32)
+            step = Step(
+                reward=reward,
+                trace=trace,
+                action=action,
+                observation=worlds.observation,
+                state=worlds.state,
+                next_state=info.get("terminal_state"),
+                events=info["events"],
+                metrics=info["metrics"],
+                done=done,
+                truncated=info["truncated"],
+            )
+            shaped_reward = jax.vmap(shaping.own)(step).astype(jnp.float32)
         running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
-        step = Rollout(
+        played = Rollout(
             observation=actor.pack(worlds.observation),
             state=worlds.state if actor.keeps_state else None,
             fresh=worlds.fresh,
@@ -128,7 +144,7 @@ def collect_rollout(
             ending=actor.follow(memory, observation, info),
         )
         after = Worlds(state, observation, done, jnp.where(done[:, None], 0.0, trace), memory, running, theirs)
-        return after, (step, finished, info["metrics"])
+        return after, (played, finished, info["metrics"])
 
     worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, jax.random.split(key, num_steps))
     total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), finished)

@@ -21,6 +21,7 @@ class Step:
     action: Array  # [N] int32
     observation: Array  # [N, P, V, V] uint8, acted on
     state: Any  # the environment's, before the action
+    next_state: Any  # after it, before a new episode begins; None if the environment's info has no `terminal_state`
     events: dict[str, Array]  # name -> [N] or [] int32, counts of this step
     metrics: dict[str, Array]  # name -> [] float32, at the end of the step
     done: Array  # [] bool, the episode ends with this step
@@ -32,8 +33,18 @@ def check_own_reward(env: Environment, config: Config) -> None:
     observation, state = reset_shapes(env)
     info = info_shapes(env)
     each, one = array_shape((env.num_agents,), jnp.float32), array_shape((), jnp.bool_)
-    action = array_shape((env.num_agents,), jnp.int32)
-    step = Step(each, each, action, observation, state, info["events"], info["metrics"], one, one)
+    step = Step(
+        reward=each,
+        trace=each,
+        action=array_shape((env.num_agents,), jnp.int32),
+        observation=observation,
+        state=state,
+        next_state=info.get("terminal_state"),
+        events=info["events"],
+        metrics=info["metrics"],
+        done=one,
+        truncated=one,
+    )
     paid = jax.eval_shape(lambda step: jnp.asarray(filled("reward", config.reward, config.own)(step)), step)
     if paid.shape != (env.num_agents,):
         raise ConfigError(

@@ -23,7 +23,7 @@ from .optimisers import learning_rate_schedule
 from .packing import Packing
 from .partners import Partners, learning_agents
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
-from .rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
+from .rollout import Actor, Rollout, Worlds, collect_rollout, rewarded_steps, start_worlds
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
@@ -101,11 +101,11 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
         replay = add_entries(state.learner.replay, _entries(rollout))
         learner = replace(state.learner, replay=replay)
-        reward = rollout.reward.sum(axis=-1).mean()
-        return replace(state, key=key, worlds=worlds, learner=learner), (finished, measured, reward, epsilon)
+        rewards = {"reward_per_step": rollout.reward.sum(axis=-1).mean(), "rewarded_steps": rewarded_steps(rollout.reward)}
+        return replace(state, key=key, worlds=worlds, learner=learner), (finished, measured, rewards, epsilon)
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
-        finished, measured, reward, epsilon = played
+        finished, measured, rewards, epsilon = played
         key, learn_key = jax.random.split(state.key)
         before, target, replay = state.learner.online, state.learner.target, state.learner.replay
         after, losses = take_gradient_steps(network, packing, before, target, replay, learn_key, config)
@@ -118,7 +118,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         target = follow_target(target, after.params, updates, config)
         metrics = {
             **mean_episode(finished),
-            "reward_per_step": reward,
+            **rewards,
             "metric": measured,
             **losses,
             "epsilon": epsilon,

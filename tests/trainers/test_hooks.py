@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import QUICK, matching, quick, run_of
+from probes import QUICK, matching, quick, run_of, stream
 from run_outcomes import SHORT, assert_same_end, compiled_matching, compiled_once, counting, outcome, read_lines, read_manifest
 from safetensors.numpy import load_file
 
@@ -246,6 +246,18 @@ def test_what_is_not_there_is_said_at_once(values: dict[str, Any], said: str) ->
     with pytest.raises(ConfigError) as error:
         make_config(values)
     assert said in str(error.value)
+
+
+def test_a_reward_sees_where_its_action_led() -> None:
+    """Also in the last step of an episode, after which the environment returns the first state of the next."""
+
+    def steps_forward(step: Step) -> jax.Array:
+        return jnp.full(2, step.next_state.step - step.state.step)
+
+    config = make_config(SMALL, num_steps=6, reward=steps_forward)
+    run = make_train(stream("truncated"), config)
+    _, played = run.collect(run.init(jax.random.key(0)))
+    assert (played.rollout.shaped_reward == 1).all()
 
 
 def test_two_functions_of_one_place_have_two_names() -> None:

@@ -2,14 +2,16 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sjdsl.trainers import make_config
 from sjdsl.trainers.learning_signs import Signs, is_due
+from sjdsl.trainers.rollout import rewarded_steps
 
 
 def row(update: int, **changes: Any) -> dict[str, Any]:
-    figures = {"update": update, "reward_per_step": 0.5, "episodes": 4, "collective_return": 10.0 + update, "explained_variance": 0.4}
+    figures = {"update": update, "rewarded_steps": 0.5, "episodes": 4, "collective_return": 10.0 + update, "explained_variance": 0.4}
     return (
         figures
         | {
@@ -25,7 +27,7 @@ def row(update: int, **changes: Any) -> dict[str, Any]:
 
 HEALTHY = [row(1), row(2)]
 SAID: dict[str, tuple[list[dict[str, Any]], str]] = {
-    "no reward": ([row(n, reward_per_step=0.0, collective_return=0.0) for n in (1, 2)], "no agent has been rewarded yet"),
+    "no reward": ([row(n, rewarded_steps=0.0, collective_return=0.0) for n in (1, 2)], "no agent has been rewarded yet"),
     "not above the first policy": ([row(1), row(2, collective_return=11.0)], "11.0, is not above what it was before learning, 11.0"),
     "a critic worse than none": (
         [row(1, explained_variance=0.2), row(2, explained_variance=-0.8)],
@@ -66,3 +68,8 @@ def test_updates_in_which_no_episode_ended_say_nothing_of_returns() -> None:
 def test_signs_are_judged_once_after_a_tenth(updates: int, due: list[int]) -> None:
     config = make_config(num_envs=8, num_steps=8, total_timesteps=64 * updates)
     assert [n for n in range(1, updates + 1) if is_due(n, config)] == due
+
+
+def test_rewards_that_cancel_are_rewards() -> None:
+    reward = np.array([[[1.0, -1.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]]], np.float32)
+    assert float(rewarded_steps(reward)) == 0.25

@@ -201,19 +201,26 @@ def test_every_algorithm_and_reward_has_a_valid_configuration(name: str, game: s
     assert values.learning_starts <= values.buffer_size
 
 
-def test_what_presets_say(golden: Callable[[Path, str], None]) -> None:
-    """All that differs from the defaults. `paper` and `released` were compared with the configurations of SocialJax 9df972d, of which `paper`
-    has the totals of the paper's table, and `released` those of the released code."""
+def test_what_presets_resolve_to(golden: Callable[[Path, str], None]) -> None:
+    """All settings, so that a changed default shows: what all runs of an algorithm share, then what those of a reward share, then each game's own.
+
+    `paper` and `released` were compared with the configurations of SocialJax 9df972d, of which `paper` has the totals of the paper's table, and
+    `released` those of the released code.
+    """
     lines = []
     for name in ("paper", "released", "two_cores", "overnight"):
-        for algorithm, reward in RUNS:
-            chosen = {"algorithm": algorithm, "reward": reward}
-            usual = make_config(chosen).model_dump()
-            asked = {game: load_preset(name, chosen, game).config.model_dump() for game in NINE}
-            said = {game: {f"{key}={value}" for key, value in values.items() if value != usual[key]} for game, values in asked.items()}
-            shared = set.intersection(*said.values())
-            lines += ["", f"{name}, {algorithm}, {reward}: {' '.join(sorted(shared))}"]
-            lines += [f"  {game}: {' '.join(sorted(own - shared))}" for game, own in said.items() if own - shared]
+        for algorithm in ("ippo", "mappo", "vdn"):
+            of_reward = {}
+            for reward in (reward for chosen, reward in RUNS if chosen == algorithm):
+                changes = {"algorithm": algorithm, "reward": reward}
+                configs = {game: load_preset(name, changes, game).config.model_dump() for game in NINE}
+                of_reward[reward] = {game: {f"{key}={value}" for key, value in config.items()} for game, config in configs.items()}
+            shared_by_all = set.intersection(*(settings for games in of_reward.values() for settings in games.values()))
+            lines += ["", f"{name}, {algorithm}: {' '.join(sorted(shared_by_all))}"]
+            for reward, games in of_reward.items():
+                shared = set.intersection(*games.values())
+                lines += [f"  {reward}: {' '.join(sorted(shared - shared_by_all))}"]
+                lines += [f"    {game}: {' '.join(sorted(own - shared))}" for game, own in games.items() if own - shared]
     golden(Path(__file__).with_name("presets.txt"), "\n".join(lines[1:]) + "\n")
 
 
