@@ -32,6 +32,16 @@ class CheckpointError(Exception):
     """A checkpoint can't be read, or isn't of this run."""
 
 
+def last_checkpoint(run_dir: Path) -> int:
+    """Returns the update after which the last checkpoint of a run was written; 0 if there is none."""
+    return max((int(path.name) for path in (run_dir / CHECKPOINTS).glob("*") if path.name.isdecimal()), default=0)
+
+
+def resumption(done: int) -> str:
+    """Returns where a run resumes, in words. `done`: the update of its checkpoint; 0 without one."""
+    return f"resuming after update {done:,}" if done else "there is no checkpoint yet: starting again at update 1"
+
+
 class Checkpoints:
     """The checkpoints of one run, in its folder `checkpoints`."""
 

@@ -12,8 +12,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from sjdsl.termination import raising_on_sigterm
+
 from .algorithms import make_train
-from .checkpoints import Checkpoints
+from .checkpoints import Checkpoints, resumption
 from .compiled import NoMemoryError, compile_train, peak_megabytes, with_spread_starts
 from .config import Config, stored_config
 from .environment import Environment, episode_length
@@ -138,6 +140,7 @@ def _lock(run_dir: Path) -> AbstractContextManager[None]:
     return locked(run_dir) if is_first() else nullcontext()
 
 
+@raising_on_sigterm()
 def _run(
     env: Environment, config: Config, run_dir: Path, manifest: dict[str, Any], progress: ProgressStyle, callback: Callback | None
 ) -> Result:
@@ -155,6 +158,8 @@ def _run(
         checkpoints = Checkpoints(run_dir)
         stack.callback(checkpoints.close)
         state, done = checkpoints.restore_last(compiled.start())
+        if "resumed" in manifest and done < config.num_updates and progress != "none" and is_first():
+            print(f"{title}: {resumption(done)}", flush=True)
         manifest.update(compile_seconds=compiled.seconds, program_megabytes=compiled.megabytes)
         recorders = stack.enter_context(open_recorders(folders, env, config, done, manifest["loggers"], title))
         so_far = Progress(done, diverged_before(state, recorders, config))

@@ -5,6 +5,7 @@ import sys
 import click
 
 from sjdsl.extras import MissingExtra
+from sjdsl.termination import TERMINATED, Terminated
 
 INTERRUPTED = 130  # the exit status of a command that Ctrl-C ended
 FAULTS_OF_RUNS = {
@@ -25,7 +26,7 @@ def report_fault(error: Exception, called: str) -> int:
     match error:
         case click.Abort():
             click.echo("interrupted", err=True)
-            return INTERRUPTED
+            return TERMINATED if isinstance(error.__cause__, Terminated) else INTERRUPTED
         case click.UsageError():
             click.echo(f"error: {error.format_message()}", err=True)
             click.echo(f"see `{called} --help`", err=True)

@@ -15,7 +15,7 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell, SweepSpec
 from sjdsl.sweeps.locks import is_running
-from sjdsl.trainers.checkpoints import CHECKPOINTS
+from sjdsl.trainers.checkpoints import last_checkpoint
 from sjdsl.trainers.config import ConfigError
 from sjdsl.trainers.manifest import read_manifest
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX
@@ -175,8 +175,7 @@ def progress_of(folder: Path, cell: Cell, episodes: int) -> Progress:
       episodes: of its evaluation.
     """
     path = run_dir(folder, cell)
-    checkpoints = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdecimal()]
-    update = max([manifest_of(path).get("updates", 0), *checkpoints])
+    update = max(manifest_of(path).get("updates", 0), last_checkpoint(path))
     failed = read_json(folder / FAILED / f"{cell.name}.json")
     if failed is not None:
         return Progress("failed", update, reason=str(failed.get("reason", "")))

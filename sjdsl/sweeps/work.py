@@ -31,6 +31,7 @@ from sjdsl.sweeps.folder import (
 )
 from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.tables import results, write_results
+from sjdsl.trainers.checkpoints import last_checkpoint, resumption
 from sjdsl.trainers.config import ConfigError, make_config, stored_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
 from sjdsl.trainers.manifest import MANIFEST
@@ -118,7 +119,7 @@ def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> N
     path, env = run_dir(sweep, cell), environment_of(cell)
     _clear_half_begun(path)
     if (path / MANIFEST).is_file():
-        watch.tell(f"{cell.name}: training, from its last checkpoint")
+        watch.tell(f"{cell.name}: training, {resumption(last_checkpoint(path))}")
         resume(env, path, watch.progress)
     else:
         watch.tell(f"{cell.name}: training")

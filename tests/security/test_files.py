@@ -4,6 +4,8 @@ import ast
 import errno
 import os
 import stat
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -85,6 +87,22 @@ def test_what_fails_leaves_what_was_there_and_nothing_else(tmp_path: Path) -> No
     with pytest.raises(FileNotFoundError) as refused:
         write_whole(tmp_path / "none/a", "new")
     assert refused.value.filename == str(tmp_path / "none/a")
+
+
+def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
+    """A file that is being written is locked, by whichever process; others may have any other name."""
+    script = (
+        f"import os; from sjdsl.files import *; from pathlib import Path\nwith written_whole(Path({str(tmp_path / 'a')!r})): os.abort()"
+    )
+    subprocess.run([sys.executable, "-c", script], check=False, stderr=subprocess.DEVNULL)
+    (left,) = tmp_path.iterdir()
+    assert left.suffix == ".unfinished"
+    (tmp_path / "thesis.unfinished").write_text("theirs")
+    with written_whole(tmp_path / "b"):
+        (being_written,) = {*tmp_path.iterdir()} - {tmp_path / "thesis.unfinished"}
+        write_whole(tmp_path / "c", "new")
+        assert being_written.exists()
+    assert {path.name for path in tmp_path.iterdir()} == {"thesis.unfinished", "b", "c"}
 
 
 def test_a_name_may_be_as_long_as_the_system_allows(tmp_path: Path) -> None:
