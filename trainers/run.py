@@ -109,6 +109,7 @@ def resume(
     asked: Mapping[str, Any] | None = None,
     callback: Callback | None = None,
     total_timesteps: int | None = None,
+    provenance: Mapping[str, Any] | None = None,
 ) -> Result:
     """Resumes a run from its last checkpoint; on a CPU it ends with the metrics of a run that was never stopped.
 
@@ -118,6 +119,7 @@ def resume(
       progress, loggers, asked, callback: as in `train`; loggers and `asked` stay those of the run unless given.
       total_timesteps: makes the run longer, even a finished one. From there on, schedules over the whole run (of the learning rate, for
         example) are those of the longer run.
+      provenance: how `env` was made, where the run's game has moved.
     Raises:
       RunError: there is no such run, or another process trains in its folder; it was of another game or other versions, or has done more
         steps already; or rows of its metrics are lost.
@@ -132,6 +134,7 @@ def resume(
         manifest |= {"status": "running", "resumed": resumed}
         manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
         manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
+        manifest |= {"provenance": dict(manifest.get("provenance", {}) if provenance is None else provenance)}
         return _run(env, stored_config(manifest["config"]), run_dir, manifest, progress, callback)
 
 

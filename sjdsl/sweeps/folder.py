@@ -102,9 +102,17 @@ def _fault(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
     if fault := first_difference(*({key: sweep[key] for key in ("episodes", "versions")} for sweep in (before, wanted))):
         return fault
     for cell in cells_of(before):
-        if cell.name in wanted["cells"] and (fault := first_difference(cell.described(), wanted["cells"][cell.name])):
+        if cell.name not in wanted["cells"]:
+            continue
+        if fault := first_difference(_without_paths(cell.described()), _without_paths(wanted["cells"][cell.name])):
             return f"its cell {cell.name} has {fault}"
     return ""
+
+
+def _without_paths(described: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns what `sweep.json` says of a cell, without where its game and map are: they are identified by the hash of the rules."""
+    kept = {name: value for name, value in described["provenance"].items() if name not in ("game", "map")}
+    return {**described, "provenance": kept}
 
 
 def read_sweep(folder: Path) -> dict[str, Any]:
