@@ -19,6 +19,8 @@ LEFTOVER = re.compile(rf"[0-9a-f]{{16}}{re.escape(UNFINISHED)}")
 MEGABYTE = 2**20
 MOST_FOLDERS = 3000  # that are looked into for games
 LARGEST_JSON = 64 * MEGABYTE  # in memory it takes ten to thirty times as much
+LONGEST_LINE = MEGABYTE
+HALF_CHARACTER = re.compile(rb"\\u[dD][89a-fA-F]")  # of two that are one character; without the other it is none
 
 
 @contextmanager
@@ -68,14 +70,34 @@ def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | Non
 
 def read_bytes(path: Path, limit: int) -> bytes:
     """Returns the content of a file. Raises OSError, with a reason in words, where it is no file or has more than `limit` bytes."""
-    with open(path, "rb", opener=_open_at_once) as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode):  # a pipe would be waited for, a device never ends
-            raise OSError(errno.EINVAL, "it is no regular file", str(path))
-        content = file.read(min(status.st_size, limit) + 1)  # for what is asked for, Python takes the memory at once
+    with open_regular(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        content = file.read(min(size, limit) + 1)  # for what is asked for, Python takes the memory at once
     if len(content) > limit:
         raise OSError(errno.EFBIG, f"it has more than {limit:,} bytes", str(path))
     return content
+
+
+@contextmanager
+def open_regular(path: Path) -> Iterator[BinaryIO]:
+    """Opens a file for reading. Raises OSError, with a reason in words, where it is no file: a pipe would be waited for, a device never ends."""
+    with open(path, "rb", opener=_open_at_once) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(errno.EINVAL, "it is no regular file", str(path))
+        yield file
+
+
+def read_lines(path: Path, limit: int = LONGEST_LINE) -> Iterator[bytes]:
+    """Yields the lines of a file with their ends, however many there are, but for one at the end that is cut off.
+
+    Raises OSError as `read_bytes` does, with a limit for each line.
+    """
+    with open_regular(path) as file:
+        while line := file.readline(limit + 1):
+            if len(line) > limit:
+                raise OSError(errno.EFBIG, f"it has a line of more than {limit:,} bytes", str(path))
+            if line.endswith(b"\n"):
+                yield line
 
 
 def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:
@@ -84,11 +106,14 @@ def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:
 
 
 def parse_json(content: bytes) -> Any:
-    """Returns what JSON holds. Raises ValueError where it is none, or is nested too deep to be read."""
+    """Returns what JSON holds. Raises ValueError where it is none, is nested too deep to be read, or holds text that can't be written."""
     try:
-        return json.loads(content)
+        value = json.loads(content)
     except RecursionError:
         raise ValueError("it is nested too deep") from None
+    if HALF_CHARACTER.search(content):
+        json.dumps(value, ensure_ascii=False).encode()
+    return value
 
 
 @contextmanager

@@ -23,12 +23,12 @@ from sjdsl.trainers.run_errors import RunError
 from sjdsl.trainers.run_files import plain, write_json
 from sjdsl.trainers.run_folder import versions
 from sjdsl.trainers.run_state import FINISHED
+from sjdsl.trainers.stored_evaluation import EVALUATION, StoredEvaluation, read_evaluation
 from sjdsl.trainers.updates import describe_divergence
 
 FORMAT = 1
 SWEEP = "sweep.json"
 CELLS = "cells"
-EVALUATION = "evaluation.json"  # of each seed's last policy, as `sjdsl train` writes it
 FAILED = "failed"
 State = Literal["waiting", "running", "stopped", "done", "failed"]
 # The name of a cell is that of a folder: a path would lead elsewhere.
@@ -214,16 +214,15 @@ def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
     return is_finished(path) and all(evaluation_of(own, seed, episodes) is not None for seed, own in seed_dirs(path, cell).items())
 
 
-def evaluation_of(path: Path, seed: int, episodes: int) -> dict[str, Any] | None:
+def evaluation_of(path: Path, seed: int, episodes: int) -> StoredEvaluation | None:
     """Returns the evaluation of a seed's last policy from which the sweep reads its results.
 
-    None if it is missing, or replaced by another: `sjdsl evaluate` writes the same file, with other seeds or episodes.
+    None if it is missing, damaged, or replaced by another: `sjdsl evaluate` writes the same file, with other seeds or episodes.
     """
-    found = read_json(path / EVALUATION)
-    if found is None or not isinstance(found.get("summary"), dict):
+    found = read_evaluation(path / EVALUATION)
+    if found is None or (found.policy, found.seed, found.greedy, found.episodes) != ("last", seed, None, episodes):
         return None
-    asked = {"policy": "last", "seed": seed, "greedy": None, "episodes": episodes}
-    return found if all(found.get(key) == value for key, value in asked.items()) else None
+    return found
 
 
 def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:

@@ -18,7 +18,6 @@ from sjdsl.files import UNFINISHED
 from sjdsl.library.stored_game import GameMoved, locate_game
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.folder import (
-    EVALUATION,
     cell_at,
     diverged_in,
     evaluation_of,
@@ -42,6 +41,7 @@ from sjdsl.trainers.progress import ProgressStyle
 from sjdsl.trainers.run import resume, train
 from sjdsl.trainers.run_errors import DiskError, RunError
 from sjdsl.trainers.run_lock import LOCK
+from sjdsl.trainers.stored_evaluation import EVALUATION
 
 Tell = Callable[[str], None]
 REFUSALS = (RunError, ConfigError, PolicyError, ExperimentError)

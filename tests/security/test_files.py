@@ -160,7 +160,8 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
 def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     """Locks, logs and what is taken off their ends: a folder of a stranger may have links in their places."""
     victim = tmp_path / "victim"
-    victim.write_text('{"update": 1}\n{"update": 2}\n')
+    theirs = "".join(f'{{"update": {number}, "env_steps": 1, "seconds": 1, "episodes": 0}}\n' for number in (1, 2))
+    victim.write_text(theirs)
     names = {
         "run": LOCK,
         "metrics": METRICS_JSONL,
@@ -179,7 +180,7 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     }
     with pytest.raises(OSError, match=r"it is a link, through which nothing is written|symbolic link"):
         changes.get(what, lambda: open_metrics(link.parent).__enter__())()
-    assert victim.read_text() == '{"update": 1}\n{"update": 2}\n'
+    assert victim.read_text() == theirs
 
 
 def test_a_data_set_is_written_the_same_way(tmp_path: Path) -> None:
