@@ -12,6 +12,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from sjdsl.several import several
 from sjdsl.termination import raising_on_sigterm
 
 from .algorithms import make_train
@@ -67,7 +68,7 @@ def train(
     run_dir: Path | str,
     progress: ProgressStyle = "auto",
     provenance: Mapping[str, Any] | None = None,
-    loggers: Sequence[LoggerName] = (),
+    loggers: LoggerName | Sequence[LoggerName] = (),
     asked: Mapping[str, Any] | None = None,
     callback: Callback | None = None,
 ) -> Result:
@@ -79,7 +80,7 @@ def train(
       run_dir: a new or empty folder.
       progress: `bar` (rich), `lines`, `none`; `auto` is `bar` on a terminal and `lines` elsewhere.
       provenance: JSON values for the manifest, such as the arguments that made `env`.
-      loggers: where metrics go as well: `tensorboard`, `wandb`.
+      loggers: where metrics go as well: `tensorboard`, `wandb`, or both.
       asked: further JSON values for the manifest, for when the run is resumed.
       callback: called with an `Update` after each update, in the first of several processes; the run ends there if it returns True.
     Raises:
@@ -97,7 +98,7 @@ def train(
         run_dir.mkdir(parents=True, exist_ok=True)
         if config.init_from and is_first():
             copy_policy(config.init_from, run_dir / START)
-        manifest = describe_run(env, config, provenance or {}) | {"loggers": list(loggers), "asked": dict(asked or {})}
+        manifest = describe_run(env, config, provenance or {}) | {"loggers": list(several(loggers)), "asked": dict(asked or {})}
         return _run(env, config, run_dir, manifest, progress, callback)
 
 
@@ -105,7 +106,7 @@ def resume(
     env: Environment,
     run_dir: Path | str,
     progress: ProgressStyle = "auto",
-    loggers: Sequence[LoggerName] | None = None,
+    loggers: LoggerName | Sequence[LoggerName] | None = None,
     asked: Mapping[str, Any] | None = None,
     callback: Callback | None = None,
     total_timesteps: int | None = None,
@@ -132,7 +133,7 @@ def resume(
             manifest = extended(manifest, run_dir, total_timesteps)
         resumed = [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]
         manifest |= {"status": "running", "resumed": resumed}
-        manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
+        manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else several(loggers))}
         manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
         manifest |= {"provenance": dict(manifest.get("provenance", {}) if provenance is None else provenance)}
         return _run(env, stored_config(manifest["config"]), run_dir, manifest, progress, callback)

@@ -14,6 +14,7 @@ from jax.stages import Compiled
 from sjdsl.bench.compilation import Compilation, compile_step
 from sjdsl.bench.loop import Task, make_loop, steps_for, yardstick_task
 from sjdsl.bench.machine import describe_machine, device_peak_bytes
+from sjdsl.several import several
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ class Report:
 
 
 def measure(
-    tasks: Sequence[Task],
-    num_envs: Sequence[int],
+    tasks: Task | Sequence[Task],
+    num_envs: int | Sequence[int],
     repeats: int = 5,
     steps: Callable[[int], int] = steps_for,
     tell: Callable[[str], object] = lambda _: None,
@@ -67,7 +68,7 @@ def measure(
 
     Args:
       tasks: what to measure beside the yardstick.
-      num_envs: how many environments play at once; each number is measured apart.
+      num_envs: how many environments play at once; each number is measured apart. Of tasks and numbers one may stand for itself.
       repeats: rounds; in each every task is timed once.
       steps: number of environments -> steps of one timing.
       tell: called with a line whenever something has begun.
@@ -75,6 +76,7 @@ def measure(
         isn't compiled.
       devices: over how many the environments are split (`bench.devices`); every number of environments is a multiple of it.
     """
+    tasks, num_envs = several(tasks), several(num_envs)
     compilations = []
     for task in tasks if workers == 1 else ():
         if task.env is not None:
