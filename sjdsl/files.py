@@ -6,6 +6,7 @@ Logs and locks are the exception to *whole*: they are changed where they are.
 import errno
 import json
 import os
+import re
 import secrets
 import stat
 from collections.abc import Iterator
@@ -14,9 +15,12 @@ from pathlib import Path
 from typing import Any, BinaryIO, Literal, TextIO
 
 UNFINISHED = ".unfinished"  # ends the name of a file that is being written
+LEFTOVER = re.compile(rf"[0-9a-f]{{16}}{re.escape(UNFINISHED)}")
 MEGABYTE = 2**20
 MOST_FOLDERS = 3000  # that are looked into for games
 LARGEST_JSON = 64 * MEGABYTE  # in memory it takes ten to thirty times as much
+LONGEST_LINE = MEGABYTE
+HALF_CHARACTER = re.compile(rb"\\u[dD][89a-fA-F]")  # of two that are one character; without the other it is none
 
 
 @contextmanager
@@ -25,27 +29,27 @@ def written_whole(path: Path) -> Iterator[BinaryIO]:
 
     It is written under a random name beside `path`, which must not exist yet and is no link, and flushed to the disk. It gets the
     permissions of the file that it replaces; a new one gets those of the umask. A link at `path` is replaced, never followed.
+    What a killed process has left unfinished in the folder is removed.
 
     Raises:
       OSError: with the name of the file.
     """
     kept = _permissions(path)
-    unfinished = path.with_name(f"{secrets.token_hex(8)}{UNFINISHED}")  # no longer for a long name
-    try:
-        with naming(path):
-            with open(unfinished, "xb", opener=lambda name, flags: _create(name, flags, kept)) as file:
-                if kept is not None and hasattr(os, "fchmod"):
-                    os.fchmod(file.fileno(), kept)  # of which the umask has perhaps taken some
-                yield file
-                file.flush()
-                os.fsync(file.fileno())
+    _remove_leftovers(path.parent)
+    with naming(path), _open_unfinished(path, kept) as file:
+        unfinished = Path(file.name)
+        try:
+            if kept is not None and hasattr(os, "fchmod"):
+                os.fchmod(file.fileno(), kept)  # of which the umask has perhaps taken some
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
             os.replace(unfinished, path)
-    except BaseException as error:
-        if isinstance(error, OSError) and error.filename == str(unfinished):
-            error.filename, error.filename2 = str(path), None
-        with suppress(OSError):
-            unfinished.unlink(missing_ok=True)
-        raise
+        except BaseException as error:
+            _name_instead(error, unfinished, path)
+            with suppress(OSError):
+                unfinished.unlink(missing_ok=True)
+            raise
 
 
 def write_whole(path: Path, content: bytes | str) -> None:
@@ -72,14 +76,34 @@ def line_end(text: str) -> str:
 
 def read_bytes(path: Path, limit: int) -> bytes:
     """Returns the content of a file. Raises OSError, with a reason in words, where it is no file or has more than `limit` bytes."""
-    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode):  # a pipe would be waited for, a device never ends
-            raise OSError(errno.EINVAL, "it is no regular file", str(path))
-        content = file.read(min(status.st_size, limit) + 1)  # for what is asked for, Python takes the memory at once
+    with open_regular(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        content = file.read(min(size, limit) + 1)  # for what is asked for, Python takes the memory at once
     if len(content) > limit:
         raise OSError(errno.EFBIG, f"it has more than {limit:,} bytes", str(path))
     return content
+
+
+@contextmanager
+def open_regular(path: Path) -> Iterator[BinaryIO]:
+    """Opens a file for reading. Raises OSError, with a reason in words, where it is no file: a pipe would be waited for, a device never ends."""
+    with open(path, "rb", opener=_open_at_once) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(errno.EINVAL, "it is no regular file", str(path))
+        yield file
+
+
+def read_lines(path: Path, limit: int = LONGEST_LINE) -> Iterator[bytes]:
+    """Yields the lines of a file with their ends, however many there are, but for one at the end that is cut off.
+
+    Raises OSError as `read_bytes` does, with a limit for each line.
+    """
+    with open_regular(path) as file:
+        while line := file.readline(limit + 1):
+            if len(line) > limit:
+                raise OSError(errno.EFBIG, f"it has a line of more than {limit:,} bytes", str(path))
+            if line.endswith(b"\n"):
+                yield line
 
 
 def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:
@@ -88,11 +112,14 @@ def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:
 
 
 def parse_json(content: bytes) -> Any:
-    """Returns what JSON holds. Raises ValueError where it is none, or is nested too deep to be read."""
+    """Returns what JSON holds. Raises ValueError where it is none, is nested too deep to be read, or holds text that can't be written."""
     try:
-        return json.loads(content)
+        value = json.loads(content)
     except RecursionError:
         raise ValueError("it is nested too deep") from None
+    if HALF_CHARACTER.search(content):
+        json.dumps(value, ensure_ascii=False).encode()
+    return value
 
 
 @contextmanager
@@ -132,6 +159,55 @@ def _permissions(path: Path) -> int | None:
     except FileNotFoundError:
         return None
     return stat.S_IMODE(mode) & 0o777 if stat.S_ISREG(mode) else None
+
+
+def _open_unfinished(path: Path, permissions: int | None) -> BinaryIO:
+    """Opens a new file beside `path`, locked, so that no other process takes it for one that a killed process has left."""
+    while True:
+        unfinished = path.with_name(f"{secrets.token_hex(8)}{UNFINISHED}")  # no longer for a long name
+        try:
+            file = open(unfinished, "xb", opener=lambda name, flags: _create(name, flags, permissions))  # noqa: SIM115 (the caller closes it)
+        except OSError as error:
+            _name_instead(error, unfinished, path)
+            raise
+        _lock(file, wait=True)
+        if unfinished.exists():
+            return file
+        file.close()  # it was removed before it was locked
+
+
+def _remove_leftovers(folder: Path) -> None:
+    """Removes the unfinished files of processes that were killed: those that no process has locked."""
+    with suppress(OSError):
+        for name in filter(LEFTOVER.fullmatch, os.listdir(folder)):
+            path = folder / name
+            with suppress(OSError), open(path, "rb", opener=_open_at_once) as file:
+                if _lock(file, wait=False):
+                    path.unlink()
+
+
+def _lock(file: BinaryIO, wait: bool) -> bool:
+    """Locks an open file until it is closed, or its process ends; returns whether it could. `wait`: while another process locks it."""
+    try:
+        import fcntl
+    except ImportError:  # a browser has none
+        return False
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _name_instead(error: BaseException, unfinished: Path, path: Path) -> None:
+    """Has an error name the file that was to be written."""
+    if isinstance(error, OSError) and error.filename == str(unfinished):
+        error.filename, error.filename2 = str(path), None
+
+
+def _open_at_once(name: str, flags: int) -> int:
+    """Opens a file; of a pipe, doesn't wait for whoever writes to it."""
+    return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def _create(name: str, flags: int, permissions: int | None) -> int:

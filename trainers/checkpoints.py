@@ -5,11 +5,14 @@ differently, the checkpoint isn't used. Damaged files, and arrays of other shape
 fails, orbax closes its event loop under those still being read, whose threads then print errors.
 """
 
+import logging
 import os
 import re
 import shutil
+import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +33,16 @@ KEPT = 2  # the last one, and the one before it in case the last is damaged
 
 class CheckpointError(Exception):
     """A checkpoint can't be read, or isn't of this run."""
+
+
+def last_checkpoint(run_dir: Path) -> int:
+    """Returns the update after which the last checkpoint of a run was written; 0 if there is none."""
+    return max((int(path.name) for path in (run_dir / CHECKPOINTS).glob("*") if path.name.isdecimal()), default=0)
+
+
+def resumption(done: int) -> str:
+    """Returns where a run resumes, in words. `done`: the update of its checkpoint; 0 without one."""
+    return f"resuming after update {done:,}" if done else "there is no checkpoint yet: starting again at update 1"
 
 
 class Checkpoints:
@@ -54,7 +67,7 @@ class Checkpoints:
         known = {"digest": digest_of(arrays), "arrays": _kinds(arrays)}
         parts = self._ocp.args.Composite(state=self._ocp.args.StandardSave(arrays), known=self._ocp.args.JsonSave(known))
         try:
-            with naming(self.folder / str(update)):
+            with naming(self.folder / str(update)), _without_further_errors():
                 self._manager.save(update, args=parts, force=True)
                 if is_first():
                     seal(self.folder / str(update))
@@ -115,6 +128,29 @@ class Checkpoints:
 
     def close(self) -> None:
         self._manager.close()
+
+
+@contextmanager
+def _without_further_errors() -> Iterator[None]:
+    """Has the threads that write print nothing, because the block raises the first error.
+
+    Writes that end later report to an event loop that orbax has closed; so if the block fails, their errors stay hidden.
+    """
+    before = sys.unraisablehook
+    log = logging.getLogger("absl")
+    level = log.level
+
+    def print_others(fault: Any) -> None:
+        if str(fault.exc_value) != "Event loop is closed":
+            before(fault)
+
+    sys.unraisablehook = print_others
+    log.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        log.setLevel(level)
+    sys.unraisablehook = before
 
 
 def _named_arrays(state: Any) -> dict[str, Any]:

@@ -92,18 +92,27 @@ def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, Validat
     return check
 
 
+PARTNERS_FORM = "of the form AGENT=POLICY, such as 1=random or 1,2=runs/a, in Python {1: 'random'}"
+
+
 def _partners(value: Any, given: ValidationInfo) -> Any:
     """Returns partners, given as `{1: "random"}` or `"1,2=random,3=runs/a"`, as pairs of an agent's number and its policy's name."""
+    if isinstance(value, list | tuple) and value and all(isinstance(part, str) for part in value):
+        value = ",".join(value)
     if isinstance(value, str):
         parts = re.findall(r"\s*([\d,\s]+)=([^,]+)", value)
         if not value.strip() or re.sub(r"\s*([\d,\s]+)=([^,]+)(,|$)", "", value):
-            raise ValueError("of the form AGENT=POLICY, such as 1=random or 1,2=runs/a")
+            raise ValueError(PARTNERS_FORM)
         value = {int(agent): policy.strip() for agents, policy in parts for agent in agents.replace(" ", "").strip(",").split(",")}
     if _is_stored(given):  # checked before it was stored, with full paths
         return value
     if isinstance(value, Mapping):
         value = value.items()
-    return tuple(sorted((int(agent), lasting_name(policy)) for agent, policy in value))
+    try:
+        pairs = [(int(agent) if isinstance(agent, str) else operator.index(agent), policy) for agent, policy in value]
+    except (TypeError, ValueError):
+        raise ValueError(PARTNERS_FORM) from None
+    return tuple(sorted((agent, lasting_name(policy)) for agent, policy in pairs))
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Annotated, Any, TextIO
 
-from sjdsl.files import naming, open_in_place
+from pydantic import Field, TypeAdapter
+
+from sjdsl.files import naming, open_in_place, read_lines
 
 from .run_errors import RunError
 from .run_files import plain
@@ -21,6 +23,16 @@ METRICS_JSONL = "metrics.jsonl"
 EVALUATIONS = "evaluations.jsonl"
 
 Row = dict[str, Any]  # one line of the metrics: column -> number; NaN if missing
+Whole = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
+Figure = Whole | Annotated[float, Field(strict=True)] | None
+
+
+ROWS: dict[str, TypeAdapter[Row]] = {
+    METRICS_JSONL: TypeAdapter(dict[str, Figure]),
+    EVALUATIONS: TypeAdapter(dict[str, Figure | dict[str, Figure]]),
+}
+COLUMNS = {METRICS_JSONL: {"env_steps"}, EVALUATIONS: {"update", "collective return"}}  # of each row
+OF_A_RUN = {"update", "seconds", "episodes"}  # further columns of the metrics, without which a run isn't resumed
 
 
 @dataclass(frozen=True)
@@ -61,7 +73,7 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
     lines, evaluations = folder / METRICS_JSONL, folder / EVALUATIONS
     size, last = 0, Row()
     for line, row in _whole_lines(lines) if done else ():
-        if row.get("update") != last.get("update", 0) + 1:
+        if not row.keys() >= OF_A_RUN or row["update"] != last.get("update", 0) + 1:
             break
         size += len(line)
         last = known_row(row)
@@ -129,17 +141,18 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
     """Yields the lines of a file of JSON lines and their rows, up to one that was cut off when the process was killed."""
     if not path.exists():
         return
-    with open(path, "rb") as file:
-        for number, line in enumerate(file, start=1):
-            if not line.endswith(b"\n"):
-                return
-            try:
-                row = json.loads(line)
-            except ValueError:
-                row = None
-            if not isinstance(row, dict):
-                raise RunError(f"{path} is damaged: its line {number} can't be read. Restore the file")
+    number = 0
+    try:
+        for line in read_lines(path):
+            number += 1
+            row = ROWS[path.name].validate_json(line)
+            if not row.keys() >= COLUMNS[path.name]:
+                raise ValueError("a column is missing")
             yield line, row
+    except ValueError:
+        raise RunError(f"{path} is damaged: its line {number} can't be read. Restore the file") from None
+    except OSError as error:
+        raise RunError(f"{path} can't be read: {error.strerror}. Restore the file") from None
 
 
 def _cut(path: Path, size: int) -> None:

@@ -29,6 +29,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, get_args
 
+from sjdsl.files import MEGABYTE, read_bytes
 from sjdsl.near_names import meant
 
 from .config import KEYS_OF, Config, ConfigError, make_config, only_of_others
@@ -39,6 +40,7 @@ FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dic
 ENVIRONMENT = {"variant": str, "map": str, "num_agents": int, "params": dict}
 SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_ANY}
 NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
+LARGEST = MEGABYTE  # bytes of a preset's file
 MEANS = {str: "text", int: "a whole number", bool: "true or false", dict: "a table"}
 
 
@@ -81,14 +83,16 @@ def load_preset(
     return Preset(chosen, {**kept, **own.get("environment", {})}, config, left_out)
 
 
-def _content(name: str | Path, extended_by: tuple[str, ...] = ()) -> dict[str, Any]:
+def _content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict[str, Any]:
     """Returns the tables of a preset, merged with those of the presets that it extends."""
-    if str(name) in extended_by:
-        raise ConfigError(f"{extended_by[0]}: presets extend each other in a circle: {' -> '.join([*extended_by, str(name)])}")
+    if _identity(name) in map(_identity, extended_by):
+        raise ConfigError(f"{extended_by[0]}: presets extend each other in a circle: {' -> '.join(map(str, (*extended_by, name)))}")
     try:
         content = tomllib.loads(_read(name))
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # also an integer of too many digits
         raise ConfigError(f"{name}: {error}") from None
+    except RecursionError:
+        raise ConfigError(f"{name}: it is nested too deep") from None
     _check(content, SECTIONS, str(name))
     _check_named(content, str(name))
     _check(content.get("games", {}), dict.fromkeys(content.get("games", {}), dict), f"{name}: games")
@@ -99,7 +103,12 @@ def _content(name: str | Path, extended_by: tuple[str, ...] = ()) -> dict[str, A
         return content
     extended = content["extends"]
     under = Path(name).parent / extended if Path(extended).suffix == ".toml" else extended
-    return _over(_content(under, (*extended_by, str(name))), content)
+    return _over(_content(under, (*extended_by, name)), content)
+
+
+def _identity(name: str | Path) -> str | Path:
+    """Returns a file by its one whole path, a preset of this package by its name."""
+    return Path(name).resolve() if Path(name).suffix == ".toml" else str(name)
 
 
 def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
@@ -111,9 +120,9 @@ def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
 def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the values of the configuration: for all, the algorithm, the reward, both together; the same for the game; changes."""
     first = {**content.get("config", {}), **own.get("config", {}), **changes}
-    algorithm = first.get("algorithm", "ippo")
+    algorithm = _name_in(first, "algorithm", "ippo")
     algorithm = algorithm if algorithm in KEYS_OF else "ippo"  # a user's own has the settings of ippo
-    reward = first.get("reward", KEYS_OF[algorithm]["reward"].default)
+    reward = _name_in(first, "reward", KEYS_OF[algorithm]["reward"].default)
     values: dict[str, Any] = {}
     for tables in (content, own):
         of_algorithm = tables.get("algorithm", {}).get(algorithm, {})
@@ -123,6 +132,12 @@ def _layered(content: Mapping[str, Any], own: Mapping[str, Any], changes: Mappin
         values |= spread(tables.get("reward", {}).get(reward, {}))
         values |= spread(of_rewards.get(reward, {}))
     return values | dict(changes)
+
+
+def _name_in(values: Mapping[str, Any], key: str, default: str) -> str:
+    """Returns the name in a value; the configuration refuses what is none."""
+    value = values.get(key, default)
+    return value if isinstance(value, str) else default
 
 
 def _of_rewards(algorithm: Mapping[str, Any]) -> dict[Any, Any]:
@@ -151,9 +166,12 @@ def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> 
 
 def _read(name: str | Path) -> str:
     if Path(name).suffix == ".toml":
-        if not Path(name).is_file():
-            raise ConfigError(f"{name} does not exist")
-        return Path(name).read_text(encoding="utf-8")
+        try:
+            return read_bytes(Path(name), LARGEST).decode()
+        except FileNotFoundError:
+            raise ConfigError(f"{name} does not exist") from None
+        except OSError as error:
+            raise ConfigError(f"{name} can't be read: {(error.strerror or 'unknown reason').lower()}") from None
     packaged = {file.name.removesuffix(".toml"): file for file in (files(__package__) / "presets").iterdir()}
     if name not in packaged:
         raise ConfigError(f"unknown preset `{name}`{meant(str(name), packaged, 'the presets are')}")

@@ -12,8 +12,11 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from sjdsl.several import several
+from sjdsl.termination import raising_on_sigterm
+
 from .algorithms import make_train
-from .checkpoints import Checkpoints
+from .checkpoints import Checkpoints, resumption
 from .compiled import NoMemoryError, compile_train, peak_megabytes, with_spread_starts
 from .config import Config, stored_config
 from .environment import Environment, episode_length
@@ -65,7 +68,7 @@ def train(
     run_dir: Path | str,
     progress: ProgressStyle = "auto",
     provenance: Mapping[str, Any] | None = None,
-    loggers: Sequence[LoggerName] = (),
+    loggers: LoggerName | Sequence[LoggerName] = (),
     asked: Mapping[str, Any] | None = None,
     callback: Callback | None = None,
 ) -> Result:
@@ -77,7 +80,7 @@ def train(
       run_dir: a new or empty folder.
       progress: `bar` (rich), `lines`, `none`; `auto` is `bar` on a terminal and `lines` elsewhere.
       provenance: JSON values for the manifest, such as the arguments that made `env`.
-      loggers: where metrics go as well: `tensorboard`, `wandb`.
+      loggers: where metrics go as well: `tensorboard`, `wandb`, or both.
       asked: further JSON values for the manifest, for when the run is resumed.
       callback: called with an `Update` after each update, in the first of several processes; the run ends there if it returns True.
     Raises:
@@ -95,7 +98,7 @@ def train(
         run_dir.mkdir(parents=True, exist_ok=True)
         if config.init_from and is_first():
             copy_policy(config.init_from, run_dir / START)
-        manifest = describe_run(env, config, provenance or {}) | {"loggers": list(loggers), "asked": dict(asked or {})}
+        manifest = describe_run(env, config, provenance or {}) | {"loggers": list(several(loggers)), "asked": dict(asked or {})}
         return _run(env, config, run_dir, manifest, progress, callback)
 
 
@@ -103,10 +106,11 @@ def resume(
     env: Environment,
     run_dir: Path | str,
     progress: ProgressStyle = "auto",
-    loggers: Sequence[LoggerName] | None = None,
+    loggers: LoggerName | Sequence[LoggerName] | None = None,
     asked: Mapping[str, Any] | None = None,
     callback: Callback | None = None,
     total_timesteps: int | None = None,
+    provenance: Mapping[str, Any] | None = None,
 ) -> Result:
     """Resumes a run from its last checkpoint; on a CPU it ends with the metrics of a run that was never stopped.
 
@@ -116,6 +120,7 @@ def resume(
       progress, loggers, asked, callback: as in `train`; loggers and `asked` stay those of the run unless given.
       total_timesteps: makes the run longer, even a finished one. From there on, schedules over the whole run (of the learning rate, for
         example) are those of the longer run.
+      provenance: how `env` was made, where the run's game has moved.
     Raises:
       RunError: there is no such run, or another process trains in its folder; it was of another game or other versions, or has done more
         steps already; or rows of its metrics are lost.
@@ -128,8 +133,9 @@ def resume(
             manifest = extended(manifest, run_dir, total_timesteps)
         resumed = [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]
         manifest |= {"status": "running", "resumed": resumed}
-        manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else loggers)}
+        manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else several(loggers))}
         manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
+        manifest |= {"provenance": dict(manifest.get("provenance", {}) if provenance is None else provenance)}
         return _run(env, stored_config(manifest["config"]), run_dir, manifest, progress, callback)
 
 
@@ -138,6 +144,7 @@ def _lock(run_dir: Path) -> AbstractContextManager[None]:
     return locked(run_dir) if is_first() else nullcontext()
 
 
+@raising_on_sigterm()
 def _run(
     env: Environment, config: Config, run_dir: Path, manifest: dict[str, Any], progress: ProgressStyle, callback: Callback | None
 ) -> Result:
@@ -155,6 +162,8 @@ def _run(
         checkpoints = Checkpoints(run_dir)
         stack.callback(checkpoints.close)
         state, done = checkpoints.restore_last(compiled.start())
+        if "resumed" in manifest and done < config.num_updates and progress != "none" and is_first():
+            print(f"{title}: {resumption(done)}", flush=True)
         manifest.update(compile_seconds=compiled.seconds, program_megabytes=compiled.megabytes)
         recorders = stack.enter_context(open_recorders(folders, env, config, done, manifest["loggers"], title))
         so_far = Progress(done, diverged_before(state, recorders, config))

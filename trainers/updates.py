@@ -13,6 +13,8 @@ from typing import Any
 import jax
 import numpy as np
 
+from sjdsl.termination import Terminated, sigterm_raises
+
 from .checkpoint_pace import CheckpointPace
 from .compiled import Compiled, NoMemoryError
 from .config import Config
@@ -95,7 +97,7 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
             recorder.store(of_seed(parameters, index, config), number, "last")
         keeping.save(number, state)
 
-    with stop_between_updates() as asked_to_stop:
+    with noting_signals() as signals:
         try:
             for number in range(progress.updates + 1, config.num_updates + 1):
                 whole = None
@@ -129,8 +131,8 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                     save(number, learning)
                     pace.written(begin, time.perf_counter())
                     saved = number
-                if any_process(asked_to_stop()):
-                    raise KeyboardInterrupt
+                if any_process(bool(signals)):
+                    raise Terminated if signal.SIGTERM in signals else KeyboardInterrupt
                 if any_process(keeping.after_update(number, rows, learning, parameters)):
                     progress.stopped = True
                     break
@@ -207,20 +209,24 @@ def describe_divergence(diverged: Mapping[int, int]) -> str:
 
 
 @contextmanager
-def stop_between_updates() -> Iterator[Callable[[], bool]]:
-    """Yields whether Ctrl-C was pressed: an update isn't interrupted, as its state couldn't be saved. A second Ctrl-C interrupts it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    pressed = False
+def noting_signals() -> Iterator[Sequence[int]]:
+    """Yields a list that gets the number of each SIGINT (Ctrl-C) and SIGTERM, in place of what they would do.
 
-    def press(*_: Any) -> None:
-        nonlocal pressed
-        pressed = True
-        signal.signal(signal.SIGINT, before)
+    An update isn't interrupted, as its state couldn't be saved. A second Ctrl-C interrupts it. Off the main thread nothing is noted.
+    """
+    noted: list[int] = []
+    before: dict[int, Any] = {}
 
-    before = signal.signal(signal.SIGINT, press)
+    def note(number: int, _: Any) -> None:
+        noted.append(number)
+        if number == signal.SIGINT:
+            signal.signal(number, before[number])
+
+    if threading.current_thread() is threading.main_thread():
+        numbers = [signal.SIGINT, signal.SIGTERM] if sigterm_raises() else [signal.SIGINT]
+        before |= {number: signal.signal(number, note) for number in numbers}
     try:
-        yield lambda: pressed
+        yield noted
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

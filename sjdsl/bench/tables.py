@@ -29,7 +29,9 @@ FORM = ("game", "agents", "observation")
 
 def speed_tables(report: Report) -> tuple[Table, ...]:
     """Returns the tables of speeds; comparisons only where there are two things to compare."""
-    return tuple(table for table in (speed_table(report), cost_table(report), relation_table(report)) if table.rows)
+    return tuple(
+        table for table in (speed_table(report), processor_table(report), cost_table(report), relation_table(report)) if table.rows
+    )
 
 
 def notes_of_speeds(report: Report) -> tuple[str, ...]:
@@ -46,6 +48,18 @@ def speed_table(report: Report) -> Table:
     for form, speeds in grouped(report.speeds).items():
         rows.append((*_labels(form), *(speed_cell(speeds.get(number)) for number in numbers)))
     title = f"environment steps a second: median of {report.repeats} rounds, spread, ratio to the yardstick round by round"
+    return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
+
+
+def processor_table(report: Report) -> Table:
+    """Returns one row a form: for each number of environments its steps a second of processor time; none if it wasn't measured."""
+    numbers = env_numbers(report)
+    rows = []
+    for form, speeds in grouped(report.speeds).items():
+        rates = {number: speed.env_steps_per_processor_s for number, speed in speeds.items()}
+        if any(rates.values()):
+            rows.append((*_labels(form), *(thousands(rate) if (rate := rates.get(number)) else "" for number in numbers)))
+    title = f"environment steps a second of processor time, of all cores together: median of {report.repeats} rounds"
     return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
 
 

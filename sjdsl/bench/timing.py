@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 from jax import Array
@@ -14,6 +14,7 @@ from jax.stages import Compiled
 from sjdsl.bench.compilation import Compilation, compile_step
 from sjdsl.bench.loop import Task, make_loop, steps_for, yardstick_task
 from sjdsl.bench.machine import describe_machine, device_peak_bytes
+from sjdsl.several import several
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,8 @@ class Speed:
     """Environment steps a second of one task: the median of the rounds, the slowest and the fastest.
 
     `ratio` is the median over rounds of the task's speed to the yardstick's in the same round. `memory_bytes` is what XLA
-    says the whole loop needs: the states, the observations of one step and everything in between.
+    says the whole loop needs: the states, the observations of one step and everything in between. `env_steps_per_processor_s` is the
+    median of steps a second of processor time, of all cores together, which other programs hardly change; None in older files.
     """
 
     name: str
@@ -35,11 +37,30 @@ class Speed:
     ratio: float
     loop_compile_s: float
     memory_bytes: int
+    env_steps_per_processor_s: float | None = None
 
     @property
     def spread(self) -> float:
         """Half the way from the slowest round to the fastest, as a fraction of the median."""
         return (self.fastest - self.slowest) / 2 / self.env_steps_per_s
+
+
+class Round(NamedTuple):
+    """What one round took: seconds of the clock, and of all processors together."""
+
+    env_steps: int
+    seconds: float
+    processor_seconds: float
+
+    @property
+    def rate(self) -> float:
+        """Environment steps a second."""
+        return self.env_steps / self.seconds
+
+    @property
+    def rate_of_processor(self) -> float:
+        """Environment steps a second of processor time, which has ticks of its own."""
+        return self.env_steps / max(self.processor_seconds, time.get_clock_info("process_time").resolution)
 
 
 @dataclass(frozen=True)
@@ -55,8 +76,8 @@ class Report:
 
 
 def measure(
-    tasks: Sequence[Task],
-    num_envs: Sequence[int],
+    tasks: Task | Sequence[Task],
+    num_envs: int | Sequence[int],
     repeats: int = 5,
     steps: Callable[[int], int] = steps_for,
     tell: Callable[[str], object] = lambda _: None,
@@ -67,7 +88,7 @@ def measure(
 
     Args:
       tasks: what to measure beside the yardstick.
-      num_envs: how many environments play at once; each number is measured apart.
+      num_envs: how many environments play at once; each number is measured apart. Of tasks and numbers one may stand for itself.
       repeats: rounds; in each every task is timed once.
       steps: number of environments -> steps of one timing.
       tell: called with a line whenever something has begun.
@@ -75,6 +96,7 @@ def measure(
         isn't compiled.
       devices: over how many the environments are split (`bench.devices`); every number of environments is a multiple of it.
     """
+    tasks, num_envs = several(tasks), several(num_envs)
     compilations = []
     for task in tasks if workers == 1 else ():
         if task.env is not None:
@@ -93,8 +115,8 @@ def measure(
 
         with ThreadPoolExecutor(workers) as pool:
             compiled = list(pool.map(compile_one, everyone))
-        rates = race([loop for loop, _ in compiled], [number * steps(number)] * len(compiled), repeats, announce)
-        speeds += [speed_of(task, number, rate, rates[0], made) for task, rate, made in zip(everyone, rates, compiled, strict=True)]
+        rounds = timed_rounds([loop for loop, _ in compiled], [number * steps(number)] * len(compiled), repeats, announce)
+        speeds += [speed_of(task, number, own, rounds[0], made) for task, own, made in zip(everyone, rounds, compiled, strict=True)]
     return Report(describe_machine(devices), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
@@ -108,32 +130,42 @@ def compile_loop(task: Task, num_envs: int, num_steps: int, devices: int = 1) ->
 def speed_of(
     task: Task,
     num_envs: int,
-    rates: Sequence[float],
-    yardstick: Sequence[float],
+    rounds: Sequence[Round],
+    yardstick: Sequence[Round],
     compiled: tuple[Compiled, float],
 ) -> Speed:
-    """Returns the speed of a task from the rates of its rounds and of the yardstick's, `[repeats]` env steps a second each."""
+    """Returns the speed of a task from its rounds and those of the yardstick."""
     loop, seconds = compiled
-    ratio = statistics.median(own / its for own, its in zip(rates, yardstick, strict=True))
+    rates = [one.rate for one in rounds]
+    ratio = statistics.median(own.rate / its.rate for own, its in zip(rounds, yardstick, strict=True))
     figures = (statistics.median(rates), min(rates), max(rates), ratio, seconds, memory_of(loop))
-    return Speed(task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures)
+    of_processor = statistics.median(one.rate_of_processor for one in rounds)
+    return Speed(task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures, of_processor)
 
 
 def race(
     loops: Sequence[Callable[[Array], Array]], env_steps: Sequence[int], repeats: int, tell: Callable[[int], object]
 ) -> list[list[float]]:
-    """Returns environment steps a second by loop and round: in each round every loop runs once, for `env_steps` steps."""
+    """Returns environment steps a second by loop and round, as `timed_rounds`."""
+    return [[one.rate for one in rounds] for rounds in timed_rounds(loops, env_steps, repeats, tell)]
+
+
+def timed_rounds(
+    loops: Sequence[Callable[[Array], Array]], env_steps: Sequence[int], repeats: int, tell: Callable[[int], object]
+) -> list[list[Round]]:
+    """Returns the times by loop and round: in each round every loop runs once, for `env_steps` steps."""
     for loop in loops:
         loop(jax.random.key(1)).block_until_ready()  # the first call may be slower
-    rates: list[list[float]] = [[] for _ in loops]
+    rounds: list[list[Round]] = [[] for _ in loops]
     for number in range(repeats):
         tell(number + 1)
-        for rate, loop, number_of_steps in zip(rates, loops, env_steps, strict=True):
+        for own, loop, number_of_steps in zip(rounds, loops, env_steps, strict=True):
             key = jax.random.key(number)
             began = time.perf_counter()
+            began_on_processor = time.process_time()
             loop(key).block_until_ready()
-            rate.append(number_of_steps / (time.perf_counter() - began))
-    return rates
+            own.append(Round(number_of_steps, time.perf_counter() - began, time.process_time() - began_on_processor))
+    return rounds
 
 
 def memory_of(compiled: Compiled) -> int:

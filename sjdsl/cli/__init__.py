@@ -15,6 +15,7 @@ from sjdsl.cli.faults import INTERRUPTED, report_fault
 from sjdsl.cli.pointer import pointed
 from sjdsl.library.cache import keep_programs
 from sjdsl.near_names import meant
+from sjdsl.termination import TERMINATED, Terminated, raising_on_sigterm
 
 GROUPS = {
     "Write a game": {
@@ -125,15 +126,18 @@ def main() -> NoReturn:
     accept_any_text()
     keep_programs()
     try:
-        status = run()
-        sys.stdout.flush()
+        with raising_on_sigterm():
+            status = run()
+            sys.stdout.flush()
+    except Terminated:
+        status = TERMINATED
     except KeyboardInterrupt:  # before or after the command itself
         status = INTERRUPTED
     except BrokenPipeError:  # the reader has closed, as `head` does; discard the rest
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1
     gc.freeze()
-    if status == INTERRUPTED:  # XLA may still be compiling: it can't be stopped, and would crash when Python exits
+    if status in (INTERRUPTED, TERMINATED):  # XLA may still be compiling: it can't be stopped, and would crash when Python exits
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

@@ -13,7 +13,7 @@ import click
 import sjdsl
 from sjdsl.cli.game_file import game_path, map_option, variant_option
 from sjdsl.compiler import Build
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.interpreter.numbers import real
 from sjdsl.library.checked_game import build_game
 from sjdsl.library.games_folder import is_name
@@ -154,9 +154,14 @@ def named_in(file: Path | str) -> Iterator[None]:
     try:
         yield
     except CompileError as error:
-        found = dict.fromkeys(f"{d.code} {d.title}" for d in error.diagnostics if d.severity == "error")
+        found = dict.fromkeys(_without_text(d) for d in error.diagnostics if d.severity == "error")
         raise click.ClickException(
             f"{file} names a game, or a map for it, with errors: {', '.join(found)}; run `sjdsl check` on them to see where"
         ) from None
     except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
         raise click.ClickException(f"{file} names a game that can't be built with its settings: {error}") from None
+
+
+def _without_text(fault: Diagnostic) -> str:
+    """Returns a fault of a game without its text; that a file is missing is only found in what is a game."""
+    return f"{fault.code} {fault.title}" + (f": {fault.message}" if fault.code == "SJ111" else "")

@@ -28,7 +28,7 @@ STORED = ".safetensors"
 
 @click.command("evaluate")
 @click.argument("run", metavar="RUN|POLICY")
-@click.option("--game", metavar="GAME", help="The game in which all agents play POLICY.")
+@click.option("--game", metavar="GAME", help="The game in which all agents play POLICY, or where the game of RUN is now.")
 @click.option("--scenario", metavar="NAME|all", help="Play RUN in a scenario of the game, or in several: A,B.")
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes to play.")
 @click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
@@ -70,10 +70,10 @@ def command(
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))
-    if game is not None:
+    if game is not None and not _is_run(run, game):
         env, policy = _evaluate_policy(run, game, episodes, seed, greedy, output, options)
     else:
-        provenance = provenance_of(path, OR_A_GAME)
+        provenance = provenance_of(path, OR_A_GAME, game, options.map)
         with stages(LOADING), named_in(path):
             env = make_environment(provenance)
         folders = sorted(path.glob("seed_*")) or [path]
@@ -85,6 +85,19 @@ def command(
         with stages("drawing an episode") as say:
             done = save_film(env, policy, Path(film), env.episode_length, seed, say=say)
         click.echo(done)
+
+
+def _is_run(policy: str, game: str) -> bool:
+    """Whether a text names a run, which is evaluated in its own game. Raises UsageError for an option that none has."""
+    path, _ = split_name(policy)
+    if not path.is_dir() or policy in (*UNTRAINED, *(declared.name for declared in EnvironmentOptions().check(game).policies)):
+        return False
+    for option in written_options(*WITHOUT_GAME, "game", "map_file"):
+        raise click.UsageError(
+            f"{option} is for a policy that isn't a run; {path} is a folder, and a run is evaluated in its own game. "
+            "To evaluate it in another form of the game, name the file of a policy, such as RUN/policies/last.safetensors"
+        )
+    return True
 
 
 def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str | int = "last") -> None:
@@ -129,11 +142,6 @@ def _check_policy(policy: str, game: "ir.Game", greedy: bool | None, output: str
     """Checks the options as far as possible before JAX loads."""
     path, _ = split_name(policy)
     named = policy in (*UNTRAINED, *(declared.name for declared in game.policies))
-    if path.is_dir() and not named:
-        raise click.UsageError(
-            f"--game is for --scenario, or for a policy that isn't a run; {path} is a folder, and a run is evaluated in its own game. "
-            "To evaluate it in another form of the game, name the file of a policy, such as RUN/policies/last.safetensors"
-        )
     check_policy(policy, game)
     if greedy is not None and (named or path.suffix != STORED):
         raise click.UsageError(f"{'--greedy' if greedy else '--drawn'} is for trained policies, and `{policy}` isn't one")

@@ -5,6 +5,7 @@ import sys
 import click
 
 from sjdsl.extras import MissingExtra
+from sjdsl.termination import TERMINATED, Terminated
 
 INTERRUPTED = 130  # the exit status of a command that Ctrl-C ended
 FAULTS_OF_RUNS = {
@@ -25,24 +26,24 @@ def report_fault(error: Exception, called: str) -> int:
     match error:
         case click.Abort():
             click.echo("interrupted", err=True)
-            return INTERRUPTED
+            return TERMINATED if isinstance(error.__cause__, Terminated) else INTERRUPTED
         case click.UsageError():
-            click.echo(f"error: {error.format_message()}", err=True)
+            _echo(error.format_message())
             click.echo(f"see `{called} --help`", err=True)
             return error.exit_code
         case click.ClickException():
-            click.echo(f"error: {error.format_message()}", err=True)
+            _echo(error.format_message())
             return error.exit_code
         case MissingExtra():
-            click.echo(f"error: {error}", err=True)
+            _echo(str(error))
             return 1
         case OSError() if error.filename is not None:
-            click.echo(f"error: {error.filename}: {(error.strerror or 'cannot be used').lower()}", err=True)
+            _echo(f"{error.filename}: {(error.strerror or 'cannot be used').lower()}")
             return 1
     for place, name in FAULTS_OF_RUNS.items():
         module = sys.modules.get(place)  # if it hasn't been imported, it has raised nothing
         if module is not None and isinstance(error, getattr(module, name)):
-            click.echo(f"error: {error}", err=True)
+            _echo(str(error))
             return 1
     from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
@@ -52,3 +53,9 @@ def report_fault(error: Exception, called: str) -> int:
         print_diagnostics(error.diagnostics, err=True)
         return 1
     raise error
+
+
+def _echo(message: str) -> None:
+    """Prints a message; of what it quotes from a file, a character that would control the terminal is shown by its code."""
+    shown = "".join(character if character.isprintable() or character == "\n" else ascii(character)[1:-1] for character in message)
+    click.echo(f"error: {shown}", err=True)

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -23,6 +24,7 @@ def command(inside: tuple[str, ...]) -> int:
     from sjdsl.editor.server import make_server
 
     gc.set_threshold(MANY, 20, 20)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # it has no work to keep, and pygls would wait for the editor's next message
     server = make_server([*map(Path, inside)] or None)
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers:  # pygls closes what it writes to, and our own is still needed
         server.start_io(stdout=answers)

@@ -8,7 +8,9 @@ import sjdsl
 from sjdsl.cli.environment_options import named_in
 from sjdsl.cli.film import SPEED, announced, check_film, write_film
 from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.game_file import map_option
 from sjdsl.cli.play import moment_lines
+from sjdsl.cli.provenance import located
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.interpreter.board import board_of
 from sjdsl.render.letters import make_letters
@@ -21,8 +23,10 @@ from sjdsl.replay import RecordingError, load_recording
     "--episode", type=int, metavar="N", default=0, show_default=True, help="Which episode of a file of many to show; -1 is the last."
 )
 @click.option("-o", "output", metavar="FILE", help="Write a .gif, .mp4 or .html instead of printing the boards.")
+@click.option("--game", metavar="GAME", help="Where the episode's game is now.")
+@map_option
 @click.option("--speed", type=click.FloatRange(min=0.5, max=1000), metavar="N", default=SPEED, show_default=True, help="Steps a second.")
-def command(file: str, episode: int, output: str | None, speed: float) -> None:
+def command(file: str, episode: int, output: str | None, game: str | None, map_file: str | None, speed: float) -> None:
     """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if the rules are still the same."""
     if output is not None:
         check_film(Path(output))
@@ -32,8 +36,9 @@ def command(file: str, episode: int, output: str | None, speed: float) -> None:
         from sjdsl.replay import replayed
 
         with stages(LOADING) as say:
+            arguments = located(recording.environment, recording.hash, Path(file), f"sjdsl replay {file} --game GAME", game, map_file)
             with named_in(file):
-                env = sjdsl.make(**recording.environment)
+                env = sjdsl.make(**arguments)
             moments = announced(replayed(recording, env), env, say)
             if output is not None:
                 shown = write_film(env, moments, Path(output), speed, say)

@@ -10,6 +10,7 @@ import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions, environment_options, make_environment, named_in, written_options
 from sjdsl.cli.evaluate import evaluate_run, list_files
+from sjdsl.cli.provenance import located
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.extras import MissingExtra, is_installed
@@ -26,14 +27,19 @@ if TYPE_CHECKING:
     from sjdsl.trainers.loggers import LoggerName
 
 EPISODES = 30  # of the evaluation at the end
-BESIDE_RESUME = ("resumed", "episodes", "loggers", "callback", "distributed", "keys", "allow_code")
+BESIDE_RESUME = ("resumed", "game", "map_file", "episodes", "loggers", "callback", "distributed", "keys", "allow_code")
 
 
 @click.command("train")
 @click.argument("game", required=False)
 @run_options()
 @click.option("--run", "run_dir", metavar="DIR", help="Folder of the run; by default a new one in runs/.")
-@click.option("--resume", "resumed", metavar="DIR", help="Continue a stopped run; --set total_timesteps=… extends it.")
+@click.option(
+    "--resume",
+    "resumed",
+    metavar="DIR",
+    help="Continue a stopped run; --set total_timesteps=… extends it, GAME says where its game is now.",
+)
 @click.option("--episodes", type=click.IntRange(min=0), metavar="N", help=f"Episodes of evaluation.  [default: {EPISODES}]")
 @click.option("--callback", metavar="FILE.py:NAME", help="Call your own function after each update.")
 @click.option("--distributed", is_flag=True, help="Run as one of several processes: docs/training.md.")
@@ -61,7 +67,7 @@ def command(
         wrong = written_options(*BESIDE_RESUME, *(["changes"] if only_longer else []))
         if wrong:
             raise click.UsageError(f"a resumed run keeps its settings, except total_timesteps: leave out {', '.join(wrong)}")
-        _resume(Path(resumed), episodes, run.loggers or None, callback, run.changes.get("total_timesteps"))
+        _resume(Path(resumed), game, options.map, episodes, run.loggers or None, callback, run.changes.get("total_timesteps"))
         return
     game, environment, config = _choose(game, run, needed=not keys)
     if keys:
@@ -110,11 +116,20 @@ def extent_of(config: "Config") -> str:
     return f"training {what} (total_timesteps={config.total_timesteps:,} is rounded up to whole updates): {plan}"
 
 
-def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] | None", callback: str | None, longer: str | None) -> None:
+def _resume(
+    path: Path,
+    game: str | None,
+    map_file: str | None,
+    episodes: int | None,
+    loggers: "tuple[LoggerName, ...] | None",
+    callback: str | None,
+    longer: str | None,
+) -> None:
+    """Continues a run. `game`, `map_file`: where its game and map are now."""
+    manifest = read_manifest(path)
     from sjdsl.trainers import resume
     from sjdsl.trainers.loggers import check_loggers
 
-    manifest = read_manifest(path)
     check_loggers(manifest.get("loggers", ()) if loggers is None else loggers)
     if episodes is None:
         episodes = manifest.get("asked", {}).get("episodes", EPISODES)
@@ -131,11 +146,14 @@ def _resume(path: Path, episodes: int | None, loggers: "tuple[LoggerName, ...] |
     kept = manifest.get("asked", {}).get("callback")
     if callback is None and kept is not None:
         require_allowed("callback", kept, str(path / "manifest.json"))
+    command = f"sjdsl train GAME --resume {shlex.quote(str(path))}"
+    provenance = located(manifest["provenance"], manifest["game"].get("hash", ""), path, command, game, map_file)
     with stages(LOADING), named_in(path / "manifest.json"):
-        env = make_environment(manifest["provenance"])
+        env = make_environment(provenance)
     found, asked = find_callback(callback or kept)
     total = None if longer is None else make_config(total_timesteps=longer).total_timesteps
-    result = resume(env, path, loggers=loggers, asked={"episodes": episodes, **asked}, callback=found, total_timesteps=total)
+    asked |= {"episodes": episodes}
+    result = resume(env, path, loggers=loggers, asked=asked, callback=found, total_timesteps=total, provenance=provenance)
     _finish(result, env, stored_config(read_manifest(path)["config"]), episodes)
 
 

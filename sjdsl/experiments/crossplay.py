@@ -12,14 +12,15 @@ from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_poo
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import write_whole
 from sjdsl.runtime.policy import Policy
+from sjdsl.several import several
 from sjdsl.trainers.environment import Environment
 
 
 def cross_play(
     env: Environment,
     *,
-    slots: Sequence[str | Path | Policy] | None = None,
-    policies: Sequence[str | Path | Policy] | None = None,
+    slots: str | Path | Policy | Sequence[str | Path | Policy] | None = None,
+    policies: str | Path | Policy | Sequence[str | Path | Policy] | None = None,
     mix: Mix = "all",
     episodes: int = 30,
     seed: int = 0,
@@ -31,7 +32,7 @@ def cross_play(
     Args:
       env: one environment of N agents.
       slots: N policies, one for each slot: a fixed line-up.
-      policies: instead of `slots`: P policies whose mixtures are played; each episode draws who has which slot.
+      policies: instead of `slots`: one policy, or P policies, whose mixtures are played; each episode draws who has which slot.
       mix: `all`: every mixture over N slots; `pairs`: one agent of a policy among N - 1 of another, and each with itself.
       episodes: E, of each mixture and replicate.
       seed: the seed of the episodes. All mixtures have the same starts; a line-up plays those of `evaluate` with `evaluation_key(seed)`.
@@ -40,7 +41,9 @@ def cross_play(
     Raises:
       ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
     """
-    return play_mixtures(plan_cross_play(env, slots, policies, mix, episodes, seed), mix if slots is None else None, folder, tell)
+    in_slots = None if slots is None else several(slots)
+    mixed = None if policies is None else several(policies)
+    return play_mixtures(plan_cross_play(env, in_slots, mixed, mix, episodes, seed), mix if slots is None else None, folder, tell)
 
 
 def play_mixtures(experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell) -> CrossPlay:

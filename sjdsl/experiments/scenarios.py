@@ -13,6 +13,7 @@ from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores, line_up, r
 from sjdsl.near_names import meant
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import Policy
+from sjdsl.several import several
 from sjdsl.trainers.environment import Environment
 
 NAME = "scenarios"
@@ -117,8 +118,8 @@ def choose_scenarios(env: Environment, names: str | Sequence[str]) -> tuple[ir.S
         raise ExperimentError(f"a scenario needs at least two agents, and {env.name} has one here; ask for more with --agents")
     if not declared:
         raise ExperimentError(f"{env.name} has no scenarios; write one into the game's file, such as `{EXAMPLE}`")
-    given = [names] if isinstance(names, str) else list(names)
-    wanted = list(declared) if ALL in given else given
+    given = several(names)
+    wanted = list(declared) if ALL in given else list(given)
     if not wanted:
         raise ExperimentError("name at least one scenario, or `all`")
     for name in wanted:

@@ -21,6 +21,7 @@ from sjdsl.render.look import make_look
 from sjdsl.render.moment import Snapshot
 from sjdsl.runtime.actions import BUILT_IN
 from sjdsl.runtime.env import Environment
+from sjdsl.several import several
 
 with needs("dm_env"):
     import dm_env
@@ -179,12 +180,13 @@ def get_config(game: str, **arguments: Any) -> Config:
     return Config(roles, frozenset(roles), made.action_names, names, ("WORLD.RGB",))
 
 
-def build(game: str, roles: Sequence[str], seed: int | None = None, tile: int = TILE, **arguments: Any) -> Substrate:
+def build(game: str, roles: str | Sequence[str], seed: int | None = None, tile: int = TILE, **arguments: Any) -> Substrate:
     """Returns the game or substrate with one player for each role.
 
     Raises:
       ValueError: the game lacks a role, the roles are not those of its players in order, or it doesn't allow that number of players.
     """
+    roles = several(roles)
     number = _make(game, arguments).num_agents
     usual = _roles(game, number)
     unknown = sorted(set(roles) - set(usual))

@@ -26,20 +26,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from sjdsl.experiments.folder import read_json as read_object
 from sjdsl.extras import needs
-from sjdsl.files import read_json
+from sjdsl.files import parse_json, read_json
 from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.bundled import is_usual, other_numbers, variant_now
 from sjdsl.results.presets import preset_of
 from sjdsl.results.refusals import ResultsError, ResultsWarning
+from sjdsl.results.stored_experiments import CrossPlay, Diagram
 from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.manifest import MANIFEST, read_manifest
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
 from sjdsl.trainers.policy_file import POLICIES
 from sjdsl.trainers.run_errors import RunError
+from sjdsl.trainers.stored_evaluation import EVALUATION, RETURN, read_evaluation
 
 with needs("results"):
     import pandas as pd
@@ -67,10 +70,8 @@ OF_EXPERIMENT = (
 RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
 SWEEP, CELLS, FAILED = "sweep.json", "cells", "failed"
 ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
-FORMAT = 1  # of the files of experiments
 EPISODES = 30  # at least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`
 POINTS = 40  # at most, of the learning curve of a seed
-RETURN = "collective return"  # its name in an evaluation
 DIGITS = 6  # significant digits of a figure, here and in a CSV
 # Settings that don't affect learning: seeds, and what is written when.
 NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
@@ -202,15 +203,15 @@ def _reader(path: Path) -> Callable[[Path], Found] | None:
     """Returns the reader of a folder, by the files in it; None if there is none."""
     if not path.is_dir():
         return None
-    if (path / SWEEP).is_file():
+    if (path / SWEEP).exists() or (path / CELLS).is_dir():
         return _sweep
     if (path / MANIFEST).is_file():
         return _cell
     asked = (read_object(path / ASKED) or {}).get("experiment")
     if (path / DIAGRAM).is_file() or asked == "schelling":
-        return lambda path: (_experiment(path, DIAGRAM, _diagram), [])
+        return lambda path: (_experiment(path, DIAGRAM, Diagram), [])
     if (path / CROSS_PLAY).is_file() or asked == "crossplay":
-        return lambda path: (_experiment(path, CROSS_PLAY, _cross_play), [])
+        return lambda path: (_experiment(path, CROSS_PLAY, CrossPlay), [])
     return _stored if (path / RESULTS).is_file() else None
 
 
@@ -220,9 +221,20 @@ def _stored(path: Path) -> Found:
     unknown = sorted(set(frame.status) - {"done", "failed", "unfinished", ""})
     if unknown:
         raise ResultsError(f"{path / RESULTS}: `status` is done, failed or unfinished, not `{unknown[0]}`")
+    for settings in set(frame.settings) - {""}:
+        if not _is_table(settings):
+            raise ResultsError(f"{path / RESULTS}: `settings` must be JSON with names, not `{settings[:80]}`")
     tables = [frame.assign(hash=frame.hash.map(current_hash)), read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None]
     rows, points = ([] if table is None else table.assign(folder=str(path)).to_dict("records") for table in tables)
     return [{name: value for name, value in row.items() if not pd.isna(value)} for row in rows], points
+
+
+def _is_table(text: str) -> bool:
+    """Whether a text is a table of JSON."""
+    try:
+        return isinstance(parse_json(text.encode()), dict)
+    except ValueError:
+        return False
 
 
 # Sweeps, whose cells are ordinary runs.
@@ -255,7 +267,7 @@ def _stages(path: Path) -> dict[str, int | None]:
         if any(Path(name).name != name for name in stored["cells"]):
             raise ValueError("a cell is named by a path")
         return {name: int(cell["stage"]) if stored.get("protocol") == "svo" else None for name, cell in stored["cells"].items()}
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise ResultsError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None
 
 
@@ -362,7 +374,7 @@ def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str
     row["folder"] = str(folder)
     if status != "done":
         return row | {"steps": int(max(steps, default=0)), "episodes": 0}, []
-    means, episodes = _evaluation(folder / "evaluation.json")
+    means, episodes = _evaluation(folder / EVALUATION)
     row |= {"steps": int(manifest["updates"] * manifest["derived"]["steps_per_update"]), "episodes": episodes}
     row |= {"collective_return" if name == RETURN else name: value for name, value in means.items()}
     named = zip(steps, returns, strict=True)
@@ -390,14 +402,11 @@ def _evaluation(path: Path) -> tuple[dict[str, float], int]:
 
     Empty if there is none, or if it was made with `--greedy` or `--drawn`.
     """
-    try:
-        stored = read_json(path)
-        if stored.get("greedy") is not None:
-            return {}, 0
-        means = {name: figure["mean"] for name, figure in stored["summary"].items() if " of agent " not in name}
-        return {name: float(mean) for name, mean in means.items() if mean is not None}, int(stored["episodes"])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    stored = read_evaluation(path)
+    if stored is None or stored.greedy is not None:
         return {}, 0
+    means = {name: figure.mean for name, figure in stored.summary.items() if " of agent " not in name}
+    return {name: mean for name, mean in means.items() if mean is not None}, stored.episodes
 
 
 def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
@@ -423,46 +432,46 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
 # Experiments with policies.
 
 
-def _experiment(path: Path, name: str, rows_of: Callable[[Mapping[str, Any]], Rows]) -> Rows:
+def _experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) -> Rows:
     file = path / name
     if not file.is_file():
         _warn(f"`{path}` is an experiment that isn't finished: it is left out. Its command, run again, resumes it")
         return []
     try:
-        stored = read_json(file)
-        if stored["format"] != FORMAT:
-            raise ResultsError(f"{file} has the format {stored['format']}, expected {FORMAT}; play it again")
-        rows = rows_of(stored)
-        game = stored["game"]
-        of = {"game": game["name"], "hash": current_hash(game["hash"]), "num_agents": game["num_agents"]}
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ResultsError(f"{file} cannot be read ({type(error).__name__}: {error})") from None
-    for note in stored.get("notes", ()):
+        stored = kind.model_validate(read_json(file))
+    except ValidationError as error:
+        fault = error.errors()[0]
+        raise ResultsError(f"{file} cannot be read, for `{'.'.join(map(str, fault['loc']))}`: {fault['msg']}; play it again") from None
+    except (OSError, ValueError) as error:
+        raise ResultsError(f"{file} cannot be read: {error}; play it again") from None
+    for note in stored.notes:
         _warn(note)
-    return [{**of, "params": " ".join(other_numbers(game)), "folder": str(path), **row} for row in rows]
+    game = stored.game
+    of = {"game": game.name, "hash": current_hash(game.hash), "num_agents": game.num_agents}
+    params = " ".join(other_numbers(game.model_dump()))
+    rows = _diagram(stored) if isinstance(stored, Diagram) else _cross_play(stored)
+    return [{**of, "params": params, "folder": str(path), **row} for row in rows]
 
 
-def _diagram(stored: Mapping[str, Any]) -> Rows:
-    verdict = stored["verdict"]
-    row = {"record": "diagram", **{name: stored[name] for name in ("cooperators", "defectors", "unit", "units", "episodes")}}
-    row |= {**{name: verdict[name] for name in ("outcome", "fear", "greed", "reason")}, "caution": verdict.get("caution") or ""}
-    for contrast in CONTRASTS:
-        row |= {f"{contrast}_{end}": stored["contrasts"][contrast][end] for end in ("mean", "low", "high")}
+def _diagram(stored: Diagram) -> Rows:
+    verdict = stored.verdict
+    row = {"record": "diagram", **stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"})}
+    row |= {**verdict.model_dump(), "caution": verdict.caution or ""}
+    for contrast, figure in stored.contrasts:
+        row |= {f"{contrast}_{end}": value for end, value in figure}
     return [row]
 
 
-def _cross_play(stored: Mapping[str, Any]) -> Rows:
+def _cross_play(stored: CrossPlay) -> Rows:
     """Returns a row for each policy and mixture, and one with the collective return of random policies alone."""
-    rows = []
-    number = stored["game"]["num_agents"]
-    plain = not other_numbers(stored["game"])
-    for mixture in stored["mixtures"]:
-        unit, episodes = mixture.get("unit", stored["unit"]), mixture["episodes"]
-        over = {"unit": unit, "units": len(stored["keys"]) if unit == "training seed" else episodes, "episodes": episodes}
-        for policy, figure in mixture["policies"].items():
-            ends = {name: figure[name] for name in ("mean", "low", "high")}
-            rows.append({"record": "mixture", "mixture": mixture["mixture"], "policy": policy, **ends, **over})
-        if plain and set(mixture["slots"]) == {"random"}:
-            together = {name: None if end is None else number * end for name, end in ends.items()}
-            rows.append({"record": "random", "collective_return": together.pop("mean"), **together, "episodes": episodes})
+    rows: Rows = []
+    plain = not other_numbers(stored.game.model_dump())
+    for mixture in stored.mixtures:
+        unit, episodes = mixture.unit or stored.unit, mixture.episodes
+        over = {"unit": unit, "units": len(stored.keys) if unit == "training seed" else episodes, "episodes": episodes}
+        for policy, figure in mixture.policies.items():
+            rows.append({"record": "mixture", "mixture": mixture.mixture, "policy": policy, **dict(figure), **over})
+        if plain and {*mixture.slots} == {*mixture.policies} == {"random"}:
+            alone = {end: None if value is None else stored.game.num_agents * value for end, value in mixture.policies["random"]}
+            rows.append({"record": "random", "collective_return": alone.pop("mean"), **alone, "episodes": episodes})
     return rows

@@ -11,6 +11,7 @@ from sjdsl.results.page import drawn, file_texts, page_text
 from sjdsl.results.refusals import ResultsError, ResultsWarning
 from sjdsl.results.sections import report_sections
 from sjdsl.results.selecting import games
+from sjdsl.several import several
 
 PAGE, DATA = "report.md", "data"
 METHOD = (
@@ -32,11 +33,11 @@ class Report:
     notes: tuple[str, ...]
 
 
-def write_report(sources: Sequence[Path], output: Path, command: str) -> Report:
+def write_report(sources: Path | Sequence[Path], output: Path, command: str) -> Report:
     """Writes the page, its tables and data as CSV, and its pictures as PNG and SVG, each file atomically.
 
     Args:
-      sources: folders, as `load` takes them.
+      sources: a folder or several, as `load` takes them.
       output: a new or empty folder.
       command: the command that makes the report.
     Raises:
@@ -46,7 +47,7 @@ def write_report(sources: Sequence[Path], output: Path, command: str) -> Report:
         raise ResultsError(f"`{output}` is {'not empty' if output.is_dir() else 'a file, expected a folder'}; name another place")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
-        frame, curves = load_both(sources)
+        frame, curves = load_both(several(sources))
     notes = [str(warning.message) for warning in caught if issubclass(warning.category, ResultsWarning)]
     few = [run for _, rows in games(frame) for run, seeds in rows.groupby("run") if len(seeds) < 2]
     notes += [f"too few seeds for an interval, which needs at least two: {', '.join(few)}"] if few else []

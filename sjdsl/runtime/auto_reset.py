@@ -10,6 +10,7 @@ from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.varying import either
 
 State = Any
 Params = Any
@@ -34,7 +35,7 @@ def _if_any_is_done(reset: Callable[[Params, Array], State], done: Array, words:
     """
 
     def plain(done: Array, words: Array, params: Params, state: State) -> State:
-        return lax.cond(done, lambda: reset(params, words), lambda: state)
+        return either(done, lambda: reset(params, words), lambda: state)
 
     cheap = custom_vmap(plain)
 
@@ -49,7 +50,7 @@ def _if_any_is_done(reset: Callable[[Params, Array], State], done: Array, words:
             new = jax.vmap(reset, in_axes=axes, axis_size=size)(params, words)
             return jax.tree.map(lambda n, o: jnp.where(done.reshape((size,) + (1,) * (o.ndim - 1)), n, o), new, state)
 
-        return lax.cond(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
+        return either(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
 
     choose = jax.custom_jvp(cheap)  # of a rule for batches alone JAX takes no derivative backwards
 

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.varying import settled
 
 PACKED = 32  # agents up to which a GPU walks along chains of movers inside a few words
 
@@ -80,7 +81,11 @@ def _spread(into: Array, lost: Array) -> Array:
     """Returns `lost` with all who wait, directly or through others, for the cell of one who stays: `[N]` bool."""
     n = lost.shape[0]
     if n > 31:
-        spread: Array = lax.fori_loop(0, n, lambda _, out: out | jnp.any(into & out[None, :], axis=1), lost)
+
+        def spread_once(_: int, out: Array) -> Array:
+            return out | jnp.any(into & out[None, :], axis=1)
+
+        spread: Array = lax.fori_loop(0, n, spread_once, settled(partial(spread_once, 0), lost))
         return spread
     bit = (jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)).astype(jnp.uint32)
     waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
@@ -89,6 +94,6 @@ def _spread(into: Array, lost: Array) -> Array:
     def waiting(_: int, stays: Array) -> Array:
         return stays | jnp.sum(jnp.where((waits & stays) != 0, bit, jnp.uint32(0)), dtype=jnp.uint32)
 
-    stays = lax.fori_loop(0, n - 1, waiting, stays)
+    stays = lax.fori_loop(0, n - 1, waiting, settled(partial(waiting, 0), stays))
     result: Array = (stays & bit) != 0
     return result

@@ -13,6 +13,7 @@ from jax import Array, lax
 
 from sjdsl.runtime.actions import DIRECTIONS, STEPS, TURNS
 from sjdsl.runtime.bits import WIDTH, pack
+from sjdsl.runtime.varying import settled
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +155,8 @@ def first_moves(
     arrived = holds(goals, heading, row, col)
     if not moves.actions:
         return arrived, arrived, jnp.zeros_like(heading)
-    _, found, best, _ = lax.while_loop(goes_on, advance, (goals, arrived, jnp.zeros_like(heading), jnp.asarray(True)))
+    start = (goals, arrived, jnp.zeros_like(heading), jnp.asarray(True))
+    _, found, best, _ = lax.while_loop(goes_on, advance, settled(advance, start))
     return arrived, found, best
 
 

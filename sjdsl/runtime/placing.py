@@ -14,6 +14,7 @@ from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.counting import in_rows, size_of_set
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.random_bits import below, random_bits_at
+from sjdsl.runtime.varying import either, settled
 
 
 def pick(member: Array, word: Array) -> tuple[Array, Array]:
@@ -62,7 +63,7 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
 
     @custom_vmap
     def picked(members: Array, key: Array) -> Array:
-        result: Array = lax.cond(_several(members), lambda: chosen(members, key), lambda: members)
+        result: Array = either(_several(members), lambda: chosen(members, key), lambda: members)
         return result
 
     @picked.def_vmap
@@ -70,7 +71,7 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
         axes = tuple(0 if batched else None for batched in in_batched)
         each = jax.vmap(chosen, in_axes=axes, axis_size=size)
         as_they_are = members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
-        return lax.cond(_several(members), lambda: each(members, key), lambda: as_they_are), True
+        return either(_several(members), lambda: each(members, key), lambda: as_they_are), True
 
     result: Array = by_platform(picked, chosen, members, key)  # a GPU draws in any case: a branch would wait for the host
     return result
@@ -184,7 +185,8 @@ def _chosen_turn_by_turn(passes: Callable[[Array], Array], packed: Array, words:
         picked = (turn < wanted) & passes(one)
         return turn + 1, others, jnp.where(picked[..., None], taken | (left & ~others), taken)
 
-    result: Array = lax.while_loop(more, take, (jnp.int32(0), packed, jnp.zeros_like(packed)))[2]
+    start = (jnp.int32(0), packed, jnp.zeros_like(packed))
+    result: Array = lax.while_loop(more, take, settled(take, start))[2]
     return result
 
 
@@ -251,7 +253,7 @@ def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, posi
         return left & (index != who), free, jnp.where(there, _entry(cells, cell), position), placed | there
 
     start = (sent, free, position, jnp.zeros_like(sent))
-    return lax.while_loop(waiting, place_one, start)[2:]
+    return lax.while_loop(waiting, place_one, settled(place_one, start))[2:]
 
 
 AT_ONCE = 8  # agents that one kernel places on many cells: with 12, it takes minutes to compile
@@ -403,7 +405,7 @@ def _paired_in_turn(ranks: Array, alike: bool, most: int) -> Array:
         return jnp.where(found & gone, jnp.uint32(0), live), partner
 
     start = (ranks, jnp.full(left, right, jnp.int32))
-    result: Array = lax.fori_loop(0, most, take, start)[1]
+    result: Array = lax.fori_loop(0, most, take, settled(partial(take, 0), start))[1]
     return result
 
 
@@ -454,7 +456,8 @@ def _reached_paired_in_turn(reached: Array, ranks: Array, right: int, alike: boo
         a, b = number // right, number % right
         return jnp.where(_gone(rows[:, None], reached, a, b, alike), jnp.uint32(0), live), jnp.where(rows == a, b, partner)
 
-    return lax.while_loop(more, take, (ranks, jnp.full(left, right, jnp.int32)))[1]
+    start = (ranks, jnp.full(left, right, jnp.int32))
+    return lax.while_loop(more, take, settled(take, start))[1]
 
 
 def outranking(place: Array, rank: Array, best: Array) -> Array:

@@ -7,6 +7,7 @@ from typing import Any
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.near_names import meant
+from sjdsl.several import several
 from sjdsl.trainers.config import KEYS_OF
 from sjdsl.trainers.own_settings import OWN
 
@@ -17,10 +18,13 @@ SEEDS = ("seed", "seeds")  # every cell has all seeds, so neither is an axis
 
 @dataclass(frozen=True)
 class Axis:
-    """What varies, and the values it takes: as they were written, or as they are."""
+    """What varies, and the values it takes, one or several: as they were written, or as they are."""
 
     name: str  # a key of the configuration, `own.NAME`, `variant`, or `param.NAME`, NAME a number of the game, `table[word]` included
-    values: tuple[Any, ...]
+    values: Any  # becomes a tuple
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", several(self.values))
 
 
 def read_axis(text: str) -> Axis:

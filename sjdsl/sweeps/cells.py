@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.library.stored_hashes import current_hash
+from sjdsl.several import several
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
 from sjdsl.trainers.config import FORMER, Config, make_config, require_code, stored_config
 from sjdsl.trainers.config_errors import ConfigError
@@ -71,7 +72,7 @@ class Cell(BaseModel):
 
 @dataclass(frozen=True)
 class SweepSpec:
-    """What a sweep trains."""
+    """What a sweep trains. Of games, axes and loggers one may stand for itself."""
 
     games: Sequence[str]  # names, or files
     axes: Sequence[Axis] = ()
@@ -81,6 +82,11 @@ class SweepSpec:
     params: Mapping[str, Any] = field(default_factory=dict)  # numbers of the game
     episodes: int = 30  # in the evaluation of each seed's last policy
     loggers: "Sequence[LoggerName]" = ()  # where else the metrics of cells that start from now on go: tensorboard, wandb
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "games", tuple(map(str, several(self.games))))
+        object.__setattr__(self, "axes", several(self.axes))
+        object.__setattr__(self, "loggers", several(self.loggers))
 
 
 def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: Describe) -> Cell:

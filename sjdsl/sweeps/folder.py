@@ -15,7 +15,7 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell, SweepSpec
 from sjdsl.sweeps.locks import is_running
-from sjdsl.trainers.checkpoints import CHECKPOINTS
+from sjdsl.trainers.checkpoints import last_checkpoint
 from sjdsl.trainers.config import ConfigError
 from sjdsl.trainers.manifest import read_manifest
 from sjdsl.trainers.policy_file import POLICIES, SUFFIX
@@ -23,12 +23,12 @@ from sjdsl.trainers.run_errors import RunError
 from sjdsl.trainers.run_files import plain, write_json
 from sjdsl.trainers.run_folder import versions
 from sjdsl.trainers.run_state import FINISHED
+from sjdsl.trainers.stored_evaluation import EVALUATION, StoredEvaluation, read_evaluation
 from sjdsl.trainers.updates import describe_divergence
 
 FORMAT = 1
 SWEEP = "sweep.json"
 CELLS = "cells"
-EVALUATION = "evaluation.json"  # of each seed's last policy, as `sjdsl train` writes it
 FAILED = "failed"
 State = Literal["waiting", "running", "stopped", "done", "failed"]
 # The name of a cell is that of a folder: a path would lead elsewhere.
@@ -102,9 +102,17 @@ def _fault(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
     if fault := first_difference(*({key: sweep[key] for key in ("episodes", "versions")} for sweep in (before, wanted))):
         return fault
     for cell in cells_of(before):
-        if cell.name in wanted["cells"] and (fault := first_difference(cell.described(), wanted["cells"][cell.name])):
+        if cell.name not in wanted["cells"]:
+            continue
+        if fault := first_difference(_without_paths(cell.described()), _without_paths(wanted["cells"][cell.name])):
             return f"its cell {cell.name} has {fault}"
     return ""
+
+
+def _without_paths(described: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns what `sweep.json` says of a cell, without where its game and map are: they are identified by the hash of the rules."""
+    kept = {name: value for name, value in described["provenance"].items() if name not in ("game", "map")}
+    return {**described, "provenance": kept}
 
 
 def read_sweep(folder: Path) -> dict[str, Any]:
@@ -175,8 +183,7 @@ def progress_of(folder: Path, cell: Cell, episodes: int) -> Progress:
       episodes: of its evaluation.
     """
     path = run_dir(folder, cell)
-    checkpoints = [int(found.name) for found in (path / CHECKPOINTS).glob("*") if found.name.isdecimal()]
-    update = max([manifest_of(path).get("updates", 0), *checkpoints])
+    update = max(manifest_of(path).get("updates", 0), last_checkpoint(path))
     failed = read_json(folder / FAILED / f"{cell.name}.json")
     if failed is not None:
         return Progress("failed", update, reason=str(failed.get("reason", "")))
@@ -207,16 +214,15 @@ def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
     return is_finished(path) and all(evaluation_of(own, seed, episodes) is not None for seed, own in seed_dirs(path, cell).items())
 
 
-def evaluation_of(path: Path, seed: int, episodes: int) -> dict[str, Any] | None:
+def evaluation_of(path: Path, seed: int, episodes: int) -> StoredEvaluation | None:
     """Returns the evaluation of a seed's last policy from which the sweep reads its results.
 
-    None if it is missing, or replaced by another: `sjdsl evaluate` writes the same file, with other seeds or episodes.
+    None if it is missing, damaged, or replaced by another: `sjdsl evaluate` writes the same file, with other seeds or episodes.
     """
-    found = read_json(path / EVALUATION)
-    if found is None or not isinstance(found.get("summary"), dict):
+    found = read_evaluation(path / EVALUATION)
+    if found is None or (found.policy, found.seed, found.greedy, found.episodes) != ("last", seed, None, episodes):
         return None
-    asked = {"policy": "last", "seed": seed, "greedy": None, "episodes": episodes}
-    return found if all(found.get(key) == value for key, value in asked.items()) else None
+    return found
 
 
 def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:

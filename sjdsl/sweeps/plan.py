@@ -68,6 +68,8 @@ def _check(spec: SweepSpec) -> None:
         raise ExperimentError(f"the axis `{twice}` is given twice; name all its values at once: --axis {twice}=value,value")
     if not spec.axes:
         raise ExperimentError("say what varies: --axis NAME=value,value,…")
+    if empty := [axis.name for axis in spec.axes if not axis.values]:
+        raise ExperimentError(f"the axis `{empty[0]}` has no values; name one or more")
     fixed = {*spread(spec.settings), *(f"{PARAM}{name}" for name in spec.params), *([VARIANT] if spec.variant is not None else [])}
     for axis in spec.axes:
         if axis.name in fixed:

@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.sweeps.work import REFUSALS, Watch, run_cell
+from sjdsl.termination import TERMINATED, Terminated, raising_on_sigterm
 
 
+@raising_on_sigterm()
 def run_in_processes(folders: Sequence[Path], workers: int, run: Callable[[Path, Watch], Any] = run_cell) -> bool:
     """Runs the cells in these folders in processes that share them: each goes through all, and runs those that nobody runs or has run.
 
@@ -34,9 +36,11 @@ def run_in_processes(folders: Sequence[Path], workers: int, run: Callable[[Path,
         for process in processes:
             process.join()
     finally:
-        for process in processes:
-            if process.is_alive():
-                process.terminate()
+        running = [process for process in processes if process.is_alive()]
+        for process in running:
+            process.terminate()
+        for process in running:
+            process.join()  # it finishes an update and saves
     return all(process.exitcode == 0 for process in processes)
 
 
@@ -53,6 +57,7 @@ def _usable_cores() -> list[int]:
     return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 
+@raising_on_sigterm()
 def _run_all(run: Callable[[Path, Watch], Any], folders: Sequence[Path], cores: Sequence[int]) -> None:
     """Runs cells in this process, which has not started JAX yet: that starts as many threads as it has cores."""
     if cores:
@@ -64,3 +69,5 @@ def _run_all(run: Callable[[Path, Watch], Any], folders: Sequence[Path], cores: 
         except (OSError, *REFUSALS) as error:
             watch.tell(f"{folder.name}: {error}")
             sys.exit(1)
+        except Terminated:
+            os._exit(TERMINATED)  # as the command itself does: XLA may still be compiling

@@ -101,7 +101,7 @@ def check_sweep(spec: SweepSpec, cells: Sequence[Cell], folder: Path) -> None:
             continue  # floats alone don't decide what fits
         checked.add(kind)
         try:
-            make_train(environment_of(cell), cell.configuration())
+            make_train(environment_of(cell, folder), cell.configuration())
         except (ConfigError, PolicyError) as error:
             raise ExperimentError(f"{cell.name}: {error}") from None
 

@@ -2,9 +2,7 @@
 
 import csv
 import io
-import json
 from collections.abc import Mapping, Sequence
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +16,7 @@ from sjdsl.sweeps.folder import (
     run_dir,
     seed_dirs,
 )
-from sjdsl.trainers.metrics_files import METRICS_JSONL
+from sjdsl.trainers.stored_evaluation import RETURN, Figure
 
 RESULTS = "results.csv"
 Row = dict[str, str]
@@ -45,39 +43,26 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
             continue
         for seed, evaluation in evaluations.items():
             assert evaluation is not None
-            manifest, last = manifest_of(path), _last_row(seeds[seed] / METRICS_JSONL)
-            device = manifest.get("device", {})
+            manifest = manifest_of(path)
+            updates, device = manifest["updates"], manifest.get("device", {})
             place = {"cell": cell.name, "game": cell.game, "hash": cell.hash}
             way = {key: cell.config.get(key) for key in ("algorithm", "reward", "sharing")} | {"variant": cell.provenance.get("variant")}
             run = {
                 "seed": seed,
-                "updates": last.get("update"),
-                "env_steps": last.get("env_steps"),
-                "episodes": evaluation["episodes"],
+                "updates": updates,
+                "env_steps": updates * cell.configuration().steps_per_update,
+                "episodes": evaluation.episodes,
                 "hardware": f"{device.get('platform', '?')} x{device.get('count', '?')}: {device.get('kind', '?')}",
             }
             texts = {key: as_text(value) for key, value in {**cell.values, **place, **way}.items()}
-            rows.append(texts | {key: str(value) for key, value in run.items()} | figures(evaluation["summary"]))
+            rows.append(texts | {key: str(value) for key, value in run.items()} | figures(evaluation.summary))
     return rows
 
 
-def _last_row(path: Path) -> dict[str, Any]:
-    """Returns the last complete line of a file of JSON lines."""
-    with open(path, "rb") as file:
-        file.seek(0, io.SEEK_END)
-        file.seek(max(0, file.tell() - 65_536))
-        for line in islice(reversed(file.read().splitlines()), 2):
-            try:
-                return dict(json.loads(line))
-            except (ValueError, TypeError):
-                continue
-    return {}
-
-
-def figures(summary: Mapping[str, Mapping[str, float | None]]) -> Row:
+def figures(summary: Mapping[str, Figure]) -> Row:
     """Returns the means of an evaluation under the names of metrics: `event eaten of agent 0` is `event_eaten_agent_0`."""
-    values = {name.replace(" of agent ", "_agent_").replace(" ", "_"): found["mean"] for name, found in summary.items()}
-    values |= {f"collective_return_{end}": summary["collective return"][end] for end in ("low", "high")}
+    values = {name.replace(" of agent ", "_agent_").replace(" ", "_"): figure.mean for name, figure in summary.items()}
+    values |= {"collective_return_low": summary[RETURN].low, "collective_return_high": summary[RETURN].high}
     return {name: "" if value is None else repr(float(value)) for name, value in values.items()}
 
 

@@ -15,9 +15,9 @@ import sjdsl
 from sjdsl.experiments.players import acting_kind
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
+from sjdsl.library.stored_game import GameMoved, locate_game
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.folder import (
-    EVALUATION,
     cell_at,
     diverged_in,
     evaluation_of,
@@ -31,6 +31,7 @@ from sjdsl.sweeps.folder import (
 )
 from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.tables import results, write_results
+from sjdsl.trainers.checkpoints import last_checkpoint, resumption
 from sjdsl.trainers.config import ConfigError, make_config, stored_config
 from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
 from sjdsl.trainers.manifest import MANIFEST
@@ -40,6 +41,7 @@ from sjdsl.trainers.progress import ProgressStyle
 from sjdsl.trainers.run import resume, train
 from sjdsl.trainers.run_errors import DiskError, RunError
 from sjdsl.trainers.run_lock import LOCK
+from sjdsl.trainers.stored_evaluation import EVALUATION
 
 Tell = Callable[[str], None]
 REFUSALS = (RunError, ConfigError, PolicyError, ExperimentError)
@@ -97,6 +99,7 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
 
 def _run(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> None:
     """Trains and evaluates a cell that this process has locked; records why it failed."""
+    located_in(sweep, cell)  # a game that has moved is no failure of the cell
     try:
         if _is_open(sweep, cell):
             _train(sweep, cell, known, watch)
@@ -115,15 +118,16 @@ def _is_open(sweep: Path, cell: Cell) -> bool:
 
 
 def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> None:
-    path, env = run_dir(sweep, cell), environment_of(cell)
+    path, provenance = run_dir(sweep, cell), located_in(sweep, cell)
+    env = environment_of(cell, sweep)
     _clear_half_begun(path)
     if (path / MANIFEST).is_file():
-        watch.tell(f"{cell.name}: training, from its last checkpoint")
-        resume(env, path, watch.progress)
+        watch.tell(f"{cell.name}: training, {resumption(last_checkpoint(path))}")
+        resume(env, path, watch.progress, provenance=provenance)
     else:
         watch.tell(f"{cell.name}: training")
         asked = {"episodes": known["episodes"]}
-        train(env, cell.configuration(), path, watch.progress, cell.provenance, known["loggers"], asked)
+        train(env, cell.configuration(), path, watch.progress, provenance, known["loggers"], asked)
 
 
 def _clear_half_begun(path: Path) -> None:
@@ -152,23 +156,24 @@ def _finish(sweep: Path, cell: Cell, episodes: int) -> None:
     if not is_finished(path):
         return
     try:
-        evaluate_cell(path, cell, episodes)
+        evaluate_cell(sweep, cell, episodes)
     except REFUSALS as error:
         record_failure(sweep, cell, str(error))
 
 
-def evaluate_cell(path: Path, cell: Cell, episodes: int) -> None:
+def evaluate_cell(sweep: Path, cell: Cell, episodes: int) -> None:
     """Plays episodes with the last policy of each seed, and writes `evaluation.json` as `sjdsl train` does, unless it is there already.
 
     Raises:
       PolicyError: a policy can't be read. ExperimentError: a return is not finite.
     """
-    env = environment_of(cell)
+    path, env = run_dir(sweep, cell), environment_of(cell, sweep)
+    provenance = json.dumps(located_in(sweep, cell), sort_keys=True)
     trained_as = stored_config(manifest_of(path).get("config", cell.config))
     for seed, own in seed_dirs(path, cell).items():
         if evaluation_of(own, seed, episodes) is not None:
             continue
-        play = _evaluator(json.dumps(cell.provenance, sort_keys=True), acting_kind(trained_as), episodes)
+        play = _evaluator(provenance, acting_kind(trained_as), episodes)
         parameters, _ = read_parameters(policy_path(own, "last"), env)
         played = play(evaluation_key(seed), parameters)
         if not np.isfinite(played.returns).all():
@@ -184,13 +189,25 @@ def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, An
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
 
 
-def environment_of(cell: Cell) -> Any:
-    """Returns the environment of a cell.
+def located_in(sweep: Path, cell: Cell) -> dict[str, Any]:
+    """Returns the arguments of a cell's environment, with the paths that its game and map have now.
 
     Raises:
-      ExperimentError: its rules have changed since the sweep began.
+      ExperimentError: a file is gone.
     """
-    env = _environment(json.dumps(cell.provenance, sort_keys=True))
+    try:
+        return locate_game(cell.provenance, cell.hash, sweep)
+    except GameMoved as error:
+        raise ExperimentError(f"{error}; run the sweep's command again with the path that the game has now") from None
+
+
+def environment_of(cell: Cell, sweep: Path) -> Any:
+    """Returns the environment of a cell of the sweep in a folder.
+
+    Raises:
+      ExperimentError: its rules have changed since the sweep began, or a file is gone.
+    """
+    env = _environment(json.dumps(located_in(sweep, cell), sort_keys=True))
     if env.hash != cell.hash:
         raise ExperimentError(
             f"the rules of {cell.game} have changed since the sweep began: {cell.hash} then, {env.hash} now; "

@@ -58,6 +58,8 @@ def test_figures_agree_with_one_another(report: Report) -> None:
         assert 0 < speed.slowest <= speed.env_steps_per_s <= speed.fastest
         assert speed.ratio > 0
         assert speed.loop_compile_s > 0
+        assert speed.env_steps_per_processor_s is not None
+        assert speed.env_steps_per_processor_s > 0
         assert speed.memory_bytes > 0
         if speed.name == "yardstick":
             assert speed.ratio == 1

@@ -4,12 +4,15 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
+import jax
 import pytest
 
 from bench.speed.sweep import Sweep
 from bench.speed.tables import sweep_table, tables_of
-from sjdsl.bench import Compilation, Report, Speed
+from sjdsl.bench import Compilation, Report, Speed, Task
 from sjdsl.bench.markdown import markdown_section, replace_section, write_section
+from sjdsl.bench.tables import speed_tables
+from sjdsl.bench.timing import Round, speed_of
 
 MACHINE = {"platform": "cpu"}
 
@@ -17,6 +20,18 @@ MACHINE = {"platform": "cpu"}
 def speed(name: str, num_envs: int, rate: float, num_agents: int = 2, observation: str = "tokens", crowd: int | None = None) -> Speed:
     figures = (rate, rate * 0.9, rate * 1.1, rate / 1e5, 2.0, 3_000_000 * num_envs)
     return Speed(name, num_agents, observation, crowd, num_envs, *figures)
+
+
+def test_steps_a_second_of_processor_time() -> None:
+    """Of 600 steps in 3 seconds, a processor that others use too worked for 2."""
+    busy = Round(600, 3.0, 2.0)
+    assert (busy.rate, busy.rate_of_processor) == (200, 300)
+    task = Task("meadow", 2, 3, lambda: None, lambda *_: None)  # type: ignore[arg-type, return-value]
+    compiled = jax.jit(lambda: 0).lower().compile()
+    measured = speed_of(task, 1, [busy] * 3, [busy] * 3, (compiled, 1.0))
+    (table,) = [table for table in speed_tables(report(measured)) if "processor time" in table.title]
+    assert table.rows == (("meadow", "2", "tokens", "0.3k"),)
+    assert not any("processor time" in table.title for table in speed_tables(RACE))  # of a former version
 
 
 def report(*speeds: Speed, peak: int | None = None) -> Report:

@@ -49,7 +49,7 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path
     (folder / "orchard.sj").write_text((folder / "grove.sj").read_text().replace("game grove", "game orchard"))
     other = sjdsl("evaluate", file, "--game", "orchard.sj")
     assert (other.status, "was trained on another game: grove there, orchard here" in other.err) == (1, True), other.text
-    again = sjdsl("evaluate", "runs/one", "--game", "grove.sj")
+    again = sjdsl("evaluate", "runs/one", "--game", "grove.sj", "--agents", "2")
     assert (again.status, "a run is evaluated in its own game" in again.err) == (2, True), again.text
     for missing in (file, folder / "runs/one/kept.safetensors"):
         missing.touch()

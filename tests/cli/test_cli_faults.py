@@ -77,3 +77,10 @@ def test_a_reader_that_has_closed_gets_no_traceback(arguments: str, tmp_path: Pa
     )
     os.close(write)
     assert (done.returncode, done.stderr) == (1, b"")
+
+
+def test_a_message_does_not_control_the_terminal(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "mine.toml").write_text('game = "\\u001b]0;owned\\u0007\\u009b31m"\n')
+    shown = sjdsl("train", "--preset", "mine.toml")
+    assert shown.status == 1
+    assert "\\x1b]0;owned\\x07\\x9b31m" in shown.err

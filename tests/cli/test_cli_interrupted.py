@@ -1,4 +1,4 @@
-"""Ctrl-C while a command compiles, or while its processes start, ends it with one line and status 130."""
+"""Ctrl-C and SIGTERM, while a command works or its processes start, end it with one line and status 130 or 143."""
 
 import os
 import signal
@@ -11,13 +11,16 @@ import psutil
 import pytest
 from command_line import INTERRUPTIBLE
 
+from sjdsl.replay import Dataset
+
 TRAIN = ("train", "orchard.sj", "--preset", "two_cores", "--run", "run")
 SWEEP = ("sweep", "orchard.sj", "--preset", "two_cores", "--axis", "reward=individual,common", "--workers", "2", "--run", "sweep")
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("words", [TRAIN, SWEEP], ids=lambda words: words[0])
-def test_ctrl_c_ends_a_command_cleanly(words: tuple[str, ...], folder: Path) -> None:
+def test_a_signal_ends_a_command_cleanly(words: tuple[str, ...], number: signal.Signals, folder: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", INTERRUPTIBLE, *words],
         cwd=folder,
@@ -37,8 +40,42 @@ def test_ctrl_c_ends_a_command_cleanly(words: tuple[str, ...], folder: Path) -> 
         while not psutil.Process(process.pid).children():
             time.sleep(0.05)
     time.sleep(0.5)
-    os.killpg(process.pid, signal.SIGINT)
+    os.killpg(process.pid, number)
     left = [line for line in process.stdout.read().splitlines() if line]
-    assert process.wait(60) == 130
+    assert process.wait(60) == 128 + number
     assert left[-1] == "interrupted"
     assert [line for line in left if line.startswith((" ", "Traceback", "Keyboard"))] == []
+
+
+@pytest.mark.thorough
+def test_sigterm_keeps_recorded_episodes(folder: Path) -> None:
+    words = ("record", "orchard.sj", "--policy", "random", "--episodes", "1000000")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sjdsl", *words], cwd=folder, stderr=subprocess.PIPE, text=True, env={**os.environ, "JAX_PLATFORMS": "cpu"}
+    )
+    assert process.stderr is not None
+    while "episodes written" not in process.stderr.readline():
+        assert process.poll() is None
+    process.terminate()
+    assert process.stderr.read().splitlines()[-1] == "interrupted"
+    assert process.wait(60) == 143
+    assert len(Dataset(folder / "orchard.npz")) >= 100
+    assert not list(folder.glob("*.unfinished"))
+
+
+def test_sigterm_in_python_ends_with_its_status() -> None:
+    script = "import os, signal\nfrom sjdsl.termination import *\nwith raising_on_sigterm(): os.kill(os.getpid(), signal.SIGTERM)"
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
+    assert (ended.returncode, ended.stdout + ended.stderr) == (143, b"")
+
+
+def test_the_language_server_ends_at_once(folder: Path) -> None:
+    process = subprocess.Popen([sys.executable, "-m", "sjdsl", "lsp"], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert process.stdin is not None
+    assert process.stdout is not None
+    request = b'{"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {"capabilities": {}}}'
+    process.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(request), request))
+    process.stdin.flush()
+    process.stdout.readline()
+    process.terminate()
+    assert process.wait(10) == -signal.SIGTERM

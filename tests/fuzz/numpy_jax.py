@@ -247,7 +247,6 @@ def _dataclass(cls: type) -> type:
 
 JNP = _namespace()
 LAX = SimpleNamespace(
-    cond=lambda test, yes, no: yes() if bool(test) else no(),
     while_loop=_while_loop,
     fori_loop=_fori_loop,
     pad=_pad,
@@ -276,6 +275,7 @@ STANDING_IN = {
     "jax.custom_batching": SimpleNamespace(custom_vmap=_CustomVmap),
     "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass)),
     "sjdsl.runtime.forms": SimpleNamespace(by_platform=_on_cpu),
+    "sjdsl.runtime.varying": SimpleNamespace(settled=lambda _, start: start, either=lambda test, yes, no: yes() if bool(test) else no()),
 }
 
 

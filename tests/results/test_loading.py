@@ -263,7 +263,7 @@ def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
     write_json(tmp_path / "other.json", [1])
     with pytest.raises(ResultsError, match="holds no results"):
         read(tmp_path / "other.json")
-    for content, said in (({"format": 9}, "has the format 9, expected 1"), ({"format": 1}, "cannot be read")):
+    for content, said in (({"format": 9}, "cannot be read, for `format`"), ({"format": 1}, "cannot be read")):
         write_json(tmp_path / "diagram/schelling.json", content)
         with pytest.raises(ResultsError, match=said):
             read(tmp_path / "diagram")

@@ -4,6 +4,8 @@ import ast
 import errno
 import os
 import stat
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -87,6 +89,22 @@ def test_what_fails_leaves_what_was_there_and_nothing_else(tmp_path: Path) -> No
     assert refused.value.filename == str(tmp_path / "none/a")
 
 
+def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
+    """A file that is being written is locked, by whichever process; others may have any other name."""
+    script = (
+        f"import os; from sjdsl.files import *; from pathlib import Path\nwith written_whole(Path({str(tmp_path / 'a')!r})): os.abort()"
+    )
+    subprocess.run([sys.executable, "-c", script], check=False, stderr=subprocess.DEVNULL)
+    (left,) = tmp_path.iterdir()
+    assert left.suffix == ".unfinished"
+    (tmp_path / "thesis.unfinished").write_text("theirs")
+    with written_whole(tmp_path / "b"):
+        (being_written,) = {*tmp_path.iterdir()} - {tmp_path / "thesis.unfinished"}
+        write_whole(tmp_path / "c", "new")
+        assert being_written.exists()
+    assert {path.name for path in tmp_path.iterdir()} == {"thesis.unfinished", "b", "c"}
+
+
 def test_a_name_may_be_as_long_as_the_system_allows(tmp_path: Path) -> None:
     write_whole(tmp_path / ("a" * 255), "long")
     assert (tmp_path / ("a" * 255)).read_text() == "long"
@@ -142,7 +160,8 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
 def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     """Locks, logs and what is taken off their ends: a folder of a stranger may have links in their places."""
     victim = tmp_path / "victim"
-    victim.write_text('{"update": 1}\n{"update": 2}\n')
+    theirs = "".join(f'{{"update": {number}, "env_steps": 1, "seconds": 1, "episodes": 0}}\n' for number in (1, 2))
+    victim.write_text(theirs)
     names = {
         "run": LOCK,
         "metrics": METRICS_JSONL,
@@ -161,7 +180,7 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     }
     with pytest.raises(OSError, match=r"it is a link, through which nothing is written|symbolic link"):
         changes.get(what, lambda: open_metrics(link.parent).__enter__())()
-    assert victim.read_text() == '{"update": 1}\n{"update": 2}\n'
+    assert victim.read_text() == theirs
 
 
 def test_a_data_set_is_written_the_same_way(tmp_path: Path) -> None:

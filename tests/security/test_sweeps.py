@@ -35,7 +35,7 @@ def test_a_cell_is_named_by_no_path(name: str, asked: dict[str, Any], tmp_path: 
     cell = next(iter(asked["cells"].values()))
     put(tmp_path, {**asked, "cells": {**asked["cells"], name: cell}})
     for read in (read_sweep, lambda folder: merged(folder, asked)):
-        with pytest.raises(ExperimentError, match=r"the format of its sweep\.json is not 1, for in `cells\."):
+        with pytest.raises(ExperimentError, match=r"not 1, for in `cells\.|damaged and can't be read|no readable sweep\.json"):
             read(tmp_path)
     if "/" in name:
         with pytest.raises(ResultsError, match="named by a path"):

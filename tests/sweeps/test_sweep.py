@@ -147,11 +147,18 @@ def test_what_another_process_runs_is_waited_for(
     assert said[0] == f"{HIGH}: waiting for the process that runs it"
 
 
-def test_an_evaluation_of_something_else_is_not_taken_for_a_result(grown: tuple[Path, list[str], Outcome], tmp_path: Path) -> None:
-    """`sjdsl evaluate` writes the same file, with other episodes and another seed."""
+@pytest.mark.parametrize(
+    "change", [{"seed": 0}, {"summary": {}}, {"summary": {"collective return": 3}}, {"summary": {"collective return": {"mean": [1]}}}]
+)
+def test_an_evaluation_of_something_else_is_not_taken_for_a_result(
+    change: dict[str, Any], grown: tuple[Path, list[str], Outcome], tmp_path: Path
+) -> None:
+    """`sjdsl evaluate` writes the same file, with other episodes and another seed; and files can be damaged, or gone."""
     shutil.copytree(grown[0], tmp_path / "copy")
-    file = tmp_path / "copy" / "cells" / LOW / "seed_1" / "evaluation.json"
-    file.write_text(json.dumps(json.loads(file.read_text()) | {"seed": 0}))
+    folder = tmp_path / "copy" / "cells" / LOW / "seed_1"
+    file = folder / "evaluation.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    (folder / "metrics.jsonl").unlink()
     assert sweep(asked(0.25, 0.75), tmp_path / "copy").done == (LOW, HIGH)
     assert table_of(tmp_path / "copy") == table_of(grown[0])
 

@@ -1,6 +1,9 @@
 """Checkpoints give back what was put in: keys, integers, brains of several layers, bit for bit."""
 
+import logging
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import flax
 import jax
@@ -8,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.trainers.checkpoints import KEPT, CheckpointError, Checkpoints
+from sjdsl.trainers.checkpoints import KEPT, CheckpointError, Checkpoints, _without_further_errors
 
 
 @flax.struct.dataclass
@@ -115,3 +118,15 @@ def test_a_checkpoint_without_its_seal_is_read(tmp_path: Path) -> None:
     (tmp_path / "checkpoints" / "1" / "files.json").unlink()
     assert _bits(checkpoints.restore(1, _state(0))) == _bits(_state(1))
     checkpoints.close()
+
+
+def test_writes_that_fail_after_the_first_print_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    printed: list[str] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda fault: printed.append(str(fault.exc_value)))
+    level = logging.getLogger("absl").level
+    with pytest.raises(OSError, match="full"), _without_further_errors():
+        raise OSError("full")
+    for message in ("Event loop is closed", "something else"):
+        sys.unraisablehook(SimpleNamespace(exc_value=RuntimeError(message)))  # type: ignore[arg-type]
+    assert printed == ["something else"]
+    assert logging.getLogger("absl").level == level

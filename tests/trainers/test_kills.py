@@ -104,6 +104,7 @@ def test_files_that_may_not_grow(arguments: list[str], whole: Path, tmp_path: Pa
     command = [sys.executable, "-c", program, "train", *arguments, "--run", str(run_dir)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
     assert done.returncode == 1, done.stderr
+    assert "Traceback" not in done.stderr
     last = done.stderr.splitlines()[-1]
     assert last.startswith(f"error: {run_dir.resolve()}/")
     assert "could not be written: File too large" in last

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -61,12 +62,39 @@ def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
         ("game = \n", r"mine\.toml: "),
         ('extends = "papr"\n', "unknown preset `papr`; did you mean `paper`"),
         ('extends = "none.toml"\n', r"none\.toml does not exist"),
+        ('[config]\nalgorithm = ["ippo"]\n', r"unknown algorithm \['ippo'\]"),
+        ("[config]\nalgorithm = {a = 1}\n", r"unknown algorithm \{'a': 1\}"),
+        ("[config]\nalgorithm = 2020-01-01\n", "unknown algorithm"),
+        ('[config]\nreward = ["svo"]\n', r"`reward` must be .*, not \['svo'\]"),
+        ("[config]\nnetwork = [[]]\n", r"`network` must be .*, not \[\[\]\]"),
+        ("[config]\npartners = [1]\n", "`partners` must be of the form AGENT=POLICY"),
+        ("[config]\npartners = 7\n", "`partners` must be of the form AGENT=POLICY"),
+        ('[config]\npartners = ["x=random"]\n', "`partners` must be of the form AGENT=POLICY"),
+        ('[config]\npartners = [[0.5, "random"]]\n', "`partners` must be of the form AGENT=POLICY"),
+        ("[config]\nseed = " + "9" * 5000 + "\n", r"mine\.toml: "),
+        ("[config]\nown = " + "[" * 100_000 + "\n", r"mine\.toml: it is nested too deep"),
+        ('game = "\xff"\n', r"mine\.toml: .*utf-8"),
+        ("#" * 2**21, r"mine\.toml can't be read: it has more than 1,048,576 bytes"),
+        ('extends = "../FOLDER/mine.toml"\n', "presets extend each other in a circle"),
+        ('extends = "./mine.toml"\n', "presets extend each other in a circle"),
         ('extends = "mine.toml"\n', r"mine\.toml: presets extend each other in a circle: .*mine\.toml -> .*mine\.toml"),
     ],
 )
 def test_wrong_preset_files_are_explained(tmp_path: Path, text: str, message: str) -> None:
-    (tmp_path / "mine.toml").write_text(text)
+    text = text.replace("FOLDER", tmp_path.name)
+    (tmp_path / "mine.toml").write_bytes(text.encode("latin-1"))
     with pytest.raises(ConfigError, match=message):
+        load_preset(tmp_path / "mine.toml")
+
+
+def test_a_list_of_partners_is_read_as_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('[config]\npartners = ["0=random", "2=stay"]\n')
+    assert load_preset(tmp_path / "mine.toml").config.partners == ((0, "random"), (2, "stay"))
+
+
+def test_a_preset_that_is_a_pipe_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "mine.toml")
+    with pytest.raises(ConfigError, match="it is no regular file"):
         load_preset(tmp_path / "mine.toml")
 
 

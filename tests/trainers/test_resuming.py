@@ -16,6 +16,7 @@ import pytest
 from probes import matching
 from run_outcomes import SHORT, assert_same_end, compiled_once, copy_run, counting, read_lines, read_manifest
 
+from sjdsl.termination import Terminated
 from sjdsl.trainers import RunError, make_config, metrics_files, resume, run, train, updates
 from sjdsl.trainers.checkpoints import Checkpoints
 from sjdsl.trainers.recorder import Recorder
@@ -121,29 +122,65 @@ def test_a_finished_run_stays_as_it_is(whole: Path, tmp_path: Path) -> None:
     assert_same_end(again, whole)
 
 
-@pytest.mark.parametrize("pressed_in", [5, 6])
-def test_ctrl_c_ends_the_update_and_saves_it(tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch, pressed_in: int) -> None:
-    """In update 5, after which no checkpoint is due, and in 6, after which one is."""
+@pytest.mark.parametrize(
+    ("pressed_in", "signals", "raised"),
+    [
+        (5, [signal.SIGINT], KeyboardInterrupt),
+        (6, [signal.SIGINT], KeyboardInterrupt),
+        (5, [signal.SIGTERM], Terminated),
+        (6, [signal.SIGTERM, signal.SIGTERM], Terminated),
+    ],
+)
+def test_a_signal_ends_the_update_and_saves_it(
+    tmp_path: Path,
+    whole: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    pressed_in: int,
+    signals: list[signal.Signals],
+    raised: type[BaseException],
+) -> None:
+    """In update 5, after which no checkpoint is due, and in 6, after which one is; `timeout` sends its signal twice."""
     record = updates._record
 
     def press(rows: Any, *others: Any) -> Any:
-        if rows[0]["update"] == pressed_in:
-            os.kill(os.getpid(), signal.SIGINT)
+        for number in signals if rows[0]["update"] == pressed_in else ():
+            os.kill(os.getpid(), number)
         return record(rows, *others)
 
     monkeypatch.setattr(updates, "_record", press)
-    before = signal.getsignal(signal.SIGINT)
+    before = {number: signal.getsignal(number) for number in signals}
     run_dir = tmp_path / "run"
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(raised) as stopped:
         train(matching(), SHORT, run_dir, "none")
-    assert signal.getsignal(signal.SIGINT) is before
+    assert type(stopped.value) is raised
+    assert {number: signal.getsignal(number) for number in signals} == before
     assert read_manifest(run_dir)["status"] == "interrupted"
     assert [row["update"] for row in read_lines(run_dir / "metrics.jsonl")] == list(range(1, pressed_in + 1))
     assert (run_dir / "checkpoints" / str(pressed_in)).is_dir()
     assert (run_dir / "learning_curve.png").exists()
     monkeypatch.setattr(updates, "_record", record)
-    resume(matching(), run_dir, "none")
+    resume(matching(), run_dir, "lines")
+    assert f"resuming after update {pressed_in}\n" in capsys.readouterr().out
     assert_same_end(run_dir, whole)
+
+
+def test_a_run_without_a_checkpoint_says_that_it_starts_again(tmp_path: Path, whole: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_dir = copy_run(whole, tmp_path / "run")
+    shutil.rmtree(run_dir / "checkpoints")
+    resume(matching(), run_dir, "lines")
+    assert "there is no checkpoint yet: starting again at update 1" in capsys.readouterr().out
+
+
+def test_a_handler_of_ones_own_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    record, received = updates._record, list[int]()
+    monkeypatch.setattr(updates, "_record", lambda *given: os.kill(os.getpid(), signal.SIGTERM) or record(*given))
+    before = signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
+    try:
+        result = train(matching(), SHORT, tmp_path / "run", "none")
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert (result.updates, received) == (12, [signal.SIGTERM] * 12)
 
 
 def _flip(checkpoint: Path) -> None:

@@ -1,0 +1,43 @@
+"""Reads the file of an evaluation, which `save_evaluation` writes."""
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from sjdsl.files import read_json
+
+EVALUATION = "evaluation.json"  # of the last policy of a run or a seed
+RETURN = "collective return"  # a figure that each evaluation has
+
+
+class Figure(BaseModel):
+    """A mean with its 95 % interval; None for what isn't defined."""
+
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
+
+    mean: float | None
+    low: float | None
+    high: float | None
+
+
+class StoredEvaluation(BaseModel):
+    """What is read of an evaluation; the file also has the results of each episode."""
+
+    model_config = ConfigDict(strict=True)
+
+    policy: str | int = "last"
+    update: int | None = None  # of the policy; files of earlier versions don't say
+    seed: int = 0
+    greedy: bool | None = None
+    episodes: Annotated[int, Field(ge=1, lt=2**31)]
+    summary: dict[str, Figure]
+
+
+def read_evaluation(path: Path) -> StoredEvaluation | None:
+    """Returns an evaluation; None if the file is missing, damaged or something else."""
+    try:
+        found = StoredEvaluation.model_validate(read_json(path))
+    except (OSError, ValidationError, ValueError):
+        return None
+    return found if RETURN in found.summary else None
