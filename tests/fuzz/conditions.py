@@ -49,6 +49,8 @@ def condition(scope: Scope, depth: int) -> str:
 def compared(scope: Scope, depth: int) -> str:
     """Returns a comparison of two numbers, one of them perhaps a range."""
     r = scope.world.random
+    if r.random() < 0.15:
+        return tenths_compared(scope)
     if r.random() < 0.25:
         unit = r.choice(("reward", "probability", "fraction"))
         left, right = real(scope, unit, depth - 1), real(scope, unit, depth - 1)
@@ -61,6 +63,16 @@ def compared(scope: Scope, depth: int) -> str:
             low = r.randint(0, 3)
             return f"{_operand(left)} in {low} .. {low + r.randint(0, 3)}"
     return f"{_operand(left)} {r.choice(tuple(COMPARISONS))} {_operand(right)}"
+
+
+def tenths_compared(scope: Scope) -> str:
+    """Returns a comparison of reals that are often equal as fractions, so that the rounding of each operation decides."""
+    r = scope.world.random
+    left, right = (integer(scope, r.choice(("count", "number")), 0)[0] for _ in "ab")
+    a, b, c = (r.randint(1, 9) / 10 for _ in "abc")
+    sums = (f"({left}) * {a} + {b}", f"({left}) * {a} - {b} * ({right})", f"({left}) / 10 + {b}", f"({left}) * {a} * {b} - {c}")
+    others = (f"{c}", f"({right}) * {a}", f"({right}) / 10", f"({right}) / 3 * {c} + {b}")
+    return f"{r.choice(sums)} {r.choice(tuple(COMPARISONS))} {r.choice(others)}"
 
 
 def _operand(value: Typed) -> str:

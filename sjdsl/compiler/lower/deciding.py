@@ -17,8 +17,8 @@ class Deciding(Record):
     fields: frozenset[tuple[ir.Sort, str]]
     variables: frozenset[str]
 
-    def has_field(self, field: ir.FieldRead) -> bool:
-        """Returns whether a field that is read or written decides."""
+    def has_field(self, field: ir.FieldRead | ir.VarField) -> bool:
+        """Returns whether a field that is declared, read or written decides."""
         return any(name == field.name and sort.overlaps(field.held_by) for sort, name in self.fields)
 
 
