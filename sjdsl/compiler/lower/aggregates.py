@@ -1,18 +1,17 @@
 """Lowers `count`, `sum`, `min` and `max` over domains, with a fast form for neighbours on a fixed map."""
 
 from dataclasses import replace
-from math import isinf, prod
+from math import isinf
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, iota, literal, reduce, select, spread, union
 from sjdsl.compiler.lower.domains import enter, is_empty, neighbours_constant, shape_name, whole_set
-from sjdsl.compiler.lower.scope import CellVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import DType, Lambda, Literal, Name, Unary, call, constant, path
 
-MOST_REALS = 2**19  # of an exact sum: `runtime/exact_reals.py`
 MOST = 32  # cells of a shape: each is a few lines of the program that XLA compiles
 _PLAIN = (
     ir.Number, ir.Word, ir.Truth, ir.ParamRef, ir.Member, ir.Local, ir.At, ir.Named, ir.FieldRead, ir.Arithmetic, ir.Compare, ir.Same,
@@ -88,24 +87,16 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
     value = as_dtype(w.value(e.value, inner.always()), "i32" if e.type.kind == "int" else "f32")
     values = select(inner.mask, value, literal(0, value.dtype))
     if new and w.exact and value.dtype == "f32":
-        return w.keep("total", _exact_sum(e, values, new))
+        return w.keep("total", _exact_sum(values, new))
     return w.keep("total", reduce("sum", values, new))
 
 
-def _exact_sum(e: ir.Sum, values: Value, over: tuple[Axis, ...]) -> Value:
+def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
     """Returns the sum of reals over axes, which decides something."""
-    if prod(axis.size for axis in over) > MOST_REALS:
-        raise too_many_reals(e)
     axes = union(values.axes, over)
     places = constant(tuple(axes.index(axis) for axis in over))
     kept = tuple(axis for axis in axes if axis not in over)
     return Value(call("exact_sum", spread(values, axes), places), "f32", kept)
-
-
-def too_many_reals(node: ir.Node) -> NotSupported:
-    """Returns the refusal of a sum of more reals than the kernels for exact sums take."""
-    wanted = f"a sum of more than {MOST_REALS:,} reals that decides something"
-    return NotSupported(wanted, node.origin, "count whole numbers, such as cents")
 
 
 def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:

@@ -8,7 +8,6 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, written_field
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.aggregates import MOST_REALS, too_many_reals
 from sjdsl.compiler.lower.axes import (
     FALSE,
     TRUE,
@@ -30,9 +29,11 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.draws import random_bits
 from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
+
+MOST_TERMS = 2**19  # of an exact sum: `runtime/exact_reals.py`
 
 
 class Target(Record):
@@ -295,11 +296,17 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
             value = as_dtype(w.value(s.value, scope.always()), "f32" if target.read.type.kind == "real" else "i32")
         is_exact = decides and value.dtype == "f32"
         if is_exact:
-            terms = prod(axis.size for axis in scope.axes) + w.terms.get(target.attribute, 0)
-            if terms >= MOST_REALS:
-                raise too_many_reals(s)
-            w.terms[target.attribute] = terms
+            _count_terms(target, s, w)
         _add_number(target, value, is_exact, w)
+
+
+def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
+    """Counts the terms of an exact sum, of which there is room for so many."""
+    terms = w.terms.get(target.attribute, 0) + prod(axis.size for axis in target.scope.axes)
+    if terms >= MOST_TERMS:
+        wanted = f"more than {MOST_TERMS:,} additions a phase to a real field that decides something"
+        raise NotSupported(wanted, s.origin, "add up in several phases, or count in whole numbers")
+    w.terms[target.attribute] = terms
 
 
 def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None:
