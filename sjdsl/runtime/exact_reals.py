@@ -53,7 +53,8 @@ def exact_sum(values: Array, axis: int | tuple[int, ...]) -> Array:
       values: float32, at most 2^19 along the axes.
       axis: the axes, counted from the first.
     """
-    return rounded(jnp.sum(fixed_point(values), axis=axis, dtype=jnp.int32))
+    result: Array = rounded(jnp.sum(fixed_point(values), axis=axis, dtype=jnp.int32))
+    return result
 
 
 @jax.jit  # one function of the program for each shape
@@ -147,15 +148,18 @@ def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
 def _zero(value: Array) -> Array:
     """Returns zeros, uint32, of the shape of an array: a square has no remainder 2 modulo 5, which compilers don't know."""
     part = _bits(value) & jnp.uint32(0x7FFF)
-    return (part * part % jnp.uint32(5) == 2).astype(jnp.uint32)
+    result: Array = (part * part % jnp.uint32(5) == 2).astype(jnp.uint32)
+    return result
 
 
 def _exponent(bits: Array) -> Array:
-    return (bits >> jnp.uint32(FRACTION) & jnp.uint32(SPECIAL)).astype(jnp.int32)
+    result: Array = (bits >> jnp.uint32(FRACTION) & jnp.uint32(SPECIAL)).astype(jnp.int32)
+    return result
 
 
 def _significand(bits: Array) -> Array:
-    return bits & jnp.uint32(2**FRACTION - 1) | jnp.uint32(2**FRACTION)
+    result: Array = bits & jnp.uint32(2**FRACTION - 1) | jnp.uint32(2**FRACTION)
+    return result
 
 
 def _bits(value: Array) -> Array:

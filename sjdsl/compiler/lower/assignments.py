@@ -304,7 +304,7 @@ def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
     """Counts the terms of an exact sum, of which there is room for so many."""
     terms = w.terms.get(target.attribute, 0) + prod(axis.size for axis in target.scope.axes)
     if terms >= MOST_TERMS:
-        wanted = f"more than {MOST_TERMS:,} additions a phase to a real field that decides something"
+        wanted = f"{MOST_TERMS:,} or more additions in a phase to a real field that decides something"
         raise NotSupported(wanted, s.origin, "add up in several phases, or count in whole numbers")
     w.terms[target.attribute] = terms
 
