@@ -123,8 +123,9 @@ def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
     quotient = jnp.ones_like(rest)
     for _ in range(3):
         rest = rest << jnp.uint32(8)
-        quotient = quotient << jnp.uint32(8) | rest // below
-        rest = rest % below
+        more = rest // below
+        quotient = quotient << jnp.uint32(8) | more
+        rest = rest - more * below  # `%` would be ten operations
     significand = quotient >> jnp.uint32(1)
     is_odd = (significand & jnp.uint32(1)) == 1
     up = ((quotient & jnp.uint32(1)) == 1) & ((rest > 0) | is_odd)
@@ -148,7 +149,8 @@ def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
 def _zero(value: Array) -> Array:
     """Returns zeros, uint32, of the shape of an array: a square has no remainder 2 modulo 5, which compilers don't know."""
     part = _bits(value) & jnp.uint32(0x7FFF)
-    result: Array = (part * part % jnp.uint32(5) == 2).astype(jnp.uint32)
+    square = part * part
+    result: Array = (square - square // jnp.uint32(5) * jnp.uint32(5) == 2).astype(jnp.uint32)
     return result
 
 
