@@ -269,7 +269,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
 
 def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
     """Returns a real that arithmetic reads. If it decides something, it is rounded before; numbers and parameters are anyway."""
-    if not w.exact or value.dtype != "f32" or _is_given(e):
+    if not w.exact or value.dtype != "f32" or value.literal or _is_given(e):
         return value
     return replace(value, node=array.call("exactly", value.node))
 

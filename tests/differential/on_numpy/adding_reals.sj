@@ -1,6 +1,6 @@
 sj 1
 game adding "Reals that decide are added to: everybody's, a row's, an entry's, somebody else's" {
-  param rate : number = 0.1
+  param rate : number = 0.1 in 0 .. 1
   param pay by { red, blue } : reward = { red: 0.3, blue: 0.7 }
   episode 30
   field pot : reward
@@ -12,7 +12,7 @@ game adding "Reals that decide are added to: everybody's, a row's, an entry's, s
   map { "..::.."
         ".::..." }
   agents 3 {
-    acts turn_left, turn_right, forward, stay, work
+    acts turn_left, turn_right, forward, stay
     moves relative
     field owed : reward
     field trust by agent : reward
@@ -52,6 +52,13 @@ game adding "Reals that decide are added to: everybody's, a row's, an entry's, s
     each agent where agent.owed > 50 { set agent.owed = agent.owed * 0.01 }
   }
   phase walk { move each agent }
-  schedule walk -> meet -> add_up -> decide
+  phase waver {
+    each agent where agent.owed > 1 {
+      chance rate * 0.3 { set agent.likes = red }
+      otherwise chance max(0.125 over land otherwise 0.125) { set agent.likes = blue }
+      otherwise chance rate * 0.7 + 0.1 { set agent.friend = nobody }
+    }
+  }
+  schedule walk -> meet -> waver -> add_up -> decide
   observe { window ahead 1, behind 1, left 1, right 1  show agent.rich }
 }
