@@ -43,7 +43,16 @@ def exact_ramp(value: Array, zero_at: Array, one_at: Array) -> Array:
 def exact_mix(row: Array) -> Array:
     """Returns the shares of a row's entries, as `rows.mix` does, each correctly rounded."""
     total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
-    return divided(row.astype(jnp.float32), jnp.where(total > 0, total, 1))
+    return exactly(divided(row.astype(jnp.float32), jnp.where(total > 0, total, 1)))
+
+
+def sum_in_order(terms: Array, axis: int) -> Array:
+    """Returns the sum of reals along an axis, float32: each addition rounds, the first terms first."""
+    first, *others = jnp.moveaxis(terms, axis, 0)
+    total: Array = exactly(first)
+    for term in others:
+        total = exactly(total + exactly(term))
+    return total
 
 
 def exact_sum(values: Array, axis: int | tuple[int, ...]) -> Array:

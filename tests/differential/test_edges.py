@@ -9,6 +9,7 @@ import math
 import sys
 from collections.abc import Callable
 from fractions import Fraction
+from functools import reduce
 from types import ModuleType
 from typing import Any
 
@@ -30,6 +31,11 @@ Reals = Any  # float32 of NumPy
 F = np.float32
 T, P, R = F(3), F(0.1), F(0.3)  # the parameters
 MANY = 300
+RANDOM = np.random.default_rng(5)
+NUMBERS = RANDOM.random((2, MANY)).astype(F) * F(8)
+BAGS = RANDOM.integers(1, 10, (3, MANY))
+SHARES = BAGS.astype(F) / BAGS.sum(axis=0).astype(F)
+PAY = F(0.1), F(0.3), F(0.7)
 
 
 def once(*terms: Reals) -> Reals:
@@ -43,6 +49,11 @@ def nearest(exact: Fraction) -> Reals:
         return F(0)
     last_bit = Fraction(2) ** (math.frexp(float(exact))[1] - 24)
     return F(float(round(exact / last_bit) * last_bit))
+
+
+def in_order(*terms: Reals) -> Reals:
+    """Returns sums, each addition rounded."""
+    return reduce(np.add, terms)
 
 
 def ramp(value: Reals, zero_at: Reals, one_at: Reals) -> Reals:
@@ -70,7 +81,7 @@ EXPRESSIONS: dict[str, Callable[[Reals, Reals], Reals]] = {
     "sum(agent.share * p over agent)": lambda x, y: once(x * P, y * P, (x - y) * P),
     "sum(agent.share over agent) * r + y": lambda x, y: once(x, y, x - y) * R + y,
     "sum(p over agent where agent.share > 0)": lambda x, y: once(P * (x > 0), P * (y > 0), P * (x > y)),
-    "pay[mix(bag)] + x": lambda x, _: once(*[[F(1) / F(3) * pay] for pay in (P, R, F(0.7))]) + x,
+    "pay[mix(bag)] * y": lambda _, y: in_order(*(shares * pay for shares, pay in zip(SHARES, PAY, strict=True))) * y,
     "stored + y": lambda x, y: x * P + y,
     "pot": lambda x, y: once(x * P, y * P, (x - y) * P, x, np.full_like(x, R)),
 }
@@ -111,7 +122,6 @@ game edges "Comparisons on the edge" {{
 """
 
 
-NUMBERS = np.random.default_rng(5).random((2, MANY)).astype(F) * F(8)
 WANTED = {f"world_want_{i}": fn(*NUMBERS) for i, fn in enumerate(EXPRESSIONS.values())}
 
 
@@ -120,7 +130,7 @@ def states(env: Any) -> Any:
     x, y = NUMBERS
     begun = env.reset(jax.random.key(0))[1]
     batch = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (MANY, *leaf.shape)), begun)
-    return batch.replace(world_x=x, world_y=y, agent_share=np.stack([x, y, x - y], axis=1), **WANTED)
+    return batch.replace(world_x=x, world_y=y, world_bag=BAGS.T.astype(np.uint8), agent_share=np.stack([x, y, x - y], axis=1), **WANTED)
 
 
 def missed(after: Any) -> dict[str, int]:

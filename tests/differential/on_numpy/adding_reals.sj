@@ -17,7 +17,7 @@ game adding "Reals that decide are added to: everybody's, a row's, an entry's, s
     field owed : reward
     field trust by agent : reward
     field purse by { red, blue } : reward
-    field friend : agent
+    field friend : agent  field hits by { red, blue } : 1 .. 9 capped = 1
     field likes : { red, blue } = red
     field rich : 0 .. 9 capped = 0
   }
@@ -47,6 +47,8 @@ game adding "Reals that decide are added to: everybody's, a row's, an entry's, s
   phase decide {
     when box[red] * rate + pot > box[blue] { set most = blue } otherwise { set most = red }
     each agent as a where a.owed - a.purse[red] * rate > a.purse[blue] { add 1 to a.rich }
+    each agent as a where sum(a.purse) * rate > a.owed { add 1 to a.rich }
+    each agent as a where pay[mix(a.hits)] * rate > 0.05 { add 1 to a.hits[a.likes] }
     each agent as a { each agent as b where a.trust[b] > b.trust[a] { add 1 to a.rich } }
     when sum(ground.heat * rate over ground) > pot { end }
     each agent where agent.owed > 50 { set agent.owed = agent.owed * 0.01 }
