@@ -24,7 +24,7 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import ramp
+from sjdsl.runtime.exact_reals import divided, exact_ramp, exactly
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
 NAME = "clean_up"
@@ -264,8 +264,8 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:50
     covered = occupied(orchard_under, NUM_ORCHARD)
     num_water = jnp.sum(state.water_state == WATER_DIRTY, dtype=jnp.int32)
-    dirt = num_water.astype(jnp.float32) / 167.0
-    growth = params.best_rate * ramp(dirt, params.spoiled_at, params.perfect_at)
+    dirt = divided(num_water.astype(jnp.float32), 167.0)
+    growth = params.best_rate * exactly(exact_ramp(exactly(dirt), params.spoiled_at, params.perfect_at))
     happens = (random_bits(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)
     orchard_fruit = jnp.where(
         (state.orchard_fruit == ORCHARD_NONE) & ~covered & happens, ORCHARD_RIPE, state.orchard_fruit

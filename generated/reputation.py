@@ -13,6 +13,7 @@ from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, own_cells, view_cells, painted
 from sjdsl.runtime.placing import pick, place_fitting
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.exact_reals import divided
 from sjdsl.runtime.torus import joined_edges, shorter_way
 from sjdsl.runtime.egocentric_windows import paint, planes_of, windows
 
@@ -430,7 +431,7 @@ def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
     # reputation.sj:88
     total = jnp.sum(jnp.moveaxis(state.agent_opinion.astype(jnp.int32), 1, 0), axis=1, dtype=jnp.int32)
-    standing = jnp.rint((10 * total).astype(jnp.float32) / 30.0).astype(jnp.int32)
+    standing = jnp.rint(divided((10 * total).astype(jnp.float32), 30.0)).astype(jnp.int32)
     total_2 = jnp.sum(standing, dtype=jnp.int32)
     return {"standing": total_2.astype(jnp.float32) / 6.0}
 

@@ -9,23 +9,17 @@ from sjdsl.interpreter.evaluate import evaluate, members_of, nearest_members
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found
 from sjdsl.interpreter.state import Value
-from sjdsl.interpreter.threefry import note_if_near
 
 HALF = 2**31
-_COMPUTING = (ir.Arithmetic, ir.Mix, ir.Sum, ir.SumRow, ir.Local)
 
 
 def chance(statement: ir.Chance, here: Instance) -> Drawn:
     """Returns the branch that happens: one word for the whole chain, each branch its share of what is left."""
-    assert here.draws is not None
     word = here.word(statement.stream, here.number)
-    threshold, computed, bounds = 0, False, []
+    threshold, bounds = 0, []
     for number, branch in enumerate(statement.branches):
         threshold += int(np.float32(HALF - threshold) * _probability(branch.test, here))
         bounds.append(threshold)
-        computed = computed or _is_computed(branch.test)
-        if computed:
-            note_if_near(here.draws, statement.stream, here.number, word, threshold)
         if word >> 1 < threshold:
             return Drawn(statement, here.number, word, number, tuple(bounds), here.names)
     return Drawn(statement, here.number, word, None, tuple(bounds), here.names)
@@ -47,15 +41,11 @@ def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
         return low + (word * (high - low + 1) >> 32)
     if not statement.weights:
         return statement.words[word * len(statement.words) >> 32]
-    assert here.draws is not None
     values = statement.numbers or statement.words
-    running, computed = np.float32(0), any(_is_computed(w) for w in statement.weights)
+    running = np.float32(0)
     for value, weight in zip(values[:-1], statement.weights[:-1], strict=True):
         running = np.float32(running + _probability(weight, here))
-        threshold = int(running * np.float32(HALF))
-        if computed:
-            note_if_near(here.draws, statement.stream, here.number, word, threshold)
-        if word >> 1 < threshold:
+        if word >> 1 < int(running * np.float32(HALF)):
             return value
     return values[-1]
 
@@ -63,11 +53,6 @@ def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
 def _probability(e: ir.Expr, here: Instance) -> np.float32:
     """Returns a probability; what rounding has brought below 0 is 0."""
     return max(np.float32(evaluate(e, here)), np.float32(0))
-
-
-def _is_computed(share: ir.Expr) -> bool:
-    """Returns whether float32 arithmetic goes into a probability, so that two programs may differ in its last bit."""
-    return any(isinstance(node, _COMPUTING) and node.type.kind == "real" for node in ir.walk(share))
 
 
 def picked(statement: ir.Pick, all_members: list[Found], here: Instance) -> list[tuple[Found, Drawn]]:

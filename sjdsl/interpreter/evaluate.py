@@ -5,6 +5,7 @@ lanes end where a condition holds, so that these three are one recursion.
 """
 
 from collections.abc import Callable, Iterable
+from functools import reduce
 from itertools import islice, product
 from typing import Any, Literal, assert_never
 
@@ -147,7 +148,7 @@ def _entry(e: ir.At, here: Instance) -> Value:
         return row[entry_place(level, key)]
     share = dict(zip(e.key.type.words, key, strict=True))
     parts = [numbers.arithmetic("*", [share[name], entry], is_real=True) for name, entry in zip(level.names, row, strict=True)]
-    return numbers.total(parts, is_real=True)
+    return reduce(lambda before, part: numbers.arithmetic("+", [before, part], is_real=True), parts)
 
 
 def _case(e: ir.Case, here: Instance) -> Value:

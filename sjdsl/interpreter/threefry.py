@@ -58,15 +58,6 @@ class Used(NamedTuple):
     word: int
 
 
-class Near(NamedTuple):
-    """A draw so close to a computed threshold that float32 rounding may decide it. `threshold` is of 2^31."""
-
-    stream: int
-    number: int
-    word: int
-    threshold: int
-
-
 class Chosen(NamedTuple):
     """A word that chose one of several. `left`: what there was to choose from, in order; `taken`: the number of the one chosen."""
 
@@ -82,7 +73,6 @@ class Recorded:
 
     source: Draws
     used: list[Used] = field(default_factory=list)
-    near: list[Near] = field(default_factory=list)
     chosen: list[Chosen] = field(default_factory=list)
 
     def word(self, stream: int, number: int) -> int:
@@ -98,12 +88,6 @@ def take(draws: Draws, stream: int, number: int, left: list[T]) -> tuple[T, int]
     if isinstance(draws, Recorded):
         draws.chosen.append(Chosen(stream, number, tuple(left), index))
     return left.pop(index), word
-
-
-def note_if_near(draws: Draws, stream: int, number: int, word: int, threshold: int) -> None:
-    """Records that a word was compared with a computed threshold and lies within 1e-6 of it (relative, at least 1)."""
-    if isinstance(draws, Recorded) and abs((word >> 1) - threshold) <= max(1.0, 1e-6 * threshold):
-        draws.near.append(Near(stream, number, word, threshold))
 
 
 def return_stream(stream: int) -> int:

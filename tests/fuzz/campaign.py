@@ -66,7 +66,6 @@ def count(verdict: Verdict, counts: Counter[str]) -> None:
     counts["all"] += 1
     counts["accepted"] += verdict.accepted
     counts["faults"] += bool(verdict.fault)
-    counts["near"] += bool(verdict.near)
     counts["steps"] += verdict.steps
     counts.update(verdict.codes)
 

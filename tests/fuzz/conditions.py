@@ -1,6 +1,7 @@
 """Random conditions, words and agents."""
 
 from math import inf
+from random import Random
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import COMPARISONS
@@ -60,7 +61,17 @@ def compared(scope: Scope, depth: int) -> str:
         if r.random() < 0.25:
             low = r.randint(0, 3)
             return f"{_operand(left)} in {low} .. {low + r.randint(0, 3)}"
-    return f"{_operand(left)} {r.choice(tuple(COMPARISONS))} {_operand(right)}"
+    text = f"{_operand(left)} {r.choice(tuple(COMPARISONS))} {_operand(right)}"
+    edge = Random(text)  # apart from all else: programs are otherwise the same
+    return tenths_compared(left[0], right[0], edge) if left[1].kind == "int" and edge.random() < 0.3 else text
+
+
+def tenths_compared(left: str, right: str, r: Random) -> str:
+    """Returns a comparison of reals made of two numbers that are often equal as fractions, so that the rounding of operations decides."""
+    a, b, c = (r.randint(1, 9) / 10 for _ in "abc")
+    sums = (f"({left}) * {a} + {b}", f"({left}) * {a} - {b} * ({right})", f"({left}) / 10 + {b}", f"({left}) * {a} * {b} - {c}")
+    others = (f"{c}", f"({right}) * {a}", f"({right}) / 10", f"({right}) / 3 * {c} + {b}")
+    return f"{r.choice(sums)} {r.choice(tuple(COMPARISONS))} {r.choice(others)}"
 
 
 def _operand(value: Typed) -> str:

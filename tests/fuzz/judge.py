@@ -81,7 +81,6 @@ class Verdict:
     messages: tuple[str, ...] = ()
     fault: str = ""
     steps: int = 0
-    near: int = 0
     game: ir.Game | None = None
 
     @property
@@ -149,7 +148,6 @@ def _play(verdict: Verdict, made: Build, manner: Manner) -> None:
     game = made.game
     play = random_play(game, manner.seed, manner.steps)
     history = interpret(game, play)
-    verdict.near = history.near
     text = module_text(game)
     env = of_text(game, text)
     report = run(env, play, history)

@@ -230,6 +230,12 @@ def _select_n(which: Any, *cases: Any) -> Array:
     return as_array(np.choose(np.broadcast_to(number, arrays[0].shape), arrays))
 
 
+def _bitcast(array: Any, dtype: Any) -> Array:
+    """Returns the bits of numbers as numbers of another type; of a narrower one along one more axis."""
+    bits = np.ascontiguousarray(np.asarray(array)[..., None]).view(dtype)
+    return as_array(bits[..., 0] if bits.dtype.itemsize == np.asarray(array).dtype.itemsize else bits)
+
+
 def _vmap(function: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *arrays: as_array(np.stack([function(*row) for row in zip(*arrays, strict=True)]))
 
@@ -257,7 +263,7 @@ LAX = SimpleNamespace(
     select_n=_select_n,
     dynamic_index_in_dim=_dynamic_index_in_dim,
     population_count=_wrapping(np.bitwise_count),
-    bitcast_convert_type=lambda x, dtype: as_array(np.ascontiguousarray(np.asarray(x)[..., None]).view(dtype)),
+    bitcast_convert_type=_bitcast,
 )
 JAX = SimpleNamespace(
     numpy=JNP,

@@ -19,7 +19,7 @@ from sjdsl.compiler.lower.relocation import all_pools
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
-from sjdsl.interpreter.threefry import Recorded, Threefry
+from sjdsl.interpreter.threefry import Threefry
 from sjdsl.runtime.env import Environment
 from tests.differential.compare import Report, compare, compare_outcome
 from tests.fuzz import numpy_jax
@@ -50,15 +50,14 @@ class Moment:
 
 @dataclass
 class History:
-    """What the interpreter does. `near`: it ends before a draw on the edge of a computed chance, where rounding decides.
+    """What the interpreter does, until a real number runs away.
 
-    It also ends where a real number has run away: additions round (docs/semantics.md), and a rule that multiplies what it adds
-    multiplies that error as well.
+    Of reals that decide nothing additions round in any order (docs/semantics.md), and a rule that multiplies what it adds multiplies that
+    error as well.
     """
 
     first: World
     moments: list[Moment] = field(default_factory=list)
-    near: int = 0
 
 
 def random_play(game: ir.Game, seed: int, steps: int) -> Play:
@@ -73,19 +72,17 @@ def random_play(game: ir.Game, seed: int, steps: int) -> Play:
 def interpret(game: ir.Game, play: Play) -> History:
     """Returns the trajectory of a play by the interpreter; an episode that is over begins anew."""
     given = default_params(game)
-    start = Recorded(Threefry(*play.start))
-    world = reset(game, given, start)
-    history = History(world, near=len(start.near))
+    world = reset(game, given, Threefry(*play.start))
+    history = History(world)
     for words, actions in zip(play.keys, play.actions, strict=True):
-        draws = Recorded(Threefry(*words))
+        draws = Threefry(*words)
         mask = action_mask(game, world)
         try:
             ended, outcome = step(game, world, actions, given, draws)
         except LeavesFloat32:
             break
         world = reset(game, given, draws) if outcome.terminated or outcome.truncated else ended
-        history.near += len(draws.near)
-        if history.near or runs_away(ended):
+        if runs_away(ended):
             break
         history.moments.append(Moment(mask, ended, outcome, world))
     return history
@@ -146,9 +143,7 @@ def of_text(game: ir.Game, text: str) -> OnNumPy:
 
 def run(env: OnNumPy, play: Play, history: History) -> Report:
     """Returns how far the module on NumPy and the interpreter went together."""
-    report = Report(near=history.near)
-    if history.near and not history.moments:
-        return report
+    report = Report()
     for number, (state, observation, mask, step_) in enumerate(moments(env, play, len(history.moments))):
         if step_ is None:
             compare(env, state, observation, history.first, report, ROUNDED)

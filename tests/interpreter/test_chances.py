@@ -1,6 +1,5 @@
 """Every kind of statement that draws, with the words written down by hand."""
 
-import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
@@ -45,15 +44,6 @@ def test_chances_of_nought_and_one_are_certain(share, expected):
     game = small(g.each(g.cells("soil"), chance))
     for word in (0, g.LAST):
         assert run(game, draws=g.Table(rest=word))[0].cells["soil", "fruit"] == [expected] * 3
-
-
-def test_a_draw_near_a_computed_threshold_is_reported():
-    third = g.plus(g.number(1), g.number(3), fn="/", type_=g.REAL)
-    for share, expected in ((third, 1), (ir.Number(type=g.REAL, value=1 / 3), 0)):
-        chance = ir.Chance(branches=(ir.Branch(test=share, body=()),), stream=5)
-        draws = Recorded(g.Table({(5, 0): 2 * int(np.float32(1 / 3) * np.float32(2**31)) + 1}))
-        run(small(chance), draws=draws)
-        assert len(draws.near) == expected
 
 
 def test_instance_numbers_are_mixed_radix_outermost_first():

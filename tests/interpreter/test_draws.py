@@ -2,7 +2,7 @@
 
 import pytest
 
-from sjdsl.interpreter.threefry import Near, Recorded, Threefry, Used, note_if_near, return_stream, threefry
+from sjdsl.interpreter.threefry import Recorded, Threefry, Used, return_stream, threefry
 
 
 @pytest.mark.parametrize(
@@ -28,15 +28,6 @@ def test_recorded_words_are_remembered_in_order():
     assert draws.word(0, 0) == 0x9D1C5EC6
     draws.word(7, 3)
     assert draws.used == [Used(0, 0, 0x9D1C5EC6), Used(7, 3, Threefry(0, 0).word(7, 3))]
-
-
-def test_only_words_beside_a_threshold_are_near():
-    draws = Recorded(Threefry(0, 0))
-    note_if_near(draws, 1, 2, 2_000_000_000, 1_000_000_900)
-    note_if_near(draws, 1, 2, 2_000_000_000, 1_000_001_100)
-    note_if_near(draws, 1, 2, 20, 11)
-    note_if_near(draws, 1, 2, 20, 12)
-    assert draws.near == [Near(1, 2, 2_000_000_000, 1_000_000_900), Near(1, 2, 20, 11)]
 
 
 def test_agents_come_back_with_words_of_their_own():

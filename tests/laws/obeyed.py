@@ -63,7 +63,7 @@ def obeyed(game: ir.Game, s: Symmetry, random: Random, steps: int, compiled: boo
         fault = _interpreted(game, changed, start, given, words, wanted, world, s)
         if env is not None and not fault:
             fault = compiled_difference(env, start, given, words, wanted)
-        if fault and (drawn.near or tied(game, drawn)):  # on the edge of a computed chance rounding decides, of equal ranks numbers
+        if fault and tied(game, drawn):  # of equal ranks numbers decide
             tried.left_out += 1
             continue
         tried.fault = f"step {number}: {fault}" if fault else ""

@@ -41,7 +41,7 @@ def asymmetry(game: ir.Game, check: ir.Check, random: Random) -> tuple[int, str]
                 break
             if runs_away(world):
                 break
-            if drawn.near or tied(game, drawn):
+            if tied(game, drawn):
                 continue
             given = [s.number(actions[s.order.index(agent)], game) for agent in range(len(actions))]
             start, wanted = other_world(game, game, before, s), (other_world(game, game, world, s), other_outcome(game, outcome, s))

@@ -12,7 +12,7 @@ import jax
 import pytest
 
 from bench.paper import published
-from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config, register
+from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, register
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.ppo import check_minibatches
 from tests.games.environments import NINE, environment

@@ -20,6 +20,7 @@ _KERNELS = {
     "pick_of_sets place place_fitting",
     "planes": "TokenPlane",
     "rows": "entry highest lowest mix ramp shifted",
+    "exact_reals": "divided exact_mix exact_ramp exact_sum exactly fixed_point rounded sum_in_order",
     "steering": "gains gains_around is_one_of",
     "line_of_sight": "nearest_in_lanes reached",
     "torus": "cells_on joined_edges shorter_way",

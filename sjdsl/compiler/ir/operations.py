@@ -105,6 +105,7 @@ class Calculation(Function):
 
     # its code
     array: str  # an operator of Python, or a function of arrays; one of two arrays is applied to one argument after another
+    exact: str = ""  # the function of arrays in its place where the result decides something
 
 
 class PayoffClass(Function):
@@ -272,6 +273,7 @@ OPERATIONS: tuple[Function, ...] = (
         slope=_ramp_slope,
         range=_ramp_range,
         array="ramp",
+        exact="exact_ramp",
     ),
     Function(
         "distance",
@@ -416,6 +418,7 @@ OPERATIONS: tuple[Function, ...] = (
         interval=_quotient,
         slope=lambda parts, _: _quotient_slope(*parts),
         rounding=_quotient_rounding,
+        exact="divided",
     ),
     _operator(
         "%",

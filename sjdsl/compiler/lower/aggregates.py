@@ -6,11 +6,11 @@ from math import isinf
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, iota, literal, reduce, select, spread
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, iota, literal, reduce, select, spread, union
 from sjdsl.compiler.lower.domains import enter, is_empty, neighbours_constant, shape_name, whole_set
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import DType, Lambda, Literal, Name, Unary, call, path
+from sjdsl.compiler.program.expressions import DType, Lambda, Literal, Name, Unary, call, constant, path
 
 MOST = 32  # cells of a shape: each is a few lines of the program that XLA compiles
 _PLAIN = (
@@ -85,7 +85,18 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
             return as_dtype(inner.mask, "i32")
         return w.keep(f"num_{e.domain.var.name}", reduce("sum", inner.mask, new))
     value = as_dtype(w.value(e.value, inner.always()), "i32" if e.type.kind == "int" else "f32")
-    return w.keep("total", reduce("sum", select(inner.mask, value, literal(0, value.dtype)), new))
+    values = select(inner.mask, value, literal(0, value.dtype))
+    if new and w.exact and value.dtype == "f32":
+        return w.keep("total", _exact_sum(values, new))
+    return w.keep("total", reduce("sum", values, new))
+
+
+def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
+    """Returns the sum of reals over axes, which decides something."""
+    axes = union(values.axes, over)
+    places = constant(tuple(axes.index(axis) for axis in over))
+    kept = tuple(axis for axis in axes if axis not in over)
+    return Value(call("exact_sum", spread(values, axes), places), "f32", kept)
 
 
 def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:

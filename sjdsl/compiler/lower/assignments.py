@@ -1,6 +1,7 @@
 """Lowers `set` and `add`: by selection where the target is the axis itself, by scatter where its index is computed, or by lot."""
 
 from dataclasses import replace
+from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -28,11 +29,12 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.draws import random_bits
 from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
-MOST_TERMS = 100  # of one sum: it is nested, and Python goes through it recursively
+MOST_NESTED = 100  # additions in one expression, through which Python goes recursively
+MOST_TERMS = 2**19  # of an exact sum: `runtime/exact_reals.py`
 
 
 class Target(Record):
@@ -134,7 +136,8 @@ def _flat(value: Value, axes: tuple[Axis, ...], dtype: array.DType, inside: tupl
 
 def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     """Writes `set target = value`."""
-    value = stored_value(s.value, s.target, scope, w)
+    with w.deciding(w.module.deciding.has_field(written_field(s.target))):
+        value = stored_value(s.value, s.target, scope, w)
     written = targets(s.target, scope, w)
     if len(written) > 1 and not value.literal:
         value = w.keep("written", value)
@@ -285,14 +288,30 @@ def _place(who: Variable) -> str:
 
 def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
     """Collects `add value to target`; the sums are applied at the end of the phase."""
+    decides = w.module.deciding.has_field(written_field(s.target))
     for target in targets(s.target, scope, w):
         if target.read.type.kind == "agents":
             _add_member(s, target, w)
-        else:
-            _add_number(target, as_dtype(w.value(s.value, scope.always()), "f32" if target.read.type.kind == "real" else "i32"), w)
+            continue
+        with w.deciding(decides):
+            value = as_dtype(w.value(s.value, scope.always()), "f32" if target.read.type.kind == "real" else "i32")
+        is_exact = decides and value.dtype == "f32"
+        if is_exact:
+            _count_terms(target, s, w)
+        _add_number(target, value, is_exact, w)
 
 
-def _add_number(target: Target, value: Value, w: Writer) -> None:
+def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
+    """Counts the terms of an exact sum, of which there is room for so many."""
+    terms = w.terms.get(target.attribute, 0) + prod(axis.size for axis in target.scope.axes)
+    if terms >= MOST_TERMS:
+        wanted = f"{MOST_TERMS:,} or more additions in a phase to a real field that decides something"
+        raise NotSupported(wanted, s.origin, "add up in several phases, or count in whole numbers")
+    w.terms[target.attribute] = terms
+
+
+def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None:
+    """Collects the sums of a number over the instances. is_exact: of reals as fixed-point numbers, whose digits are a level more."""
     scope = target.scope
     if scope.mask == TRUE or not value.levels:
         masked = select(scope.mask, value, literal(0, value.dtype))
@@ -302,18 +321,22 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
         masked = replace(value, node=array.Where(test, _row_aligned(value, axes), array.Literal(0)), axes=axes)
     sums = w.added.setdefault(target.attribute, [])
     own = target.own_axes
-    if own is not None and target.along is not None:
-        entries = union(own, (target.along,))
-        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in entries))
-        node = rolled(aligned(total, entries), entries, target.along) if total.axes else total.node
-        sums.append(w.keep(f"{target.attribute}_added", Value(node, total.dtype, own if total.axes else (), 1 if total.axes else 0)))
-        return
-    key = target.key(w)
+    key = target.key(w) if own is None or target.along is None else None
     if key is not None:
         axes = union(masked.axes, key.axes)  # a row that has the value at the key's word and 0 elsewhere
         zero = array.scalar(literal(0, masked.dtype).node, masked.dtype)
         row = array.Where(_entries_of_word(key, axes, target, w), _for_each_word(masked, axes), zero)
         masked = Value(row, masked.dtype, axes, 1)
+    if is_exact:
+        given = array.scalar(masked.node, "f32") if masked.literal else masked.node
+        masked = Value(array.call("fixed_point", given), "i32", masked.axes, masked.levels + 1)
+    if own is not None and target.along is not None:
+        entries = union(own, (target.along,))
+        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in entries))
+        is_array = bool(total.axes or total.levels)
+        node = rolled(_row_aligned(total, entries), entries, target.along) if is_array else total.node
+        sums.append(w.keep(f"{target.attribute}_added", Value(node, total.dtype, own if is_array else (), is_array + is_exact)))
+        return
     if own is not None:
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
         if total.axes or total.levels:  # a row that is the same for all is lined up too: JAX does not guess which axis is missing
@@ -325,11 +348,14 @@ def _add_number(target: Target, value: Value, w: Writer) -> None:
     axes = union(index.axes, masked.axes)
     total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
     extent = w.module.extent(target.who.sort)
-    zeros = array.call("jnp.zeros", array.shape_of((extent, *map(w.module.num_entries, target.read.type.by))), array.DTYPES[total.dtype])
+    dtype = "f32" if is_exact else total.dtype
+    zeros = array.call("jnp.zeros", array.shape_of((extent, *map(w.module.num_entries, target.read.type.by))), array.DTYPES[dtype])
+    if is_exact:
+        zeros = array.call("fixed_point", zeros)
     amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
     sets = array.Update(zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True)
-    sums.append(w.keep(f"{target.attribute}_added", Value(sets, total.dtype, shape, len(target.read.type.by))))
+    sums.append(w.keep(f"{target.attribute}_added", Value(sets, total.dtype, shape, len(target.read.type.by) + is_exact)))
 
 
 def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
@@ -389,10 +415,13 @@ def finish(w: Writer) -> None:
         declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
         dtype = state_reads.storage(declared, w)
         node = as_dtype(Value(w.current(attribute), dtype), "i32" if declared.type.kind == "int" else "f32").node
+        is_exact = attribute in w.terms
+        node = array.call("fixed_point", node) if is_exact else node
         for number, total in enumerate(sums, 1):
             node = joined("+", node, total.node)
-            if number % MOST_TERMS == 0:
+            if number % MOST_NESTED == 0:
                 node = w.bind(attribute, node)
+        node = array.call("rounded", node) if is_exact else node
         if declared.capped:
             node = array.call("jnp.clip", node, array.Literal(int(declared.type.low)), array.Literal(int(declared.type.high)))
         if dtype not in ("i32", "f32"):

@@ -5,7 +5,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, invert, iota, literal, union
 from sjdsl.compiler.lower.condition_names import value_name
-from sjdsl.compiler.lower.expressions import real
+from sjdsl.compiler.lower.expressions import operand, real
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import Arange, Cast, Expression, Index, Literal, Name, as_array, call, constant, scalar
@@ -49,7 +49,8 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
         if before is None:
             limit = first_limit(branch.test, scope, w)
         else:
-            p = _probability(branch.test, scope, w)
+            with w.deciding():
+                p = operand(branch.test, _probability(branch.test, scope, w), w)
             axes = union(before.axes, p.axes)
             limit = Value(call("next_threshold", aligned(before, axes), _array(p, axes)), "u32", axes)
         if len(s.branches) > 1:
@@ -78,7 +79,8 @@ def _named(branch: ir.Branch, what: str) -> str:
 
 def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns a probability; where a guard alone keeps it from being negative, what rounding has brought below 0 is 0."""
-    p = real(e, scope.always(), w)
+    with w.deciding():
+        p = real(e, scope.always(), w)
     return replace(p, node=call("jnp.maximum", p.node, Literal(0.0))) if e.type.low < 0 else p
 
 
@@ -95,9 +97,7 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
         return w.keep(s.name, _weighted(s, word, scope, w))
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
-        start, end = (real(x, scope.always(), w) for x in (s.low, s.high))
-        place = replace(word, node=call("unit", word.node), dtype="f32")
-        return w.keep(s.name, binary("+", start, binary("*", binary("-", end, start, "f32"), place, "f32"), "f32"))
+        return w.keep(s.name, _between(s, s.low, s.high, word, scope, w))
     low, high = (as_dtype(w.value(x, scope.always()), "i32") for x in (s.low, s.high))
     span = binary("+", binary("-", high, low, "i32"), literal(1, "i32"), "i32")
     axes = union(word.axes, span.axes)
@@ -105,16 +105,35 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     return w.keep(s.name, binary("+", drawn, low, "i32"))
 
 
+def _between(s: ir.Draw, low: ir.Expr, high: ir.Expr, word: Value, scope: IterationScope, w: Writer) -> Value:
+    """Returns a real drawn between two others."""
+    with w.deciding(s.name in w.module.deciding.variables):
+        start, end = (operand(x, real(x, scope.always(), w), w) for x in (low, high))
+        place = replace(word, node=call("unit", word.node), dtype="f32")
+        length = binary("-", end, start, "f32")
+        way = binary("*", length, place, "f32")
+        if w.exact:
+            way = replace(way, node=call("exactly", way.node))
+        return binary("+", start, way, "f32")
+
+
 def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Value:
     shifted = w.keep("word", binary(">>", word, literal(1, "u32"), "u32"))
     total: Value | None = None
     result = literal(0, "i32")
     for weight in s.weights[:-1]:
-        p = _probability(weight, scope, w)
-        total = p if total is None else binary("+", total, p, "f32")
+        with w.deciding():
+            p = _probability(weight, scope, w)
+            total = p if total is None else _more(total, weight, p, w)
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
         result = binary("+", result, as_dtype(binary(">=", shifted, limit, "bool"), "i32"), "i32")
     if s.numbers:
         table = w.module.constant(f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32")
         return replace(result, node=Index(table, (result.node,)))
     return as_dtype(result, "u8")
+
+
+def _more(total: Value, weight: ir.Expr, p: Value, w: Writer) -> Value:
+    """Returns the sum of some weights and the next one."""
+    before = total if total.literal else replace(total, node=call("exactly", total.node))
+    return binary("+", before, operand(weight, p, w), "f32")

@@ -93,7 +93,12 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
     if row.levels > 1:
         left = array.Index(left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)))
     products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
-    expected = Value(array.Reduce("sum", products, (len(axes),), "f32"), "f32", axes, row.levels - 1)
+    place = len(axes)
+    if w.exact:
+        total: array.Expression = array.call("sum_in_order", products, array.Literal(place))
+    else:
+        total = array.Reduce("sum", products, (place,), "f32")
+    expected = Value(total, "f32", axes, row.levels - 1)
     return w.keep("expected" if row.levels == 1 else "expected_row", expected)
 
 

@@ -114,14 +114,17 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return extreme(e, scope, w)
         case ir.SumRow():
             row, reduction = lower(e.row, scope, w), REDUCTIONS[e.fn]
+            if reduction.adds and w.exact and row.dtype == "f32":
+                return replace(row, node=array.call("exact_sum", row.node, array.Literal(len(row.axes))), levels=0)
             node = summed(row.node, row.dtype) if reduction.adds else row.node
             return replace(row, node=array.Reduce(reduction.array, node, (-1,), row.dtype if reduction.adds else None), levels=0)
         case ir.Lowest():
-            row = lower(e.row, scope, w)
+            with w.deciding():
+                row = lower(e.row, scope, w)
             return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
         case ir.Mix():
             row = lower(e.row, scope, w)
-            return Value(array.call("mix", row.node), "f32", row.axes, 1)
+            return Value(array.call("exact_mix" if w.exact else "mix", row.node), "f32", row.axes, 1)
         case ir.ShiftRow():
             return shift(e, scope, w)
         case ir.Case():
@@ -255,7 +258,13 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     row = CALCULATIONS[e.fn]
     dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
     of: array.DType = "i32" if dtype == "i32" and all(a.type.kind == "int" for a in e.args) else "f32"
-    args = [as_dtype(lower(a, scope, w), of) for a in e.args]
+    with w.deciding(row.kind == "whole"):
+        args = [as_dtype(lower(a, scope, w), of) for a in e.args]
+    exact = w.exact and of == "f32" and not all(a.literal for a in args)
+    if exact and (row.rounding is not None or row.exact):
+        args = [operand(a, value, w) for a, value in zip(e.args, args, strict=True)]
+    if exact and row.exact:
+        return _called(row.exact, args, dtype)
     if not row.array[0].isalpha():
         if len(args) == 2:
             return binary(row.array, args[0], args[1], dtype)
@@ -265,6 +274,24 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     if row.least == row.most:
         return as_dtype(_called(row.array, args, of), dtype)
     return reduce(lambda one, other: _called(row.array, [one, other], dtype), args)
+
+
+def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
+    """Returns a real that arithmetic reads. If it decides something, it is rounded before; numbers and parameters are anyway."""
+    if not w.exact or value.dtype != "f32" or value.literal or _is_given(e):
+        return value
+    return replace(value, node=array.call("exactly", value.node))
+
+
+def _is_given(e: ir.Expr) -> bool:
+    """Returns whether no arithmetic of reals has made a number: it is written, a parameter, or a whole number."""
+    match e:
+        case ir.Named():
+            return _is_given(e.value)
+        case ir.At() if e.key.type.kind != "mix":
+            return _is_given(e.row)
+        case _:
+            return isinstance(e, ir.Number | ir.ParamRef) or e.type.kind == "int"
 
 
 def _called(function: str, args: list[Value], dtype: array.DType) -> Value:
@@ -292,7 +319,8 @@ def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
 
 def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer) -> list[Value]:
     """Returns numbers to be compared: reals if one of them is one."""
-    values = [lower(x, scope, w) for x in expressions]
+    with w.deciding():
+        values = [lower(x, scope, w) for x in expressions]
     return [as_dtype(v, "f32" if any(o.dtype == "f32" for o in values) else "i32") for v in values]
 
 

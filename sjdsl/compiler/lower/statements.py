@@ -28,7 +28,9 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
         match s:
             case ir.Let():
                 before = len(w.body)
-                value = w.keep(s.name, w.rename(s.name, w.value(s.value, scope.always()), before))
+                with w.deciding(s.name in w.module.deciding.variables):
+                    value = w.value(s.value, scope.always())
+                value = w.keep(s.name, w.rename(s.name, value, before))
                 scope = replace(scope, locals={**scope.locals, s.name: value})
             case ir.Draw():
                 scope = replace(scope, locals={**scope.locals, s.name: draw(s, scope, w)})

@@ -1,7 +1,8 @@
 """The writer: collects names, constants and statements while lowering builds a module, one function at a time."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -21,6 +22,7 @@ from sjdsl.compiler.ir.queries import (
 )
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import Axis, Value, literal
+from sjdsl.compiler.lower.deciding import Deciding, deciding
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.scope import IterationScope, Variable
 from sjdsl.compiler.program import Constant, Group, Number
@@ -186,6 +188,11 @@ class Module:
         """All nodes of the game."""
         return tuple(ir.walk(self.game))
 
+    @cached_property
+    def deciding(self) -> Deciding:
+        """The reals of the game that decide something."""
+        return deciding(self.game)
+
     def field(self, read: ir.FieldRead, kind: str | None = None) -> ir.VarField:
         """Returns the declaration of a field."""
         return declared_field(self.game, read, kind)
@@ -205,6 +212,7 @@ class Writer:
     starting: bool = False
     origin: Span | None = None
     state: str = "state"  # what is read from
+    exact: bool = False  # whether what is lowered decides something
     known: dict[tuple[Expression, str], Name] = field(default_factory=dict)
     parts: dict[Expression, tuple[Name, ...]] = field(default_factory=dict)  # of what kernels have returned
     shape_axes: dict[tuple[str, Variable], Axis] = field(default_factory=dict)
@@ -212,6 +220,7 @@ class Writer:
     changed: dict[str, Expression] = field(default_factory=dict)
     outcome: dict[str, Expression] = field(default_factory=dict)
     added: dict[str, list[Value]] = field(default_factory=dict)
+    terms: dict[str, int] = field(default_factory=dict)  # of the exact sums in `added`
     marked: dict[Name, int] = field(default_factory=dict)
     joined: dict[str, list[Expression]] = field(default_factory=dict)
     several_lots: frozenset[tuple[str, str]] = frozenset()
@@ -224,6 +233,14 @@ class Writer:
     def value(self, e: ir.Expr, scope: IterationScope) -> Value:
         """Returns the array that an expression is for all instances of a scope at once."""
         return self.module.expression(e, scope, self)
+
+    @contextmanager
+    def deciding(self, decides: bool = True) -> Iterator[None]:
+        """Lowers what decides something: inside, the arithmetic of reals is exact."""
+        before = self.exact
+        self.exact = before or decides
+        yield
+        self.exact = before
 
     def axis(self, name: str, size: int | Literal) -> Axis:
         """Returns a new axis, to the right of all made before."""

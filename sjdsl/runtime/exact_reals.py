@@ -1,0 +1,183 @@
+"""Arithmetic of reals that decide something: each operation rounds once, to the nearest float32 (docs/semantics.md, section 4).
+
+XLA leaves no other real as it is written: it contracts a product and a sum to one operation, divides by a constant by multiplying, adds
+and multiplies constants first, adds up in any order, and on GPUs divides with an error of up to two units in the last place. It does so
+across phases, and differently where a parameter is a constant of the program and where it is an argument.
+"""
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from sjdsl.runtime.forms import by_platform
+
+FRACTION = 23  # bits of a float32 after its first
+BIAS = 127
+SPECIAL = 255  # exponent of infinity
+INFINITE = SPECIAL << FRACTION
+DIGIT = 12  # bits of a digit of a fixed-point number
+DIGITS = 28  # from the last bit of the least normal float32 to above those of infinity, and room for sums
+ABOVE = 288  # where the bits of infinity stand: finite terms can't cancel it
+
+
+def exactly(value: Array) -> Array:
+    """Returns a real as it is. What reads it isn't merged with the operation that has computed it.
+
+    Args:
+      value: any shape, float32.
+    """
+    return _real(_bits(value) + _zero(value))
+
+
+def divided(dividend: Array | float, divisor: Array | float) -> Array:
+    """Returns the quotient of two reals, float32: correctly rounded if both and it are normal numbers."""
+    top, bottom = jnp.asarray(dividend, jnp.float32), jnp.asarray(divisor, jnp.float32)
+    return by_platform(_divided_on_cpu, _divided_on_gpu, top, bottom)
+
+
+def exact_ramp(value: Array, zero_at: Array, one_at: Array) -> Array:
+    """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1, as the operations are written."""
+    return jnp.clip(divided(value - zero_at, one_at - zero_at), 0.0, 1.0)
+
+
+def exact_mix(row: Array) -> Array:
+    """Returns the shares of a row's entries, as `rows.mix` does, each correctly rounded."""
+    total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
+    return exactly(divided(row.astype(jnp.float32), jnp.where(total > 0, total, 1)))
+
+
+def sum_in_order(terms: Array, axis: int) -> Array:
+    """Returns the sum of reals along an axis, float32: each addition rounds, the first terms first."""
+    first, *others = jnp.moveaxis(terms, axis, 0)
+    total: Array = exactly(first)
+    for term in others:
+        total = exactly(total + exactly(term))
+    return total
+
+
+def exact_sum(values: Array, axis: int | tuple[int, ...]) -> Array:
+    """Returns the sum of reals along axes: exact, then rounded once.
+
+    Args:
+      values: float32, at most 2^19 along the axes.
+      axis: the axes, counted from the first.
+    """
+    result: Array = rounded(jnp.sum(fixed_point(values), axis=axis, dtype=jnp.int32))
+    return result
+
+
+@jax.jit  # one function of the program for each shape
+def fixed_point(values: Array) -> Array:
+    """Returns reals as fixed-point numbers, whose sums are exact in any order: `[...]` float32 -> `[..., 28]` int32.
+
+    A number is its digits in base 2^12, each with the sign of the number, the least significant first. Up to 2^19 may be added, digit by
+    digit. Numbers nearer to 0 than 2^-126 are 0.
+    """
+    bits = _bits(values)[..., None]
+    exponent = _exponent(bits)
+    significand = jnp.where(exponent == 0, jnp.uint32(0), _significand(bits))
+    place = jnp.where(exponent == SPECIAL, ABOVE, exponent - 1)
+    digits = jnp.arange(DIGITS, dtype=jnp.int32).reshape((1,) * values.ndim + (-1,))
+    shift = place - DIGIT * digits
+    left = significand << jnp.clip(shift, 0, 31).astype(jnp.uint32)
+    right = significand >> jnp.clip(-shift, 0, 31).astype(jnp.uint32)
+    entries = (jnp.where(shift >= 0, left, right) & jnp.uint32(2**DIGIT - 1)).astype(jnp.int32)
+    result: Array = jnp.where(bits >> jnp.uint32(31) == 1, -entries, entries)
+    return result
+
+
+@jax.jit  # as above
+def rounded(sums: Array) -> Array:
+    """Returns the float32 nearest to sums of fixed-point numbers, of two the even one: `[..., 28]` int32 -> `[...]` float32."""
+    negative = _carried(sums)[1] < 0
+    digits, _ = _carried(jnp.where(negative[..., None], -sums, sums))
+    number = jnp.arange(DIGITS, dtype=jnp.int32).reshape((1,) * negative.ndim + (-1,))
+    top = jnp.max(jnp.where(digits > 0, number, 0), axis=-1)
+    first, second, third = (jnp.sum(jnp.where(number == top[..., None] - i, digits, 0), axis=-1, dtype=jnp.int32) for i in range(3))
+    below = jnp.any((number < top[..., None] - 2) & (digits > 0), axis=-1)
+    high = first << DIGIT | second
+    length = _exponent(_bits(high.astype(jnp.float32))) - (BIAS - 1)
+    more = jnp.clip(FRACTION + 1 - length, 0, DIGIT - 1)  # bits of the third digit that the significand has
+    significand = high << more | third >> (DIGIT - more)
+    rest, half = third & ((1 << (DIGIT - more)) - 1), 1 << (DIGIT - 1 - more)
+    is_odd = (significand & 1) == 1
+    up = (rest > half) | ((rest == half) & (below | is_odd))
+    place = DIGIT * (top - 1) - more
+    return _assembled(negative, place + 1, significand.astype(jnp.uint32) + up.astype(jnp.uint32))
+
+
+def _carried(sums: Array) -> tuple[Array, Array]:
+    """Returns digits of 0 .. 2^12 - 1, and what is carried beyond the last: negative if the number is."""
+    carry, digits = jnp.zeros_like(sums[..., 0]), []
+    for place in range(DIGITS):
+        carried = sums[..., place] + carry
+        digits.append(carried & (2**DIGIT - 1))
+        carry = carried >> DIGIT
+    return jnp.stack(digits, axis=-1), carry
+
+
+def _divided_on_cpu(dividend: Array, divisor: Array) -> Array:
+    return dividend / _real(_bits(divisor) + _zero(dividend))  # not by a constant, by whose inverse XLA would multiply
+
+
+def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
+    """Divides significands as whole numbers: the first bit, then 8 at a time, the last of which says how to round.
+
+    Numbers nearer to 0 than 2^-126 are 0.
+    """
+    top, bottom = _bits(dividend), _bits(divisor)
+    above, below = _significand(top), _significand(bottom)
+    smaller = above < below
+    rest = (above << smaller.astype(jnp.uint32)) - below
+    quotient = jnp.ones_like(rest)
+    for _ in range(3):
+        rest = rest << jnp.uint32(8)
+        more = rest // below
+        quotient = quotient << jnp.uint32(8) | more
+        rest = rest - more * below  # `%` would be ten operations
+    significand = quotient >> jnp.uint32(1)
+    is_odd = (significand & jnp.uint32(1)) == 1
+    up = ((quotient & jnp.uint32(1)) == 1) & ((rest > 0) | is_odd)
+    to_zero = (_exponent(top) == 0) | (_exponent(bottom) == SPECIAL)
+    to_infinity = (_exponent(top) == SPECIAL) | (_exponent(bottom) == 0)
+    exponent = _exponent(top) - _exponent(bottom) + BIAS - smaller.astype(jnp.int32)
+    exponent = jnp.where(to_zero, 0, jnp.where(to_infinity, SPECIAL, exponent))
+    negative = (top ^ bottom) >> jnp.uint32(31) == 1
+    result = _assembled(negative, exponent, significand + up.astype(jnp.uint32))
+    is_none = (to_zero & to_infinity) | (dividend != dividend) | (divisor != divisor)
+    return jnp.where(is_none, jnp.float32(jnp.nan), result)
+
+
+def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
+    """Returns float32s. significand: 2^23 .. 2^24, of which 2^24 counts as the next exponent. What is too small is 0, too large infinity."""
+    bits = ((exponent - 1).astype(jnp.uint32) << jnp.uint32(FRACTION)) + significand
+    size = jnp.where(exponent <= 0, jnp.uint32(0), jnp.where(exponent >= SPECIAL, jnp.uint32(INFINITE), bits))
+    return _real(size | negative.astype(jnp.uint32) << jnp.uint32(31))
+
+
+def _zero(value: Array) -> Array:
+    """Returns zeros, uint32, of the shape of an array: a square has no remainder 2 modulo 5, which compilers don't know."""
+    part = _bits(value) & jnp.uint32(0x7FFF)
+    square = part * part
+    result: Array = (square - square // jnp.uint32(5) * jnp.uint32(5) == 2).astype(jnp.uint32)
+    return result
+
+
+def _exponent(bits: Array) -> Array:
+    result: Array = (bits >> jnp.uint32(FRACTION) & jnp.uint32(SPECIAL)).astype(jnp.int32)
+    return result
+
+
+def _significand(bits: Array) -> Array:
+    result: Array = bits & jnp.uint32(2**FRACTION - 1) | jnp.uint32(2**FRACTION)
+    return result
+
+
+def _bits(value: Array) -> Array:
+    result: Array = lax.bitcast_convert_type(value, jnp.uint32)
+    return result
+
+
+def _real(bits: Array) -> Array:
+    result: Array = lax.bitcast_convert_type(bits, jnp.float32)
+    return result
