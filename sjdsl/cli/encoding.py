@@ -32,7 +32,7 @@ def spell_out(error: UnicodeError) -> tuple[str, int]:
 def _spelt(character: str) -> str:
     if character in SPELT:
         return SPELT[character]
-    base, *marks = unicodedata.normalize("NFD", character)
+    base, *marks = list(unicodedata.normalize("NFD", character))
     if marks and base.isascii():
         return base
     return character.encode("ascii", "backslashreplace").decode()

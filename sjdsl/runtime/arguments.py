@@ -24,7 +24,7 @@ def refuse_beyond_int32(actions: Any) -> None:
         if isinstance(part, jax.core.Tracer) or not isinstance(part, int | np.integer | np.ndarray | jax.Array):
             continue
         dtype = getattr(part, "dtype", np.dtype(object))  # of Python's integers, which have no limits
-        if jnp.issubdtype(dtype, jnp.integer) and jnp.iinfo(dtype).max <= INT32.max:
+        if np.can_cast(dtype, np.int32):
             continue
         for action in np.asarray(part).ravel().tolist():
             if isinstance(action, int) and not INT32.min <= action <= INT32.max:
@@ -44,7 +44,7 @@ def checked_actions(actions: Any, num_agents: int) -> Array:
         raise TypeError(f"actions are {given.dtype}, but must be whole numbers, the numbers of actions, such as int32")
     if given.shape != (num_agents,):
         raise ValueError(f"actions have shape {given.shape}, one for each agent is wanted: ({num_agents},){_for_a_batch(given.ndim - 1)}")
-    if jnp.iinfo(given.dtype).max > INT32.max:
+    if not np.can_cast(given.dtype, np.int32):
         return jnp.where((given < 0) | (given > INT32.max), -1, given.astype(jnp.int32))
     return given.astype(jnp.int32)
 

@@ -205,10 +205,13 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     try:
         value = scope.expression(e.value)
     except Poisoned:
-        bounds = [e.container] if e.high is None else [e.container, e.high]
-        words = [ast.Path(name.span, name, ()) for name in e.container.names] if isinstance(e.container, ast.Words) else bounds
-        for tree in words:
-            read_beside(tree, scope)
+        if isinstance(e.container, ast.Words):
+            for name in e.container.names:
+                read_beside(ast.Path(name.span, name, ()), scope)
+        else:
+            read_beside(e.container, scope)
+        if e.high is not None:
+            read_beside(e.high, scope)
         raise
     if isinstance(e.container, ast.Words):
         if value.type.kind != "word":
