@@ -32,8 +32,8 @@ def spell_out(error: UnicodeError) -> tuple[str, int]:
 def _spelt(character: str) -> str:
     if character in SPELT:
         return SPELT[character]
-    base, *marks = unicodedata.normalize("NFD", character)
-    if marks and base.isascii():
+    base = unicodedata.normalize("NFD", character)[0]  # before its accents
+    if base.isascii():
         return base
     return character.encode("ascii", "backslashreplace").decode()
 

@@ -81,8 +81,9 @@ def _named_file(uri: str, position: types.Position, analyses: Analyses) -> list[
         if is_here and token.type == "STRING" and before.type in ("EXTENDS", "MAP", "WRAPS"):
             path = inside_folder(token[1:-1], analysis.source.span(0, 0), analysis.source, Problems())
             start = types.Position(0, 0)
-            is_there = path is not None and path.is_file()
-            return [types.Location(analyses.documents.uri(path), types.Range(start, start))] if is_there else []
+            if path is None or not path.is_file():
+                return []
+            return [types.Location(analyses.documents.uri(path), types.Range(start, start))]
     return []
 
 

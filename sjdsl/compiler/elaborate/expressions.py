@@ -192,9 +192,12 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     try:
         value = scope.expression(e.value)
     except Poisoned:
-        bounds = [e.container] if e.high is None else [e.container, e.high]
-        words = [ast.Path(name.span, name, ()) for name in e.container.names] if isinstance(e.container, ast.Words) else bounds
-        for tree in words:
+        beside: list[ast.Expr] = [] if e.high is None else [e.high]
+        if isinstance(e.container, ast.Words):
+            beside += [ast.Path(name.span, name, ()) for name in e.container.names]
+        else:
+            beside.append(e.container)
+        for tree in beside:
             read_beside(tree, scope)
         raise
     if isinstance(e.container, ast.Words):
