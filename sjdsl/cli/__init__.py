@@ -1,10 +1,13 @@
 """The command `sjdsl`: one module for each subcommand, imported when it is called, so that `check` never waits for JAX."""
 
+import ast
 import gc
+import inspect
 import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from types import ModuleType
 from typing import NoReturn
 
 import click
@@ -74,7 +77,10 @@ class Commands(click.Group):
         del ctx
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"sjdsl.cli.{cmd_name}").command
+        module = import_module(f"sjdsl.cli.{cmd_name}")
+        command: click.Command = module.command
+        if command.help is None:  # `python -OO` leaves out docstrings
+            command.help = _docstring_in_source(module)
         command.epilog = below(cmd_name)
         return command
 
@@ -89,6 +95,12 @@ class Commands(click.Group):
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             raise click.UsageError(f"there is no command `{args[0]}`{meant(args[0], COMMANDS, 'the commands are')}")
         return super().resolve_command(ctx, args)
+
+
+def _docstring_in_source(module: ModuleType) -> str | None:
+    tree = ast.parse(inspect.getsource(module))
+    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "command")
+    return next(map(ast.get_docstring, functions), None)
 
 
 @click.group(

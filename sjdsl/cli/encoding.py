@@ -32,8 +32,8 @@ def spell_out(error: UnicodeError) -> tuple[str, int]:
 def _spelt(character: str) -> str:
     if character in SPELT:
         return SPELT[character]
-    base, *marks = list(unicodedata.normalize("NFD", character))
-    if marks and base.isascii():
+    base = unicodedata.normalize("NFD", character)[0]  # of a letter with accents that without them
+    if base.isascii() and base.isalpha():
         return base
     return character.encode("ascii", "backslashreplace").decode()
 

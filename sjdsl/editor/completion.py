@@ -122,7 +122,9 @@ def _files(tokens: Sequence[Token], document: Document) -> list[Offer]:
     top = document.folder
     if suffix is None or top is None or not top.is_dir():
         return []
-    folders = [top, *(sub for sub in sorted(top.iterdir()) if sub.is_dir() and not sub.name.startswith("."))]
+    homes = [top.resolve(), *([] if document.path is None else [document.path.parent])]  # links that lead elsewhere are refused
+    inside = [sub for sub in sorted(top.iterdir()) if any(sub.resolve().is_relative_to(home) for home in homes)]
+    folders = [top, *(sub for sub in inside if sub.is_dir() and not sub.name.startswith("."))]
     files = [file for folder in folders for file in sorted(folder.glob(f"*{suffix}")) if file.resolve() != document.path]
     return [Offer(file.relative_to(top).as_posix(), "file") for file in files[:200]]
 

@@ -80,9 +80,9 @@ def _named_file(uri: str, position: types.Position, analyses: Analyses) -> list[
         is_here = (token.start_pos or 0) <= offset <= (token.end_pos or 0)
         if is_here and token.type == "STRING" and before.type in ("EXTENDS", "MAP", "WRAPS"):
             path = inside_folder(token[1:-1], analysis.source.span(0, 0), analysis.source, Problems())
+            start = types.Position(0, 0)
             if path is None or not path.is_file():
                 return []
-            start = types.Position(0, 0)
             return [types.Location(analyses.documents.uri(path), types.Range(start, start))]
     return []
 

@@ -1,6 +1,6 @@
 """Returns of the focal agents in the scenarios of a game, and their score between random and the best scripted policy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -69,7 +69,7 @@ class ScenarioScore:
 
 @dataclass(frozen=True)
 class ScenarioScores:
-    """The scores of the scenarios that were played, by name."""
+    """The scores of the scenarios that were played, by name; iterating gives the names, as of a dict."""
 
     experiment: Experiment
     scenarios: Mapping[str, ScenarioScore]
@@ -94,6 +94,9 @@ class ScenarioScores:
     def __getitem__(self, name: str) -> ScenarioScore:
         """Returns a scenario by name."""
         return self.scenarios[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.scenarios)
 
 
 def _over_units(returns: np.ndarray) -> Estimate:

@@ -1,6 +1,7 @@
 """Checks a game with the arguments of `sjdsl.make`, without JAX, which takes seconds to load."""
 
 from collections.abc import Mapping
+from importlib.resources.abc import Traversable
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -47,6 +48,11 @@ def split_variants(text: str | None) -> tuple[str, ...]:
 
 def _check_types(game: Any, variant: Any, params: Any) -> None:
     """Raises TypeError for an argument of `make` that cannot be meant."""
+    if isinstance(game, Traversable) and not isinstance(game, PathLike):
+        raise TypeError(
+            f"`{game}` is no file of its own, but part of an archive: unpack it, or open the folder of the game and its maps by "
+            "`importlib.resources.as_file`"
+        )
     if not isinstance(game, str | PathLike):
         raise TypeError(f"a game is a name or the path of a .sj file, not {game!r}")
     if not isinstance(variant, str | None):

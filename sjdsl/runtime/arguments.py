@@ -12,7 +12,7 @@ from jax import Array
 
 from sjdsl.runtime.module import GameModule
 
-INT32 = np.iinfo(np.int32)
+LOWEST, HIGHEST = -(2**31), 2**31 - 1  # of int32
 
 
 def refuse_beyond_int32(actions: Any) -> None:
@@ -23,11 +23,10 @@ def refuse_beyond_int32(actions: Any) -> None:
     for part in jax.tree.leaves(actions):
         if isinstance(part, jax.core.Tracer) or not isinstance(part, int | np.integer | np.ndarray | jax.Array):
             continue
-        dtype = getattr(part, "dtype", np.dtype(object))  # of Python's integers, which have no limits
-        if np.can_cast(dtype, np.int32):
+        if not isinstance(part, int) and _fits_int32(part.dtype):
             continue
         for action in np.asarray(part).ravel().tolist():
-            if isinstance(action, int) and not INT32.min <= action <= INT32.max:
+            if isinstance(action, int) and not LOWEST <= action <= HIGHEST:
                 raise ValueError(f"an action is {action}, which is beyond int32; actions are numbers of `action_names`")
 
 
@@ -44,9 +43,14 @@ def checked_actions(actions: Any, num_agents: int) -> Array:
         raise TypeError(f"actions are {given.dtype}, but must be whole numbers, the numbers of actions, such as int32")
     if given.shape != (num_agents,):
         raise ValueError(f"actions have shape {given.shape}, one for each agent is wanted: ({num_agents},){_for_a_batch(given.ndim - 1)}")
-    if not np.can_cast(given.dtype, np.int32):
-        return jnp.where((given < 0) | (given > INT32.max), -1, given.astype(jnp.int32))
-    return given.astype(jnp.int32)
+    if _fits_int32(given.dtype):
+        return given.astype(jnp.int32)
+    return jnp.where((given < 0) | (given > HIGHEST), -1, given.astype(jnp.int32))
+
+
+def _fits_int32(dtype: Any) -> bool:
+    """Returns whether int32 has all numbers of a dtype."""
+    return bool(np.can_cast(dtype, np.int32))
 
 
 def check_state(module: GameModule, state: Any) -> None:

@@ -11,18 +11,18 @@ from command_line import GAME
 
 from sjdsl.cli.encoding import accept_any_text
 
-TITLE = "Jardín ガ … ½"
+TITLE = "Jardín ガ … ½ ≠"
 
 
 @pytest.mark.parametrize(
     ("encoding", "shown"),
     [
         ("utf-8", TITLE),
-        ("latin-1", r"Jardín \u30ac ... ½"),
-        ("cp1252", r"Jardín \u30ac … ½"),
-        ("cp437", r"Jardín \u30ac ... ½"),
-        ("ascii", r"Jardin \u30ac ... \xbd"),
-        ("shift_jis", r"Jardin ガ … \xbd"),
+        ("latin-1", r"Jardín \u30ac ... ½ \u2260"),
+        ("cp1252", r"Jardín \u30ac … ½ \u2260"),
+        ("cp437", r"Jardín \u30ac ... ½ \u2260"),
+        ("ascii", r"Jardin \u30ac ... \xbd \u2260"),
+        ("shift_jis", r"Jardin ガ … \xbd ≠"),
     ],
 )
 @pytest.mark.parametrize("name", ["stdout", "stderr"])

@@ -1,6 +1,8 @@
 """What `--help` says of each command: every option is told in words, its values have a name, and the examples are calls that can be made."""
 
 import shlex
+import subprocess
+import sys
 
 import click
 import pytest
@@ -56,3 +58,10 @@ def test_every_command_has_examples_and_a_group() -> None:
     for title, group in GROUPS.items():
         below = shown.partition(f"\n{title}:\n")[2].partition("\n\n")[0]
         assert [line.split()[0] for line in below.splitlines() if line.startswith("  ") and line[2] != " "] == [*group]
+
+
+def test_help_without_docstrings() -> None:
+    """`python -OO` leaves them out."""
+    for name in ("check", "train"):
+        ran = subprocess.run([sys.executable, "-OO", "-m", "sjdsl", name, "--help"], capture_output=True, text=True)
+        assert (command(name).help or "").split(".")[0].split() == ran.stdout.partition("\n\n")[2].split(".")[0].split()

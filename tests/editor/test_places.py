@@ -62,3 +62,15 @@ def test_only_files_inside_are_read(folder: Path, tmp_path_factory: pytest.TempP
     for uri in ((outside / "new.sj").as_uri(), f"git:{outside}/new.sj"):
         session.open(uri, 'sj 1\ngame new extends "other.sj" { }\n', 1)
         assert session.analyses.of(uri).composition is None
+
+
+def test_files_behind_a_link_out_of_the_folder_are_not_offered(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    outside = tmp_path_factory.mktemp("outside")
+    (outside / "secret.txt").write_text("..\n")
+    (folder / "elsewhere").symlink_to(outside)
+    session = Session()
+    uri = (folder / "orchard.sj").as_uri()
+    text = MAPPED[: MAPPED.index("maps/orchard.txt")]
+    session.open(uri, text, 1)
+    end = session.documents.get(uri).lines.position(len(text))
+    assert [offer.label for offer in session.completion(uri, end)] == ["maps/orchard.txt"]

@@ -39,7 +39,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[ScenarioScores, Pa
     said: list[str] = []
     first = play_scenarios(visitors(), "giver", "visitor", EPISODES, SEED, folder, said.append)
     assert said == [f"playing {EPISODES} episodes of line-up {number} of 4" for number in (1, 2, 3, 4)], "giver, random, keeper, stay"
-    assert list(first.scenarios) == ["visitor"]
+    assert list(first) == list(first.scenarios) == ["visitor"]
     assert list(json.loads((folder / "scenarios.json").read_text())["scenarios"]) == ["visitor"]
     return play_scenarios(visitors(), "giver", FITTING, EPISODES, SEED, folder), folder
 

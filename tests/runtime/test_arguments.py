@@ -4,6 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -130,3 +131,11 @@ def test_copies(env: Environment, tmp_path: Path) -> None:
     after, reward = pickle.loads((tmp_path / "after").read_bytes())
     assert_same(after, played[1])
     np.testing.assert_array_equal(reward, played[2] * 0.5)
+
+
+def test_a_game_inside_an_archive(tmp_path: Path) -> None:
+    archive = tmp_path / "games.zip"
+    with zipfile.ZipFile(archive, "w") as file:
+        file.write(YARD, "games/yard.sj")
+    with pytest.raises(TypeError, match="part of an archive: unpack it"):
+        make(zipfile.Path(archive) / "games" / "yard.sj")

@@ -28,8 +28,8 @@ class Played:
     """A game with its numbers, and what is found while its rules are gone through.
 
     steps: of an episode. timers: the largest value of each so far. totals: the largest total of each event in an episode.
-    leaving: the whole numbers that leave int32. forms: of expressions. sets, growth: of each timer, the largest value it is set to, and how much those statements
-    that count it on (`set t = t + n`) can add in a step.
+    leaving: the whole numbers that leave int32. sets, growth: of each timer, the largest value it is set to, and how much those statements
+    that count it on (`set t = t + n`) can add in a step. forms: of expressions.
     """
 
     game: ir.Game
