@@ -78,5 +78,6 @@ def _rules_of(arguments: Mapping[str, Any]) -> str | None:
 
 
 def _hash_of(arguments: Mapping[str, Any]) -> str:
-    made, _ = build_game(**{name: arguments.get(name) for name in ARGUMENTS})
+    known: dict[str, Any] = {name: arguments.get(name) for name in ARGUMENTS}
+    made, _ = build_game(**known)
     return game_hash(made.game)
