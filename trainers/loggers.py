@@ -80,11 +80,8 @@ def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int
     known = folder / WANDB_ID
     if not known.exists():
         write_whole(known, secrets.token_hex(4).encode())
-    one = {
-        "id": read_bytes(known, LONGEST_ID).decode("ascii"),
-        "resume": "allow",
-        "reinit": "create_new",
-    }  # otherwise a process has one run for all its seeds
+    number = read_bytes(known, LONGEST_ID).decode("ascii")
+    one = {"id": number, "resume": "allow", "reinit": "create_new"}  # otherwise a process has one run for all its seeds
     run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.record(), **one)
     stack.callback(run.finish)
     return lambda row: run.log(_numbers(row), step=row["env_steps"])

@@ -40,7 +40,7 @@ def require_same(path: Path, asked: Mapping[str, Any]) -> None:
 
 
 def _has_results(path: Path) -> bool:
-    """Whether an experiment has ended in a folder: one that was killed hasn't written this file, which is the last. Scenarios have it beside."""
+    """Whether an experiment has written its last file to a folder, or, for scenarios, beside it; one that was killed hasn't."""
     return any(file.exists() for file in (*(path / name for name in RESULTS), path.with_name(f"{path.name}.json")))
 
 

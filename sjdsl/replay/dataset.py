@@ -142,9 +142,9 @@ class Dataset:
             raise RecordingError(f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` writes some") from None
         self.returns = ends["returns"]
         self._digests = ends.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
+        if self.returns.ndim != 2 or len(self.returns) != self.header.episodes or self.returns.dtype != np.float64:
+            raise RecordingError(f"{path} is damaged: it has not the returns of {self.header.episodes} episodes")
         self._check_members(ends)
-        if self.returns.ndim != 2 or len(self.returns) != len(self) or self.returns.dtype != np.float64:
-            raise RecordingError(f"{path} is damaged: it has not the returns of {len(self)} episodes")
 
     def __len__(self) -> int:
         return self.header.episodes

@@ -314,3 +314,13 @@ def test_what_is_changed_with_its_checksum_is_seen(many: Path) -> None:
     archive(many, {name: content for name, content in members.items() if "observations" not in name})
     with pytest.raises(RecordingError, match="is damaged: its arrays are not those that its header names"):
         Dataset(many)
+
+
+@pytest.mark.parametrize("episodes", [3, 10**12, 10**30])
+def test_more_episodes_than_there_are(episodes: int, many: Path) -> None:
+    with zipfile.ZipFile(many) as file:
+        members = {name: file.read(name) for name in file.namelist()}
+    told = Dataset(many).header.model_copy(update={"episodes": episodes})
+    archive(many, {**members, "header.npy": npy(np.array(told.model_dump_json()))})
+    with pytest.raises(RecordingError, match=rf"is damaged: it has not the returns of {episodes} episodes"):
+        Dataset(many)
