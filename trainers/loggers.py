@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from sjdsl.extras import require
-from sjdsl.files import write_whole
+from sjdsl.files import read_bytes, write_whole
 
 from .config import Config, ConfigError
 from .metrics_files import Row
 
 LoggerName = Literal["tensorboard", "wandb"]
 PACKAGE = {"tensorboard": "tensorboardX", "wandb": "wandb"}
+LONGEST_ID = 100  # bytes
 WANDB_ID = "wandb_id"  # in the folder of a seed: the id of its run there, also when it is resumed
 
 
@@ -79,7 +80,8 @@ def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int
     known = folder / WANDB_ID
     if not known.exists():
         write_whole(known, secrets.token_hex(4).encode())
-    one = {"id": known.read_text("ascii"), "resume": "allow", "reinit": "create_new"}  # otherwise a process has one run for all its seeds
+    number = read_bytes(known, LONGEST_ID).decode("ascii")
+    one = {"id": number, "resume": "allow", "reinit": "create_new"}  # otherwise a process has one run for all its seeds
     run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.record(), **one)
     stack.callback(run.finish)
     return lambda row: run.log(_numbers(row), step=row["env_steps"])

@@ -138,6 +138,11 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
 
 
+def update_of(path: Path) -> int:
+    """Returns the update after which a policy that can be read was stored. `path`: the `.safetensors` file."""
+    return _read_description(path.with_suffix(".json"), "").update
+
+
 def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
     """Returns the digests of a policy's tensors and of its description, for the metadata."""
     return f"{digest_of(tensors)} {hashlib.sha256(description).hexdigest()}"

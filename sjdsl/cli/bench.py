@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table as RichTable
 
 from sjdsl.cli.environment_options import EnvironmentOptions, make_environment
+from sjdsl.cli.folders import require_writable
 from sjdsl.cli.game_file import variant_option
 from sjdsl.cli.stages import stages
 from sjdsl.library.games_folder import main_games
@@ -57,6 +58,8 @@ def command(
     Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a machine
     varies over time; the ratio to the yardstick, taken round by round, does not.
     """
+    if json_file:
+        require_writable(Path(json_file).parent)
     disable_compilation_cache()
     made = [make_environment(EnvironmentOptions(variant).describe(game), observation) for game in games or main_games()]
     from sjdsl.bench import game_task, measure

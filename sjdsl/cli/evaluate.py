@@ -10,12 +10,13 @@ import click
 
 from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment, named_in, written_options
 from sjdsl.cli.film import check_film, save_film
-from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.folders import require_folder_of, require_writable
 from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
 from sjdsl.cli.provenance import provenance_of
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers.policy_names import UNTRAINED, split_name
+from sjdsl.trainers.stored_evaluation import read_evaluation
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -78,6 +79,8 @@ def command(
             env = make_environment(provenance)
         folders = sorted(path.glob("seed_*")) or [path]
         for folder in folders:
+            require_writable(folder)
+        for folder in folders:
             evaluate_run(folder, env, episodes, seed, greedy, which)
         list_files(path)
         policy = stored_policy(folders[0], env, greedy, which) if film is not None else None
@@ -101,12 +104,25 @@ def _is_run(policy: str, game: str) -> bool:
 
 
 def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str | int = "last") -> None:
-    """Prints the returns of a trained and of a random policy with their intervals; stores the trained one's in the run's folder."""
+    """Prints the returns of a trained and of a random policy with their intervals; stores the trained one's in the run's folder.
+
+    An evaluation of the same policy in more episodes stays as it is.
+    """
     from sjdsl.trainers import save_evaluation
+    from sjdsl.trainers.policy_file import policy_path, update_of
+
+    file = path / ("evaluation.json" if which == "last" else f"evaluation_{which}.json")  # so that none overwrites another
 
     def save(played: "Evaluation") -> None:
-        name = "evaluation.json" if which == "last" else f"evaluation_{which}.json"  # so that none overwrites another
-        save_evaluation(played, path / name, {"policy": which, "seed": seed, "greedy": greedy})
+        stored = policy_path(path, which)
+        update = update_of(stored)
+        before = read_evaluation(file)
+        if before is not None and before.update is None and stored.stat().st_mtime <= file.stat().st_mtime:  # of an earlier version
+            before = before.model_copy(update={"update": update})
+        if before is not None and before.episodes > episodes and before.update == update:
+            click.echo(f"{file} keeps its {before.episodes} episodes of this policy; remove it to store these {episodes}", err=True)
+            return
+        save_evaluation(played, file, {"policy": which, "update": update, "seed": seed, "greedy": greedy})
 
     what = {"last": "", "best": ", the best policy"}.get(str(which), f", the policy of update {which}")
     _compare(env, "trained", stored_policy(path, env, greedy, which), episodes, seed, save, what)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
-from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.folders import require_writable
 from sjdsl.cli.policies import check_policy, code_option
 from sjdsl.cli.stages import LOADING, Say, stages
 
@@ -41,7 +41,7 @@ def experiment(game: str, policies: Sequence[str], folder: Path, options: Enviro
 @contextmanager
 def playing_in(arguments: Mapping[str, Any], folder: Path) -> Iterator[tuple["Environment", Say]]:
     """Yields the environment of these arguments and a function that announces stages."""
-    require_folder_of(folder)
+    require_writable(folder)
     with stages(LOADING) as say:
         yield make_environment(arguments), say
 

@@ -1,15 +1,34 @@
-"""Checks where output goes: a missing folder is reported, not made, as it may be a typing mistake; stored work isn't overwritten."""
+"""Checks where output goes, before anything is played: that it can be written, and that stored work isn't overwritten.
+
+The missing folder of an output file is reported, not made, as it may be a typing mistake. A folder of output is made with those above it.
+"""
 
 import shlex
 import sys
+import tempfile
 from pathlib import Path
 
 import click
 
 
 def require_folder_of(file: Path) -> None:
-    """Asks whether to make the folder of an output file; see `require_folder`."""
+    """Asks whether to make the folder of an output file, see `require_folder`, and checks that it can be written to."""
     require_folder(file.parent, f" to write {file.name} to")
+    require_writable(file.parent)
+
+
+def require_writable(folder: Path) -> None:
+    """Checks that files can be written to a folder, or to the nearest one above it where it is missing. Raises ClickException."""
+    there = next(path for path in (folder, *folder.parents, Path.cwd()) if path.exists())
+    if not there.is_dir():
+        raise click.ClickException(f"`{there}` is a file, not a folder; name another place")
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        raise click.ClickException(
+            f"nothing can be written to `{there}`: {(error.strerror or str(error)).lower()}; name another place"
+        ) from None
 
 
 def require_unused(file: Path, what: str) -> None:

@@ -10,6 +10,7 @@ from sjdsl.cli.film import SPEED, announced, check_film, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import map_option
 from sjdsl.cli.play import moment_lines
+from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.provenance import located
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.interpreter.board import board_of
@@ -32,7 +33,8 @@ def command(file: str, episode: int, output: str | None, game: str | None, map_f
         check_film(Path(output))
         require_folder_of(Path(output))
     try:
-        recording = load_recording(Path(file), episode)
+        with warnings_as_notes():
+            recording = load_recording(Path(file), episode)
         from sjdsl.replay import replayed
 
         with stages(LOADING) as say:

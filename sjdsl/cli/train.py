@@ -152,8 +152,15 @@ def _resume(
         env = make_environment(provenance)
     found, asked = find_callback(callback or kept)
     total = None if longer is None else make_config(total_timesteps=longer).total_timesteps
-    asked_again = {"episodes": episodes, **asked}
-    result = resume(env, path, loggers=loggers, asked=asked_again, callback=found, total_timesteps=total, provenance=provenance)
+    result = resume(
+        env,
+        path,
+        loggers=loggers,
+        asked={"episodes": episodes, **asked},
+        callback=found,
+        total_timesteps=total,
+        provenance=provenance,
+    )
     _finish(result, env, stored_config(read_manifest(path)["config"]), episodes)
 
 

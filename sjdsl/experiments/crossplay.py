@@ -1,10 +1,11 @@
 """Cross-play: plays line-ups or mixtures of policies, and writes what each policy earned in each of them."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from sjdsl.experiments.folder import record_experiment, require_same, write_compact_json
+from sjdsl.experiments.folder import CROSS_PLAY, record_experiment, require_same, write_compact_json
 from sjdsl.experiments.lineups import Lineup, all_mixtures, paired_mixtures
 from sjdsl.experiments.mixtures import CrossPlay, Mix, report_of, table_of
 from sjdsl.experiments.pictures import draw_matrix, picture_bytes
@@ -53,8 +54,7 @@ def play_mixtures(experiment: Experiment, mix: Mix | None, folder: Path | str | 
         require_same(Path(folder), asked)
     found = CrossPlay(experiment, tuple(play_experiment(experiment, tell)), mix)
     if folder is not None:
-        record_experiment(Path(folder), asked)
-        write_cross_play(found, Path(folder))
+        write_cross_play(found, Path(folder), asked)
     return found
 
 
@@ -94,9 +94,11 @@ def plan_cross_play(
     return Experiment(env, pools, lineups, episodes, seed, permuted=slots is None)
 
 
-def write_cross_play(found: CrossPlay, folder: Path) -> None:
-    """Writes `crossplay.csv`, `crossplay.json` and, of pairs, `matrix.png`, each atomically."""
+def write_cross_play(found: CrossPlay, folder: Path, asked: Mapping[str, Any]) -> None:
+    """Writes what the results depend on, `crossplay.csv`, of pairs `matrix.png`, and `crossplay.json`, each atomically, the last one last."""
+    matrix = picture_bytes(draw_matrix(found), "png") if found.mix == "pairs" else None
+    record_experiment(folder, asked)
     write_whole(folder / "crossplay.csv", table_of(found).encode())
-    write_compact_json(folder / "crossplay.json", report_of(found))
-    if found.mix == "pairs":
-        write_whole(folder / "matrix.png", picture_bytes(draw_matrix(found), "png"))
+    if matrix is not None:
+        write_whole(folder / "matrix.png", matrix)
+    write_compact_json(folder / CROSS_PLAY, report_of(found))

@@ -12,11 +12,13 @@ from sjdsl.files import UNFINISHED, write_whole
 from sjdsl.trainers.run_files import plain, write_json
 
 ASKED = "experiment.json"
+DIAGRAM, CROSS_PLAY = "schelling.json", "crossplay.json"
+RESULTS = (DIAGRAM, CROSS_PLAY)  # the last file of an experiment
 INNERMOST_LIST = re.compile(r"\[\n\s*([^\[\]{}]*?)\n\s*\]")  # JSON strings contain no line breaks
 
 
 def require_same(path: Path, asked: Mapping[str, Any]) -> None:
-    """Checks that an experiment may write its results to a folder: it is new, empty, or of the same experiment.
+    """Checks that an experiment may write its results to a folder: it is new, empty, of the same experiment, or of one without results.
 
     Args:
       asked: everything that the results depend on, as JSON values.
@@ -26,13 +28,20 @@ def require_same(path: Path, asked: Mapping[str, Any]) -> None:
     if path.exists() and not path.is_dir():
         raise ExperimentError(f"{path} is a file, but the results need a folder; name another")
     before, wanted = read_json(path / ASKED), plain(asked)
-    if before is not None and before != wanted:
+    if before is not None and before != wanted and _has_results(path):
         raise ExperimentError(f"{path} holds another experiment: {first_difference(before, wanted)}. Name another folder")
+    inside = sorted(found.name for found in path.iterdir() if not found.name.endswith(UNFINISHED)) if path.is_dir() else []
+    if inside == [ASKED] and not _has_results(path):
+        return
     if before is None and (path / ASKED).exists():
         raise ExperimentError(f"{path / ASKED} is damaged and can't be read. Name another folder, or remove this one")
-    inside = sorted(found.name for found in path.iterdir() if not found.name.endswith(UNFINISHED)) if path.is_dir() else []
     if before is None and inside:
         raise ExperimentError(f"{path} is not empty and holds no experiment ({', '.join(inside[:3])}); name another folder")
+
+
+def _has_results(path: Path) -> bool:
+    """Whether an experiment has written its last file to a folder, or, for scenarios, beside it; one that was killed hasn't."""
+    return any(file.exists() for file in (*(path / name for name in RESULTS), path.with_name(f"{path.name}.json")))
 
 
 def record_experiment(path: Path, asked: Mapping[str, Any]) -> None:

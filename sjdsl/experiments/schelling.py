@@ -1,9 +1,11 @@
 """Schelling diagrams: plays k = 0 .. N cooperators among defectors, and writes whether the game is a dilemma."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from sjdsl.experiments.diagram import Diagram, report_of, returns_of
-from sjdsl.experiments.folder import record_experiment, require_same, write_compact_json
+from sjdsl.experiments.folder import DIAGRAM, record_experiment, require_same, write_compact_json
 from sjdsl.experiments.lineups import cooperating
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
@@ -52,8 +54,7 @@ def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) 
     parts = play_experiment(experiment, tell)
     found = Diagram(experiment, returns_of(parts, experiment.env.num_agents, experiment.replicates))
     if folder is not None:
-        record_experiment(Path(folder), asked)
-        write_diagram(found, Path(folder))
+        write_diagram(found, Path(folder), asked)
     return found
 
 
@@ -69,8 +70,10 @@ def plan_diagram(
     return Experiment(env, pools, tuple(cooperating(k, slots) for k in range(slots + 1)), episodes, seed, permuted=True)
 
 
-def write_diagram(found: Diagram, folder: Path) -> None:
-    """Writes `schelling.json`, `schelling.png` and `schelling.svg`, each atomically."""
-    write_compact_json(folder / "schelling.json", report_of(found))
-    for ending in FORMATS:
-        write_whole(folder / f"schelling.{ending}", picture_bytes(draw_diagram(found), ending))
+def write_diagram(found: Diagram, folder: Path, asked: Mapping[str, Any]) -> None:
+    """Writes what the results depend on, `schelling.png`, `schelling.svg` and `schelling.json`, each atomically, the last one last."""
+    pictures = {ending: picture_bytes(draw_diagram(found), ending) for ending in FORMATS}
+    record_experiment(folder, asked)
+    for ending, picture in pictures.items():
+        write_whole(folder / f"schelling.{ending}", picture)
+    write_compact_json(folder / DIAGRAM, report_of(found))

@@ -78,6 +78,6 @@ def _rules_of(arguments: Mapping[str, Any]) -> str | None:
 
 
 def _hash_of(arguments: Mapping[str, Any]) -> str:
-    of_rules: dict[str, Any] = {name: arguments.get(name) for name in ARGUMENTS}
-    made, _ = build_game(**of_rules)
+    known: dict[str, Any] = {name: arguments.get(name) for name in ARGUMENTS}
+    made, _ = build_game(**known)
     return game_hash(made.game)

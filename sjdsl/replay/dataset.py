@@ -1,7 +1,8 @@
 """A dataset of many episodes in one `.npz` file: observations, actions, rewards, and how they were made."""
 
+import warnings
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
@@ -11,13 +12,15 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, NonNegativeInt, ValidationError
 
 from sjdsl.files import written_whole
-from sjdsl.replay.arrays import FAULTS, TooLarge, read_arrays
+from sjdsl.replay.arrays import FAULTS, TooLarge, array_digest, read_arrays
 from sjdsl.replay.episode import Episode, Observation
 from sjdsl.replay.recording import Arguments, Recording, RecordingError, Seed, read_recording
 
 SUFFIX = ".npz"
 HEADER = "header"
 LARGEST_HEADER = 2**20  # bytes
+DIGEST_SIZE = 32  # bytes
+ENDS = ("returns", "digests")  # the arrays of all episodes together
 LARGEST = 2**30  # bytes of the arrays of one episode, and of the returns of all
 
 
@@ -26,7 +29,8 @@ class Header(BaseModel):
 
     environment: the arguments of `sjdsl.make`, including `variant`; hash: of the rules; policy: its name, policy_digest: the SHA-256 of its
     file, if any; seed: of the first episode, the next ones have `seed + 1`, …; planes: of an observation, by name; versions: of the packages
-    used.
+    used; arrays: of each episode, by name, and digests: the SHA-256 of the arrays `returns` and `digests`, which has those of all
+    episodes' arrays. Files of earlier versions lack the last two.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -43,6 +47,8 @@ class Header(BaseModel):
     planes: list[str]
     action_names: list[str]
     versions: dict[str, str]
+    arrays: list[str] | None = None
+    digests: dict[str, str] = {}
 
 
 class DatasetWriter:
@@ -53,16 +59,18 @@ class DatasetWriter:
     """
 
     def __init__(self, path: Path, header: Header) -> None:
-        """Starts a file. `header`: its number of episodes is replaced by the number added."""
+        """Starts a file. `header`: its number of episodes, its arrays and its digests are replaced by those of what is added."""
         self.path, self._header = path, header
         self._open = ExitStack()
         self._zip = zipfile.ZipFile(self._open.enter_context(written_whole(path)), "w", zipfile.ZIP_DEFLATED, allowZip64=True)
         self.returns: list[np.ndarray] = []
         self.steps = 0
+        self._names: list[str] = []
+        self._digests: list[list[bytes]] = []
 
     def add(self, episode: Episode) -> None:
-        """Appends an episode."""
-        place = f"episode_{len(self.returns):05d}"
+        """Appends an episode. Raises ValueError if it is too large, or has other arrays than those before."""
+        place = _place_of(len(self.returns))
         arrays = {"actions": episode.actions, "rewards": episode.rewards}
         arrays |= {"terminated": np.array(episode.terminated), "truncated": np.array(episode.truncated), "seed": np.array(episode.seed)}
         if episode.observations is not None:
@@ -71,8 +79,12 @@ class DatasetWriter:
         size = sum(array.nbytes for array in arrays.values())
         if size > LARGEST // 2:  # leaves room for the arrays' headers, a few hundred bytes each
             raise ValueError(f"an episode of {size:,} bytes is too large for a file of episodes: record without observations")
+        if self.returns and [*arrays] != self._names:
+            raise ValueError(f"the arrays of all episodes have the same names: {', '.join(self._names)}")
+        self._names = [*arrays]
         for name, array in arrays.items():
             self._write(f"{place}/{name}", array)
+        self._digests.append([array_digest(array) for array in arrays.values()])
         self.returns.append(episode.returns)
         self.steps += len(episode.actions)
 
@@ -87,8 +99,12 @@ class DatasetWriter:
             self._open.__exit__(kind, error, trace)
             return
         with self._open:
-            header = self._header.model_copy(update={"episodes": len(self.returns)})
-            self._write("returns", np.array(self.returns))
+            digests = np.frombuffer(b"".join(digest for one in self._digests for digest in one), np.uint8)
+            ends = {"returns": np.array(self.returns), "digests": digests.reshape(len(self.returns), len(self._names), DIGEST_SIZE)}
+            for name, array in ends.items():
+                self._write(name, array)
+            of_ends = {name: array_digest(array).hex() for name, array in ends.items()}
+            header = self._header.model_copy(update={"episodes": len(self.returns), "arrays": self._names, "digests": of_ends})
             self._write(HEADER, np.array(header.model_dump_json()))
             self._zip.close()
 
@@ -117,15 +133,18 @@ class Dataset:
             with zipfile.ZipFile(self.path) as file:
                 self._names = set(file.namelist())
                 self.header = Header.model_validate_json(str(read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER]))
-                self.returns = read_arrays(file, ["returns"], LARGEST)["returns"]
+                ends = read_arrays(file, ENDS if self.header.arrays is not None else ["returns"], LARGEST)
         except TooLarge as error:
             raise RecordingError(f"{path} cannot be read: {error}") from None
         except OSError as error:
             raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
         except FAULTS:
             raise RecordingError(f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` writes some") from None
-        if self.returns.ndim != 2 or len(self.returns) != len(self) or self.returns.dtype != np.float64:
-            raise RecordingError(f"{path} is damaged: it has not the returns of {len(self)} episodes")
+        self.returns = ends["returns"]
+        self._digests = ends.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
+        if self.returns.ndim != 2 or len(self.returns) != self.header.episodes or self.returns.dtype != np.float64:
+            raise RecordingError(f"{path} is damaged: it has not the returns of {self.header.episodes} episodes")
+        self._check_members(ends)
 
     def __len__(self) -> int:
         return self.header.episodes
@@ -141,11 +160,14 @@ class Dataset:
         """
         if not -len(self) <= number < len(self):
             raise IndexError(f"{self.path} has no episode {number}: it has {len(self)}, counted from 0")
-        place = f"episode_{number % len(self):05d}/"
+        place = f"{_place_of(number % len(self))}/"
         try:
             with zipfile.ZipFile(self.path) as file:
                 names = [name.removesuffix(".npy") for name in sorted(self._names) if name.startswith(place)]
                 parts = {name.removeprefix(place): array for name, array in read_arrays(file, names, LARGEST).items()}
+            for index, name in enumerate(self.header.arrays or ()):
+                if array_digest(parts[name]) != self._digests[number][index].tobytes():
+                    raise ValueError(f"its {name} are not those that were written")
             events = {name.removeprefix("events/"): parts.pop(name) for name in list(parts) if name.startswith("events/")}
             seed, terminated, truncated = int(parts.pop("seed")), bool(parts.pop("terminated")), bool(parts.pop("truncated"))
             seen = parts.pop("observations", None)
@@ -156,9 +178,31 @@ class Dataset:
             raise RecordingError(f"episode {number} of {self.path} is damaged: its arrays aren't those of one episode")
         return episode
 
+    def _check_members(self, ends: Mapping[str, np.ndarray]) -> None:
+        """Checks that the file has the arrays that its header accounts for. Raises RecordingError.
+
+        A file of an earlier version, whose header accounts for none, is read with a warning.
+        """
+        if self.header.arrays is None:
+            warnings.warn(f"{self.path} has no digests, like files of earlier versions: damage can't be detected", stacklevel=3)
+            return
+        episodes = (f"{_place_of(number)}/{name}" for number in range(len(self)) for name in self.header.arrays)
+        if self._names != {f"{name}.npy" for name in (HEADER, *ends, *episodes)}:
+            raise RecordingError(f"{self.path} is damaged: its arrays are not those that its header names")
+        shape = (len(self), len(self.header.arrays), DIGEST_SIZE)
+        if self._digests.shape != shape or self._digests.dtype != np.uint8:
+            raise RecordingError(f"{self.path} is damaged: it has not the digests of {len(self)} episodes")
+        if any(array_digest(array).hex() != self.header.digests.get(name) for name, array in ends.items()):
+            raise RecordingError(f"{self.path} is damaged: its returns or digests are not those that were written")
+
     def recording(self, number: int) -> Recording:
         """Returns an episode as a recording that can be replayed."""
         return self[number].recording(self.header.environment, self.header.hash)
+
+
+def _place_of(number: int) -> str:
+    """Returns the folder of an episode in the file."""
+    return f"episode_{number:05d}"
 
 
 def _is_whole(episode: Episode) -> bool:

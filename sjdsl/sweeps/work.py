@@ -174,11 +174,11 @@ def evaluate_cell(sweep: Path, cell: Cell, episodes: int) -> None:
         if evaluation_of(own, seed, episodes) is not None:
             continue
         play = _evaluator(provenance, acting_kind(trained_as), episodes)
-        parameters, _ = read_parameters(policy_path(own, "last"), env)
+        parameters, described = read_parameters(policy_path(own, "last"), env)
         played = play(evaluation_key(seed), parameters)
         if not np.isfinite(played.returns).all():
             raise ExperimentError(f"the returns of the last policy of seed {seed} are not finite, so they have no mean")
-        save_evaluation(played, own / EVALUATION, {"policy": "last", "seed": seed, "greedy": None})
+        save_evaluation(played, own / EVALUATION, {"policy": "last", "update": described.update, "seed": seed, "greedy": None})
 
 
 @lru_cache(maxsize=4)

@@ -45,6 +45,15 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path
     assert shown_alone == shown_run
     there, here = (json.loads((folder / name).read_text()) for name in ("runs/one/evaluation.json", "alone.json"))
     assert there["per_episode"] == here["per_episode"]
+    fewer = sjdsl("evaluate", "runs/one", "--episodes", "2")
+    assert (fewer.status, "keeps its 3 episodes of this policy" in fewer.err) == (0, True), fewer.text
+    assert json.loads((folder / "runs/one/evaluation.json").read_text()) == there
+    assert sjdsl("evaluate", "runs/one", "--episodes", "3").status == 0
+    assert json.loads((folder / "runs/one/evaluation.json").read_text()) != there
+    store(folder / "runs/one", make_environment(described), 0, update=7)
+    assert sjdsl("evaluate", "runs/one", "--episodes", "2").status == 0
+    later = json.loads((folder / "runs/one/evaluation.json").read_text())
+    assert (later["episodes"], later["update"]) == (2, 7)
     assert here["digest"]
     (folder / "orchard.sj").write_text((folder / "grove.sj").read_text().replace("game grove", "game orchard"))
     other = sjdsl("evaluate", file, "--game", "orchard.sj")

@@ -36,8 +36,8 @@ def played(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
 
 
 RESULTS = {
-    "schelling": ("schelling.json", "schelling.png", "schelling.svg"),
-    "crossplay": ("crossplay.csv", "crossplay.json", "matrix.png"),
+    "schelling": ("schelling.png", "schelling.svg", "schelling.json"),
+    "crossplay": ("crossplay.csv", "matrix.png", "crossplay.json"),
 }
 
 
@@ -103,6 +103,21 @@ def test_an_experiment_that_was_stopped_leaves_its_folder_to_another(tmp_path: P
     play("schelling", folder)
     with pytest.raises(ExperimentError, match="holds another experiment"):
         play("crossplay", folder)
+
+
+@pytest.mark.usefixtures("played")
+def test_one_that_was_killed_while_it_wrote_leaves_its_folder_to_another(tmp_path: Path) -> None:
+    """Its last file is missing; and where only its description is there, that may be half of one."""
+    folder = tmp_path / "deep/folder"
+    play("schelling", folder)
+    (folder / "schelling.json").unlink()
+    play("crossplay", folder)
+    with pytest.raises(ExperimentError, match="holds another experiment"):
+        play("schelling", folder)  # of which the cross-play is whole
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "experiment.json").write_text("{")
+    play("schelling", other)
 
 
 def test_a_damaged_folder(tmp_path: Path, played: list[Any]) -> None:
