@@ -1,6 +1,6 @@
 """Checks where output goes, before anything is played: that it can be written, and that stored work isn't overwritten.
 
-The missing folder of an output file is reported, not made, as it may be a typing mistake. A folder of output is made with those above it.
+The missing folder of an output file is reported, not made, as it may be a typing mistake. The folder of an experiment is made with those above it.
 """
 
 import shlex

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sjdsl.cli.folders import require_writable
+from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.stages import stages
 from sjdsl.extras import require
 
@@ -22,7 +22,7 @@ def command(sources: tuple[str, ...], output: str) -> None:
     require("results", "pandas", "rliable")
     require("plots", "matplotlib")
     folder = Path(output)
-    require_writable(folder)
+    require_folder_of(folder)
     call = shlex.join(["sjdsl", "report", *sources, "-o", output])
     with stages("reading the results and drawing"):
         from sjdsl.results.report import write_report
