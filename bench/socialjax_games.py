@@ -1,6 +1,7 @@
 """Games of SocialJax beside ours: states of one made into states of the other."""
 
 import dataclasses
+import re
 import sys
 import types
 from collections.abc import Callable
@@ -91,23 +92,22 @@ class Bridge:
         """Returns our state after a step from a state of the suite."""
         return self.ours.step_env(key, self.from_suite(state), self.numbers[actions])[1]
 
+    def hit(self, state: Any, actions: Array) -> Array:
+        """Returns which agents the suite sent off in the step that led to a state of its own."""
+        return self.inner["_interact"](jax.random.PRNGKey(0), state, actions)[0]
+
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
         """Returns 1 for each sort of difference between the states after a step, else 0."""
-        sent = gone(after)
+        sent = self.hit(after, actions)
         wanted = self.wanted(before, actions)
         stay = before.reborn_locs[:, :2]
         others = ~jnp.eye(self.agents, dtype=bool)
         contested = jnp.any(jnp.all(wanted[:, None] == wanted[None], axis=-1) & others & jnp.any(wanted != stay, axis=-1)[:, None])
-        apart = jnp.any(jnp.any(self.place(ours) != after.reborn_locs, axis=-1) & ~sent)
+        moved = jnp.any(self.place(ours) != after.agent_locs, axis=-1)
         return {
             "steps with a contest by lot": contested,
-            "steps after which places differ, without a contest": apart & ~contested,
-            "steps after which those sent off differ, without a contest": ~contested & jnp.any(self.sent_from(before, ours, after) != sent),
+            "steps after which places differ, without a contest": jnp.any(moved & ~sent) & ~contested,
         }
-
-    def sent_from(self, before: Any, ours: Any, after: Any) -> Array:
-        """Returns which agents ours sent off."""
-        return jnp.any(self.place(ours)[:, :2] != after.agent_locs[:, :2], axis=-1)
 
     def wanted(self, before: Any, actions: Array) -> Array:
         """Returns the cells to which agents want to go, `[N, 2]`."""
@@ -147,7 +147,7 @@ class Bridge:
 
 def gone(state: Any) -> Array:
     """Returns which agents of a state of the suite were sent off in its last step."""
-    return jnp.any(state.reborn_locs[:, :2] != state.agent_locs[:, :2], axis=-1)
+    return jnp.any(state.reborn_locs != state.agent_locs, axis=-1)
 
 
 def closure(function: Any) -> dict[str, Any]:
@@ -160,6 +160,10 @@ class CleanUp(Bridge):
 
     name, original = "clean_up", "cleanup.clean_up:Clean_up"
     checkpoint = "clean_up_seed30_reward_individual.pkl"
+
+    def hit(self, state: Any, actions: Array) -> Array:
+        """Its two beams have functions of their own."""
+        return self.inner["_interact_fire_zapping"](jax.random.PRNGKey(0), state, actions)[0]
 
     def from_suite(self, state: Any) -> Any:
         """Labels of dirt are those of the list, which lasts under agents; marks and those sent off hide bare orchard cells."""
@@ -209,4 +213,68 @@ class CleanUp(Bridge):
         return shown.replace(reborn_locs=self.place(after).astype(jnp.int16), agent_invs=bags)
 
 
-BRIDGES: dict[str, type[Bridge]] = {bridge.name: bridge for bridge in (CleanUp,)}
+class Harvest(Bridge):
+    """Commons Harvest: Open, and with the maps of the suite's configurations the other two."""
+
+    name, original = "harvest_open", "common_harvest.harvest_open:Harvest_open"
+    checkpoint = "harvest_common_open_seed30_reward_individual.pkl"
+
+    def from_suite(self, state: Any) -> Any:
+        """Marks block the floor and hide soil, as do those sent off."""
+        left = jnp.zeros((self.rows, self.cols), bool).at[tuple(state.agent_locs[:, :2].T)].max(gone(state))
+        marked, soil = state.grid == 2, self.cells("A")
+        ours = self.module.initial_state().replace(
+            step=jnp.int32(state.inner_t),
+            soil_fruit=(state.grid[soil] == 3).astype(jnp.uint8),
+            soil_hidden=(marked | left)[soil].astype(jnp.uint8),
+            floor_marked=marked[self.cells(".Q")].astype(jnp.uint8),
+            gate_marked=marked[self.cells("P")].astype(jnp.uint8),
+        )
+        return self.placed(ours, state.reborn_locs)
+
+    def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
+        """Adds those of the marks."""
+        marked = jnp.zeros((self.rows, self.cols), bool)
+        marked = marked.at[self.cells(".Q")].set(ours.floor_marked == 1).at[self.cells("P")].set(ours.gate_marked == 1)
+        found = super().differences(before, actions, after, ours)
+        bare = np.isin(np.array([list(row) for row in self.module.MAP]), list(".QP"))
+        marks = jnp.any(bare & (marked != (after.grid == 2)))
+        return {**found, "steps after which marks differ, without a contest": marks & ~found["steps with a contest by lot"]}
+
+    def begin(self, state: Any) -> Any:
+        """No marks yet."""
+        return self.draw(self.blank, state, self.place(state))
+
+    def draw(self, carried: Any, state: Any, places: Array) -> Any:
+        """Returns a state of the suite with walls and apples of ours, and agents at these places."""
+        grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
+        grid = grid.at[self.cells("A")].set(jnp.where(state.soil_fruit == 1, 3, 0).astype(jnp.int16))
+        grid = grid.at[places[:, 0], places[:, 1]].set(self.suite._agents)
+        places = places.astype(jnp.int16)
+        return carried.replace(grid=grid, agent_locs=places, reborn_locs=places)
+
+    def show(self, after: Any, walked: Array, carried: Any, reward: Array, actions: Array) -> Any:
+        """The suite's own code draws the beam."""
+        _, shown = self.inner["_interact"](jax.random.PRNGKey(0), self.draw(carried, after, walked), actions)
+        bags = carried.agent_invs + (reward > 0).astype(jnp.int8)[:, None]
+        return shown.replace(reborn_locs=self.place(after).astype(jnp.int16), agent_invs=bags)
+
+
+class Closed(Harvest):
+    """Commons Harvest: Closed."""
+
+    name, checkpoint = "harvest_closed", ""
+
+    def arguments(self, checkout: Path) -> dict[str, Any]:
+        """Its map is in a configuration."""
+        text = (checkout / "algorithms" / "IPPO" / "config" / f"ippo_cnn_{self.name}.yaml").read_text()
+        return {"map_ASCII": re.findall(r'"([ AWQP]{20,})"', text)}
+
+
+class Partnership(Closed):
+    """Commons Harvest: Partnership."""
+
+    name = "harvest_partnership"
+
+
+BRIDGES: dict[str, type[Bridge]] = {bridge.name: bridge for bridge in (CleanUp, Harvest, Closed, Partnership)}
