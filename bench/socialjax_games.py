@@ -18,16 +18,34 @@ from bench.socialjax_original import load
 from sjdsl.interop.socialjax import ACTIONS
 from sjdsl.runtime.random_bits import key_words
 
+ORIGINALS = {  # by the suite's id: module and class, agents, steps of an episode
+    "coin_game": ("coin_game.coin_game:CoinGame", 2, 1000),
+    "harvest_common_open": ("common_harvest.harvest_open:Harvest_open", 7, 1000),
+    "clean_up": ("cleanup.clean_up:Clean_up", 7, 1000),
+    "coop_mining": ("coop_mining.coop_mining:CoopMining", 6, 1000),
+    "gift": ("gift.gift:Gift", 5, 1000),
+    "mushrooms": ("mushrooms.mushrooms:Mushrooms", 5, 1000),
+    "pd_arena": ("pd_arena.pd_arena:PD_Arena", 4, 1000),
+    "territory_open": ("territory.territory_env:Territory_open", 9, 1000),
+    "lb_foraging": ("lb_foraging.lb_foraging:LevelBasedForaging", 4, 100),
+}
 MOVES = ACTIONS["turned round"]
 Figures = dict[str, Array]
 
 
-def standing_in_for_chex() -> types.ModuleType:
-    """Returns what the suite's modules take from chex: a dataclass and names of types."""
-    module = types.ModuleType("chex")
-    module.dataclass = dataclasses.dataclass
-    module.PRNGKey = module.Array = module.ArrayDevice = jax.Array
-    return module
+def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: Any) -> Any:
+    """Returns a game of the suite, with individual rewards, without chex and under this version of JAX."""
+    chex = types.ModuleType("chex")  # of which the suite's modules use a dataclass and names of types
+    chex.dataclass = dataclasses.dataclass
+    chex.PRNGKey = chex.Array = chex.ArrayDevice = jax.Array
+    sys.modules.setdefault("chex", chex)
+    jnp.clip = clip
+    return load(checkout, original)(shared_rewards=False, num_inner_steps=steps, **arguments)
+
+
+def clip(x: Any, lower: Any = None, upper: Any = None, *, a_min: Any = None, a_max: Any = None) -> Array:
+    """Returns `jnp.clip` with the names of its arguments in older versions of JAX, which the suite uses."""
+    return jnp.minimum(jnp.maximum(x, lower if a_min is None else a_min), upper if a_max is None else a_max)
 
 
 class Bridge:
@@ -45,8 +63,7 @@ class Bridge:
 
     def __init__(self, checkout: Path) -> None:
         """Loads both."""
-        sys.modules.setdefault("chex", standing_in_for_chex())
-        self.suite = load(checkout, self.original)(num_agents=self.agents, shared_rewards=False, **self.arguments(checkout))
+        self.suite = suite_game(checkout, self.original, num_agents=self.agents, **self.arguments(checkout))
         self.ours = sjdsl.make(self.name, variant="socialjax", num_agents=self.agents)
         self.module = self.ours.module
         reset = self.suite.reset.__wrapped__

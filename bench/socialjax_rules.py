@@ -13,7 +13,6 @@ import math
 import pickle
 import statistics
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from bench.socialjax_games import BRIDGES, Bridge
+from bench.socialjax_games import BRIDGES, ORIGINALS, Bridge, suite_game
+from sjdsl.interop import socialjax
 
 STEPS = 1000  # of an episode
 T_95 = 1.96  # of a difference of two means of at least 48 episodes each
@@ -31,18 +31,56 @@ def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkout", type=Path, help="a checkout of SocialJax")
-    parser.add_argument("games", nargs="*", help="all without any")
+    parser.add_argument("--games", nargs="*", default=None, help="ours, played from the same states and by policies; all by default")
+    parser.add_argument("--ids", nargs="*", default=None, help="the suite's, played at random; all by default")
     parser.add_argument("--episodes", type=int, default=48, help="of each policy in each code")
     parser.add_argument("--random-episodes", type=int, default=100, help="of random play in each code")
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args()
-    bridges = [BRIDGES[name](asked.checkout) for name in asked.games or BRIDGES]
     key = jax.random.key(asked.seed)
+    print("| id | what, random play | suite | ours | difference |\n| --- | --- | --: | --: | --: |")
+    for identity in ORIGINALS if asked.ids is None else asked.ids:
+        random_play(asked.checkout, identity, asked.random_episodes, key)
+    bridges = [BRIDGES[name](asked.checkout) for name in (BRIDGES if asked.games is None else asked.games)]
+    print()
     print("| game | policy | what | suite | ours | difference |\n| --- | --- | --- | --: | --: | --: |")
     for bridge in bridges:
         compare(bridge, "random", random_policy(bridge), asked.random_episodes, key)
         if bridge.checkpoint:
             compare(bridge, "trained", trained_policy(asked.checkout / "checkpoints" / bridge.checkpoint), asked.episodes, key)
+
+
+def random_play(checkout: Path, identity: str, episodes: int, key: Array) -> None:
+    """Prints the rows of random play in one game of the suite, and in ours behind our adapter."""
+    original, agents, steps = ORIGINALS[identity]
+    theirs = random_figures(suite_game(checkout, original, steps, num_agents=agents), steps, episodes, key)
+    ours = random_figures(socialjax.make(identity, num_agents=agents, shared_rewards=False), steps, episodes, jax.random.fold_in(key, 1))
+    for figure in theirs:
+        one, two = theirs[figure].tolist(), ours[figure].tolist()
+        difference = statistics.fmean(two) - statistics.fmean(one)
+        print(f"| `{identity}` | {figure} | {mean(one)} | {mean(two)} | {difference:+.2f} ± {math.hypot(half(one), half(two)):.2f} |", flush=True)
+
+
+def random_figures(env: Any, steps: int, episodes: int, key: Array) -> dict[str, Array]:
+    """Returns the return and the sums of the infos of each episode of random play, over the agents: of the suite, or of our adapter."""
+    @jax.jit
+    def run(key: Array) -> dict[str, Array]:
+        first, key = jax.random.split(key)
+        _, states = jax.vmap(env.reset)(jax.random.split(first, episodes))
+
+        def body(carry: Any, key: Array) -> tuple[Any, dict[str, Array]]:
+            states, over = carry
+            acting, stepping = jax.random.split(key)
+            actions = jax.random.randint(acting, (episodes, env.num_agents), 0, env.num_actions if hasattr(env, "num_actions") else env.action_space().n)
+            _, states, rewards, done, infos = jax.vmap(env.step_env)(jax.random.split(stepping, episodes), states, actions)
+            row = {name: infos[name] for name in infos if not name.endswith("_rewards")}
+            sums = {name: jnp.where(over, 0, jnp.reshape(value, (episodes, -1)).sum(axis=1)) for name, value in {"return": rewards, **row}.items()}
+            return (states, over | done["__all__"]), sums
+
+        _, rows = jax.lax.scan(body, (states, jnp.zeros(episodes, bool)), jax.random.split(key, steps - 1))
+        return jax.tree.map(lambda each: each.sum(axis=0), rows)
+
+    return run(key)
 
 
 Policy = Callable[[Array, Array], Array]  # key and observations [E, N, rows, cols, channels] to actions [E, N] of the suite
