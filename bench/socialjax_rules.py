@@ -58,11 +58,15 @@ def random_play(checkout: Path, identity: str, episodes: int, key: Array) -> Non
     for figure in theirs:
         one, two = theirs[figure].tolist(), ours[figure].tolist()
         difference = statistics.fmean(two) - statistics.fmean(one)
-        print(f"| `{identity}` | {figure} | {mean(one)} | {mean(two)} | {difference:+.2f} ± {math.hypot(half(one), half(two)):.2f} |", flush=True)
+        print(
+            f"| `{identity}` | {figure} | {mean(one)} | {mean(two)} | {difference:+.2f} ± {math.hypot(half(one), half(two)):.2f} |",
+            flush=True,
+        )
 
 
 def random_figures(env: Any, steps: int, episodes: int, key: Array) -> dict[str, Array]:
     """Returns the return and the sums of the infos of each episode of random play, over the agents: of the suite, or of our adapter."""
+
     @jax.jit
     def run(key: Array) -> dict[str, Array]:
         first, key = jax.random.split(key)
@@ -71,10 +75,15 @@ def random_figures(env: Any, steps: int, episodes: int, key: Array) -> dict[str,
         def body(carry: Any, key: Array) -> tuple[Any, dict[str, Array]]:
             states, over = carry
             acting, stepping = jax.random.split(key)
-            actions = jax.random.randint(acting, (episodes, env.num_agents), 0, env.num_actions if hasattr(env, "num_actions") else env.action_space().n)
+            actions = jax.random.randint(
+                acting, (episodes, env.num_agents), 0, env.num_actions if hasattr(env, "num_actions") else env.action_space().n
+            )
             _, states, rewards, done, infos = jax.vmap(env.step_env)(jax.random.split(stepping, episodes), states, actions)
             row = {name: infos[name] for name in infos if not name.endswith("_rewards")}
-            sums = {name: jnp.where(over, 0, jnp.reshape(value, (episodes, -1)).sum(axis=1)) for name, value in {"return": rewards, **row}.items()}
+            sums = {
+                name: jnp.where(over, 0, jnp.reshape(value, (episodes, -1)).sum(axis=1))
+                for name, value in {"return": rewards, **row}.items()
+            }
             return (states, over | done["__all__"]), sums
 
         _, rows = jax.lax.scan(body, (states, jnp.zeros(episodes, bool)), jax.random.split(key, steps - 1))
@@ -118,7 +127,9 @@ def compare(bridge: Bridge, name: str, policy: Policy, episodes: int, key: Array
     for figure in theirs:
         one, two = theirs[figure].tolist(), ours[figure].tolist()
         difference = statistics.fmean(two) - statistics.fmean(one)
-        print(f"| `{bridge.name}` | {name} | {figure} | {mean(one)} | {mean(two)} | {difference:+.1f} ± {math.hypot(half(one), half(two)):.1f} |")
+        print(
+            f"| `{bridge.name}` | {name} | {figure} | {mean(one)} | {mean(two)} | {difference:+.1f} ± {math.hypot(half(one), half(two)):.1f} |"
+        )
     for figure, number in apart.items():
         print(f"| `{bridge.name}` | {name} | {figure} | | | {float(number):.0f} of {episodes * (STEPS - 1):,} |", flush=True)
 

@@ -40,9 +40,27 @@ def test_zaps_pass_walls() -> None:
     assert scene.places()[2] == (0, 2)
 
 
-def test_beams_do_not_leave_the_map_nor_hit_their_owner() -> None:
-    scene = HARVEST.put("^QPPP  0", ".....", "..#..", ".....", "v^...  12").step("zap").has({"event hits": 0})
-    assert scene.places() == [(0, 0), (4, 0), (4, 1)]
+# Pictures in which agent 0 zaps, and whom it hits. Source: the released code, commit 9df972d, played from these states
+PAST_EDGES = [
+    (("^QPPP  0", ".....", "..#..", ".....", "v^...  12"), [1]),  # row 0: on at the last row, in its own column alone
+    (("^QPPP  0", ".....", "..#..", "v....  1", "v....  2"), [1, 2]),  # and in the row before
+    (("QQPPP", "^....  0", "..#..", "v....  1", "v....  2"), [2]),  # row 1: two ahead is the last row
+    (("QQPPP", ".....", "^.#..  0", "v....  1", "v....  2"), []),  # row 2: no edge
+    (("QQPPP", "<..^^  012", "..#..", ".....", "....."), [1, 2]),  # column 0: on at the last two columns
+    (("QQPPP", ".<.^^  012", "..#..", ".....", "....."), [2]),
+    (("QQPPP", ".....", "..#..", ".....", "^^.v.  120"), [0]),  # the last row: itself
+    (("QQPPP", ".....", "..#..", "...v.  0", "^^...  12"), []),  # the row before: one ahead is the last row, twice
+    (("QQPPP", "....>  0", "..#..", ".....", "^^...  12"), [0]),  # the last column: itself
+]
+
+
+@pytest.mark.parametrize(("picture", "hit"), PAST_EDGES)
+def test_beams_go_past_the_edges(picture: tuple[str, ...], hit: list[int]) -> None:
+    scene = HARVEST.put(*picture)
+    before = scene.places()
+    scene.step("zap").has({"event hits": [len(hit), 0, 0]})
+    gates = {(0, 2), (0, 3), (0, 4)}
+    assert all(place in gates if agent in hit else place == before[agent] for agent, place in enumerate(scene.places()))
 
 
 def test_cleaning_passes_walls() -> None:
