@@ -60,6 +60,7 @@ class Bridge:
     checkpoint = ""
     agents = 7
     zap = 7  # the number of the action
+    stepwise = True  # whether single steps are compared
 
     def __init__(self, checkout: Path) -> None:
         """Loads both."""
@@ -78,6 +79,7 @@ class Bridge:
 
     def arguments(self, checkout: Path) -> dict[str, Any]:
         """Returns further arguments of the suite's class."""
+        del checkout
         return {}
 
     def cells(self, glyphs: str) -> tuple[np.ndarray, np.ndarray]:
@@ -294,4 +296,44 @@ class Partnership(Closed):
     name = "harvest_partnership"
 
 
-BRIDGES: dict[str, type[Bridge]] = {bridge.name: bridge for bridge in (CleanUp, Harvest, Closed, Partnership)}
+class Territory(Bridge):
+    """Territory, played by its policy; its states of the suite are not made into ours."""
+
+    name, original = "territory", "territory.territory_env:Territory_open"
+    checkpoint = "individual/territory_open_seed30.pkl"
+    agents = 9
+    stepwise = False
+
+    def suite_figures(self, after: Any, rewards: Array, actions: Array) -> Figures:
+        """Its individual rewards are not multiplied by the number of agents."""
+        return {**super().suite_figures(after, rewards, actions), "return": rewards.sum()}
+
+    def begin(self, state: Any) -> Any:
+        """No marks yet."""
+        return self.draw(self.blank, self.place(state), self.bricks(state))
+
+    def bricks(self, state: Any) -> Array:
+        """Returns the suite's numbers of the bricks: 7 free, 1000 and more for an owner, 999 cracked, 0 gone."""
+        owned = jnp.where(state.brick_owner >= 0, 1000 + state.brick_owner, 7)
+        return jnp.where(state.brick_damage == 0, owned, jnp.where(state.brick_damage == 1, 999, 0)).astype(jnp.int16)
+
+    def draw(self, carried: Any, places: Array, bricks: Array) -> Any:
+        """Returns a state of the suite with walls, these bricks, and agents at these places."""
+        grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
+        grid = grid.at[self.cells("R")].set(bricks).at[places[:, 0], places[:, 1]].set(self.suite._agents)
+        places = places.astype(jnp.int16)
+        return carried.replace(grid=grid, agent_locs=places, reborn_locs=places)
+
+    def show(self, after: Any, walked: Array, carried: Any, reward: Array, actions: Array) -> Any:
+        """The suite's own code draws the beam around bricks, which it would break again."""
+        del reward
+        bricks = self.bricks(after)
+        shown = self.draw(carried, walked, jnp.where(bricks > 0, 1, 0).astype(jnp.int16))
+        shown = shown.replace(claimed_coord=jnp.zeros((self.rows, self.cols), bool))
+        _, shown = self.inner["_interact"](jax.random.PRNGKey(0), shown, actions)
+        cells = self.cells("R")
+        grid = shown.grid.at[cells].set(jnp.where(bricks > 0, bricks, shown.grid[cells]))
+        return shown.replace(grid=grid, reborn_locs=self.place(after).astype(jnp.int16))
+
+
+BRIDGES: dict[str, type[Bridge]] = {bridge.name: bridge for bridge in (CleanUp, Harvest, Closed, Partnership, Territory)}

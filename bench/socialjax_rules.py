@@ -158,8 +158,10 @@ def play_suite(bridge: Bridge, policy: Policy, episodes: int, key: Array) -> tup
             actions = policy(acting, seen)
             keys = jax.random.split(stepping, episodes)
             seen, after, rewards, _, _ = jax.vmap(bridge.suite.step_env)(keys, states, actions)
-            ours = jax.vmap(bridge.step_from)(keys, states, actions)
-            differences = jax.vmap(bridge.differences)(states, actions, after, ours)
+            differences = {}
+            if bridge.stepwise:
+                ours = jax.vmap(bridge.step_from)(keys, states, actions)
+                differences = jax.vmap(bridge.differences)(states, actions, after, ours)
             return (seen, after), {"figures": jax.vmap(bridge.suite_figures)(after, rewards, actions), "apart": differences}
 
         _, rows = jax.lax.scan(body, (seen, states), jax.random.split(key, STEPS - 1))
