@@ -31,6 +31,7 @@ ORIGINALS = {  # by the suite's id: module and class, agents, steps of an episod
 }
 MOVES = ACTIONS["turned round"]
 Figures = dict[str, Array]
+CLIP = jnp.clip
 
 
 def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: Any) -> Any:
@@ -43,9 +44,11 @@ def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: An
     return load(checkout, original)(shared_rewards=False, num_inner_steps=steps, **arguments)
 
 
-def clip(x: Any, lower: Any = None, upper: Any = None, *, a_min: Any = None, a_max: Any = None) -> Array:
-    """Returns `jnp.clip` with the names of its arguments in older versions of JAX, which the suite uses."""
-    return jnp.minimum(jnp.maximum(x, lower if a_min is None else a_min), upper if a_max is None else a_max)
+def clip(x: Any, *bounds: Any, a_min: Any = None, a_max: Any = None, **named: Any) -> Array:
+    """Is `jnp.clip` that also takes the names that its bounds had in older versions of JAX, which the suite uses."""
+    if a_min is None:
+        return CLIP(x, *bounds, **named)
+    return CLIP(x, a_min, a_max)
 
 
 class Bridge:
