@@ -202,12 +202,18 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
     if given.get("num_agents") is not None:
         arguments["num_agents"] = given["num_agents"]
     if given.get("map_ASCII") is not None:
-        wrong = sorted(set("".join(given["map_ASCII"])) - set(entry.letters))
-        if wrong:
-            raise ValueError(f"map_ASCII can't have the letter `{wrong[0]}`; its letters are {' '.join(map(repr, entry.letters))}")
-        arguments["map"] = tuple("".join(entry.letters[letter] for letter in row) for row in given["map_ASCII"])
+        arguments["map"] = _our_map(given["map_ASCII"], entry.letters)
     mode = Mode(**{"shared_rewards": entry.shared_rewards, **{name: given[name] for name in modes & set(given)}})
     return SocialJaxGame(entry, mode, steps, int(given.get("num_outer_steps", 1)), bool(given.get("cnn", True)), **arguments)
+
+
+def _our_map(rows: Sequence[str], letters: dict[str, str]) -> tuple[str, ...]:
+    """Returns a map of the suite in our glyphs; short rows end in blanks, as there."""
+    wrong = sorted(set("".join(rows)) - set(letters))
+    if wrong:
+        raise ValueError(f"map_ASCII can't have the letter `{wrong[0]}`; its letters are {' '.join(map(repr, letters))}")
+    width = max(map(len, rows), default=0)
+    return tuple("".join(letters[letter] for letter in row) + letters.get(" ", "") * (width - len(row)) for row in rows)
 
 
 COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")

@@ -21,6 +21,10 @@ TESTS = {
     "clean_up walk": CONTESTED,
     "clean_up rinse": "test_clean_up_chances.py test_a_cell_that_several_clean_counts_once_and_for_each_alike",
     "clean_up fire": "test_clean_up_chances.py test_home_is_every_free_gate_alike",
+    "clean_up+socialjax grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
+    "clean_up+socialjax pollute": "test_clean_up_chances.py test_as_released_dirt_waits_a_step_more_and_is_lost_on_covered_cells",
+    "clean_up+socialjax rinse": "test_clean_up_chances.py test_a_cell_that_several_clean_counts_once_and_for_each_alike",
+    "clean_up+socialjax fire": "test_clean_up_chances.py test_home_is_every_free_gate_alike",
     "clean_up+meltingpot grow": "test_clean_up_chances.py test_growth_falls_with_dirt",
     "clean_up+meltingpot fire": "test_clean_up_chances.py test_who_was_away_comes_to_every_free_gate_alike",
     "clean_up+meltingpot finish": ENDINGS,
@@ -39,6 +43,7 @@ TESTS = {
     "gift_refinement start": STARTS,
     "gift_refinement grow": "test_gift_refinement_chances.py test_a_token_in_five_thousand_cells_and_steps",
     "gift_refinement walk": CONTESTED,
+    "gift_refinement+socialjax grow": "test_gift_refinement_chances.py test_a_token_in_five_thousand_cells_and_steps",
     "gift_refinement+meltingpot finish": ENDINGS,
     "harvest_closed start": STARTS,
     "harvest_closed regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
@@ -47,6 +52,9 @@ TESTS = {
     "harvest_closed+meltingpot regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
     "harvest_closed+meltingpot fire": "test_harvest_chances.py test_who_was_away_comes_to_every_free_gate_alike",
     "harvest_closed+meltingpot finish": ENDINGS,
+    "harvest_closed+socialjax start": STARTS,
+    "harvest_closed+socialjax regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
+    "harvest_closed+socialjax fire": "test_harvest_chances.py test_home_is_every_free_gate_alike",
     "harvest_open+meltingpot regrow": "test_harvest_chances.py test_growth_for_each_number_of_apples_near",
     "harvest_open+meltingpot fire": "test_harvest_chances.py test_who_was_away_comes_to_every_free_gate_alike",
     "mushrooms start": STARTS,
@@ -59,6 +67,11 @@ TESTS = {
         f"mushrooms+meltingpot sprout({kind})": "test_mushrooms_chances.py test_what_grows_after_a_meal"
         for kind in ("red", "green", "blue", "orange")
     },
+    **{
+        f"mushrooms+socialjax sprout({kind})": "test_mushrooms_chances.py test_as_released_spores_come_a_step_later"
+        for kind in ("red", "green", "blue", "orange")
+    },
+    "mushrooms+socialjax fire": "test_mushrooms_chances.py test_home_is_every_free_bare_cell_alike",
     "mushrooms+meltingpot start": STARTS,
     "mushrooms+meltingpot die": "test_melting_pot_chances.py test_orange_kills_each_red_one_alike",
     "mushrooms+meltingpot judge": "test_melting_pot_chances.py test_who_is_hit_twice_comes_back_on_any_bare_cell",
@@ -67,6 +80,7 @@ TESTS = {
     "pd_arena grow": "test_pd_arena_chances.py test_growth",
     "pd_arena walk": CONTESTED,
     "pd_arena meet": "test_pd_arena_chances.py test_both_rest_each_for_its_own_time",
+    "pd_arena+socialjax grow": "test_pd_arena_chances.py test_growth",
     "pd_arena+socialjax rest": "test_pd_arena_chances.py test_as_released_only_targets_rest",
 }
 

@@ -137,7 +137,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
         "rows": "_meltingpot",
     },
     **{(game, "socialjax"): THROUGH_WALLS for game in ("harvest_open", "harvest_closed", "harvest_partnership")},
-    ("clean_up", "socialjax"): {**THROUGH_WALLS, "schedule": "sample grow pollute tick walk eat scrub rinse fire"},
+    ("clean_up", "socialjax"): {**THROUGH_WALLS, "schedule": "sample grow pollute tick walk eat scrub rinse hide_bare fire", "rows": "_socialjax"},
     ("harvest_open", "meltingpot"): OPEN_BEAM,
     ("harvest_closed", "meltingpot"): ROOM_BEAM,
     ("harvest_partnership", "meltingpot"): ROOM_BEAM,
@@ -161,7 +161,8 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     },
     ("gift_refinement", "socialjax"): {
         **COMPASS,
-        "schedule": "grow walk collect offer receive(cut) receive(fine) sample consume",
+        "schedule": "grow walk fade collect cover offer receive(cut) receive(fine) sample consume",
+        "rows": "_socialjax",
     },
     ("gift_refinement", "automatic"): {},
     ("gift_refinement", "meltingpot"): {
@@ -175,7 +176,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     },
     ("mushrooms", "socialjax"): {
         **COMPASS,
-        "schedule": "sprout(red) sprout(green) sprout(blue) sprout(orange) walk eat fire tick",
+        "schedule": "sprout(red) sprout(green) sprout(blue) sprout(orange) walk eat fade fire tick",
     },
     ("mushrooms", "meltingpot"): {
         "numbers": {
@@ -212,7 +213,9 @@ def game_of(name: str, variant: str = "") -> ir.Game:
 
 def facts_of(game: ir.Game, plain: ir.Game) -> Facts:
     """Returns what a game says. `rows`: what is added to the name of the map of the plain game, empty for the same map."""
-    maps = {suffix: find_game(plain.name).parent / "maps" / f"{plain.name}{suffix}.txt" for suffix in ("_crowd", "_meltingpot")}
+    maps = {
+        suffix: find_game(plain.name).parent / "maps" / f"{plain.name}{suffix}.txt" for suffix in ("_crowd", "_meltingpot", "_socialjax")
+    }
     others = [suffix for suffix, path in maps.items() if path.is_file() and tuple(path.read_text().split()) == game.rows]
     turns = [turn.label if isinstance(turn, ir.Phase) else "tick" for turn in game.schedule]
     cells = {cell for shape in game.shapes if shape.directed for lane in shape.lanes for cell in lane}

@@ -1,5 +1,6 @@
 """The chances of Gift Refinement, counted: how often tokens come, and where."""
 
+from functools import cache
 from typing import Any
 
 import jax.numpy as jnp
@@ -15,10 +16,10 @@ GROUND = 538  # cells. Source: the released code's map
 STAY = 6
 
 
-@pytest.fixture(scope="module")
-def counted() -> Any:
+@cache
+def counter(variant: str | None) -> Any:
     """Counts, over many steps from one state: new tokens by cell, and neighbours in the numbering."""
-    env = environment(GAME)
+    env = environment(GAME, variant)
 
     def look(before: Any, after: Any, _: Any) -> Any:
         new = (before.ground_token == 0) & (after.ground_token == 1)
@@ -27,15 +28,21 @@ def counted() -> Any:
     return many(env, look)
 
 
+@pytest.fixture(scope="module")
+def counted() -> Any:
+    return counter(None)
+
+
 def often(spawn: float) -> Any:
     """Returns the parameters with another chance of a token."""
     return environment(GAME).params.replace(spawn=jnp.float32(spawn))
 
 
-def test_a_token_in_five_thousand_cells_and_steps(counted: Any) -> None:
+@pytest.mark.parametrize("variant", [None, "socialjax"])
+def test_a_token_in_five_thousand_cells_and_steps(variant: str | None) -> None:
     """0.0002 of each empty cell. Sources: the paper; the released code."""
-    env = environment(GAME)
-    seen = counted(0, placed(env, cells_of(env, "camp")[:5]), [STAY] * 5, env.params, 20)
+    env = environment(GAME, variant)
+    seen = counter(variant)(0, placed(env, cells_of(env, "camp")[:5]), [STAY] * 5, env.params, 20)
     assert seen["new"].size == GROUND
     assert_share(seen["new"].sum(), GROUND * 20 * BATCH, 0.0002, 0.06)
 

@@ -114,6 +114,18 @@ def test_every_floor_cell_is_a_site() -> None:
             assert_share(seen["new"][kind][site], steps, 2 / 263, 0.35)
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", KINDS, ids=NAMES.get)
+def test_as_released_spores_come_a_step_later(kind: int) -> None:
+    """Two trials of red, after orange too; nothing in the step of the meal. Source: the released code."""
+    env = environment(GAME, "socialjax")
+    state, actions = before_meals([kind], "socialjax")
+    seen = counter("socialjax")(kind, state, actions, env.params, 1)
+    assert not seen["new"].any()
+    _, after, *_ = env.step_env(jax.random.key(0), state, jnp.asarray(actions))
+    assert_grown(counter("socialjax")(kind, after, [STAY] * env.num_agents, env.params, 4), TRIALS[kind], 0.03)
+
+
 def test_where_tells_nothing_of_whether() -> None:
     """With trials that may fail: the first half of the sites gets its part of what grows."""
     env = environment(GAME)
@@ -125,12 +137,13 @@ def test_where_tells_nothing_of_whether() -> None:
         assert_share(seen["new"][kind][free[:131]].sum(), seen["new"][kind].sum(), 131 / 262, 0.06)
 
 
-def test_home_is_every_free_bare_cell_alike() -> None:
+@pytest.mark.parametrize("variant", [None, "socialjax"])
+def test_home_is_every_free_bare_cell_alike(variant: str | None) -> None:
     """Two are hit in every step: each comes to any floor cell without mushroom and agent, and looks any way."""
-    env = environment(GAME)
+    env = environment(GAME, variant)
     places = [(6, 1), (6, 2), (6, 3), (11, 21), (11, 22)]
     state = placed(env, places, [1, 0, 2, 0, 0])
-    seen = counter(None)(6, state, [ZAP, STAY, STAY, STAY, STAY], env.params, 16)
+    seen = counter(variant)(6, state, [ZAP, STAY, STAY, STAY, STAY], env.params, 16)
     bare = [c for c, grows in zip(cells_of(env, "ground"), state.ground_grows, strict=True) if grows == 0 and c not in places]
     assert len(bare) == 261
     assert not seen["new"].any()

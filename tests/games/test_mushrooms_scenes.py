@@ -239,22 +239,23 @@ def test_who_is_hit_goes_to_bare_floor_where_nobody_stands(stage: Stage) -> None
     assert {put(stage, *rows, seed=seed).step("zap").places()[1] for seed in range(20)} == {(4, 6), (0, 0)}
 
 
-@BOTH
-@pytest.mark.parametrize(
-    "picture",
-    [
-        ("..^.....  0", EMPTY, EMPTY, EMPTY, "..v.....  1", ".vvv....  234"),
-        (".^^^....  123", "..^.....  4", EMPTY, EMPTY, EMPTY, "..v.....  0"),
-        (EMPTY, ".......^  1", "<.....<^  042", ".......^  3", EMPTY, EMPTY),
-        (EMPTY, "^.......  1", "^>.....>  240", "^.......  3", EMPTY, EMPTY),
-    ],
-)
-def test_beams_do_not_leave_the_map(stage: Stage, picture: tuple[str, ...]) -> None:
-    """Agent 0 at an edge, facing out: nobody is hit on the other side, nor itself."""
-    scene = put(stage, *picture)
-    before = scene.places()
-    scene.step("zap").has({"event hits": 0})
-    assert scene.places() == before
+# Agent 0 at an edge, facing out, and whom its beam hits as released. Source: the released code, commit 9df972d, in these states
+EDGES = [
+    (("..^.....  0", EMPTY, EMPTY, EMPTY, "..v.....  1", ".vvv....  234"), {1, 3}),
+    ((".^^^....  123", "..^.....  4", EMPTY, EMPTY, EMPTY, "..v.....  0"), {0}),
+    ((EMPTY, ".......^  1", "<.....<^  042", ".......^  3", EMPTY, EMPTY), {2, 4}),
+    ((EMPTY, "^.......  1", "^>.....>  240", "^.......  3", EMPTY, EMPTY), {0}),
+]
+
+
+@pytest.mark.parametrize(("picture", "hit"), EDGES)
+def test_beams_leave_the_map_only_as_released(picture: tuple[str, ...], hit: set[int]) -> None:
+    """By default nobody is hit on the other side, nor itself."""
+    for stage, gone in ((DEFAULT, set()), (RELEASED, hit)):
+        scene = put(stage, *picture)
+        before = scene.places()
+        scene.step("zap").has({"event hits": {0: len(gone)}})
+        assert {agent for agent in range(5) if scene.places()[agent] != before[agent]} == gone
 
 
 @BOTH

@@ -69,10 +69,11 @@ def meeting(*places: tuple[int, int], headings: tuple[int, ...], bags: Any = COO
 
 
 @pytest.mark.thorough
-def test_growth() -> None:
+@pytest.mark.parametrize("variant", [None, "socialjax"])
+def test_growth(variant: str | None) -> None:
     """A tenth of the bare patches in a step: each alike, neighbours in the numbering independent. Source: the released code."""
-    env = environment(GAME)
-    seen = counter(None)(0, placed(env, gates()[:16:5], patch_stock=np.zeros(12)), [STAY] * 4, env.params, 8)
+    env = environment(GAME, variant)
+    seen = counter(variant)(0, placed(env, gates()[:16:5], patch_stock=np.zeros(12)), [STAY] * 4, env.params, 8)
     assert seen["grown"].shape == (12,)
     for site in range(12):
         assert_share(seen["grown"][site], 8 * BATCH, 0.1, 0.12)

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
+from sjdsl.runtime.env import Environment
 
 from .chance import assert_uniform, times
-from .environments import HARVESTS, NINE, cells_of, environment, places
+from .environments import HARVESTS, NINE, environment, places
 from .found import Form, forms, rules_of
 
 RESETS = 40_000
@@ -45,6 +46,11 @@ def numbers(cells: np.ndarray, starts: list[tuple[int, int]]) -> np.ndarray:
     return np.vectorize(lambda r, c: index[r, c])(cells[..., 0], cells[..., 1])
 
 
+def glyphs(env: Environment, wanted: str) -> list[tuple[int, int]]:
+    """Returns the cells of the map with these glyphs, in reading order."""
+    return [(r, c) for r, row in enumerate(env.game.rows) for c, glyph in enumerate(row) if glyph in wanted]
+
+
 @pytest.mark.parametrize(
     "form", [pytest.param(f, marks=pytest.mark.thorough if f.variant or f.agents else []) for f in different_starts()], ids=str
 )
@@ -59,11 +65,10 @@ def test_starts(form: Form) -> None:
     for agent in range(agents):
         assert_uniform(times(heading[:, agent], 4), 0.05)
     if inner:
-        dens = numbers(cells[:, :2], cells_of(env, "den"))
+        dens = numbers(cells[:, :2], glyphs(env, "Q"))
         assert (dens.sum(axis=1) == 1).all()
         assert_uniform(times(dens[:, 0], 2), 0.04)
-    rows = env.game.rows
-    starts = [(r, c) for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph in STARTS[form.game]]
+    starts = glyphs(env, STARTS[form.game])
     outer = numbers(cells[:, inner:], starts)
     for agent in range(outer.shape[1]):
         assert_uniform(times(outer[:, agent], len(starts)), 0.3 if len(starts) < 65 else 0.6)

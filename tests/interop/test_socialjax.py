@@ -242,11 +242,27 @@ def test_maps_in_the_suites_letters() -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "theirs", "ours"),
+    [
+        ("coin_game", ["CCPC", "PCCC"], ("CCPC", "PCCC")),
+        ("clean_up", ["HF=+~f", "QP <S>", "^T;s,B"], ("HF..S.", "PP..S.", ".B...B")),
+        ("mushrooms", ["   R", "G BO"], ("...R", "G.BO")),
+        ("gift", ["TPW", "TPT"], ("TP#", "TPT")),
+        ("pd_arena", ["PP12", "PPW"], ("PPDC", "PP#.")),
+        ("territory_open", ["PPR,", "WTRF"], ("PPR.", "##R#")),
+    ],
+)
+def test_maps_of_other_games(name: str, theirs: list[str], ours: tuple[str, ...]) -> None:
+    env = socialjax.make(name, map_ASCII=theirs, num_agents=2)
+    assert env.env.game.rows == ours
+
+
+@pytest.mark.parametrize(
     ("name", "kwargs", "error", "message"),
     [
         ("harvest", {}, ValueError, "there is no id `harvest`; the ids are coin_game, harvest_common_open"),
         ("coin_game", {"svo_weight": 1}, TypeError, "`coin_game` has no keyword `svo_weight`; it has cnn, inequity_aversion"),
-        ("coin_game", {"map_ASCII": []}, TypeError, "has no keyword `map_ASCII`"),
+        ("coop_mining", {"map_ASCII": []}, TypeError, "has no keyword `map_ASCII`"),
         ("coin_game", {"enable_smooth_rewards": True}, TypeError, "has no keyword `enable_smooth_rewards`"),
         ("coin_game", {"obs_size": 5}, ValueError, "obs_size must be 11"),
     ],

@@ -18,6 +18,7 @@ NEEDED = (
     "sjdsl/games/clean_up.sj",
     "sjdsl/games/maps/clean_up.txt",
     "sjdsl/games/meltingpot/territory_open.sj",
+    "sjdsl/games/meltingpot/shared/edges.sj",
     "sjdsl/games/meltingpot/shared/endings.sj",
     "sjdsl/games/published.toml",
     "sjdsl/studio/page/studio.html",
