@@ -114,7 +114,7 @@ def test_a_worker_that_the_system_kills_leaves_its_cell_stopped(whole: Path, tmp
     again = start(folder)
     _, said = again.communicate(timeout=PATIENCE)
     assert again.returncode == 0, said[-3000:]
-    assert f"{CELLS[0]}: training, from its last checkpoint" in said
+    assert f"{CELLS[0]}: training, resuming after update " in said
     assert results(folder) == results(whole)
 
 
