@@ -3,8 +3,8 @@ game adding "Reals that decide are added to: everybody's, a row's, an entry's, s
   param rate : number = 0.1 in 0 .. 1
   param pay by { red, blue } : reward = { red: 0.3, blue: 0.7 }
   episode 30
-  field pot : reward
-  field box by { red, blue } : reward
+  field pot  : reward
+  field box  by { red, blue } : reward
   field most : { red, blue } = red
   kind land "." { field heat : reward }
   kind sand ":" { field heat : reward }
@@ -14,12 +14,12 @@ game adding "Reals that decide are added to: everybody's, a row's, an entry's, s
   agents 3 {
     acts turn_left, turn_right, forward, stay
     moves relative
-    field owed : reward
+    field owed  : reward
     field trust by agent : reward
     field purse by { red, blue } : reward
     field friend : agent  field hits by { red, blue } : 1 .. 9 capped = 1
     field likes : { red, blue } = red
-    field rich : 0 .. 9 capped = 0
+    field rich  : 0 .. 9 capped = 0
   }
   phase start { each agent { send agent to ground } }
   phase meet {
