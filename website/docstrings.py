@@ -8,7 +8,7 @@ import griffe
 
 SECTION = re.compile(r"^(\s*)(Args|Attributes):$")
 SEVERAL = re.compile(r"^(\s*)(\w+(?:, \w+)+):\s+(.*)$")
-COMPILED = re.compile(r"^jax\.jit\((?:\w+\()*self\.(_\w+)\)+$")
+COMPILED = re.compile(r"^(?:\w+\()*jax\.jit\((?:\w+\()*self\.(_\w+)\)+$")
 
 
 def one_name_a_line(text: str) -> str:
