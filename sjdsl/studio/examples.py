@@ -86,6 +86,7 @@ def _write_missing(wanted: Mapping[str, str], folder: Folder) -> list[str]:
 def _needed(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
     """Yields the files that a game names, with their texts: the game that it extends, with what that needs, and the maps of all variants."""
     seen = set[Path]()
+    place = PurePosixPath(path.name)  # of the file beside the copy
     while home.inside(path.as_posix()) not in seen:  # else the game extends itself
         seen.add(home.inside(path.as_posix()))
         try:
@@ -94,8 +95,9 @@ def _needed(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
             return
         for node in walk(file):
             if isinstance(node, ast.Map) and node.file is not None:
-                yield node.file.text, home.read((path.parent / node.file.text).as_posix())[0]
+                yield (place.parent / node.file.text).as_posix(), home.read((path.parent / node.file.text).as_posix())[0]
         if file.game.extends is None:
             return
         path = path.parent / file.game.extends.text
-        yield file.game.extends.text, home.read(path.as_posix())[0]
+        place = place.parent / file.game.extends.text
+        yield place.as_posix(), home.read(path.as_posix())[0]

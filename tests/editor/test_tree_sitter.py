@@ -38,7 +38,7 @@ PLAIN = {  # what Pygments calls it -> what the query does
     Keyword.Type: {"type.builtin"},
     Keyword.Declaration: {"keyword"},
     Keyword.Reserved: {"keyword"},
-    Operator.Word: {"keyword", "keyword.operator"},
+    Operator.Word: {"keyword", "keyword.operator", "function.builtin"},
     Name.Attribute: {"property"},
     Name.Class: {"type", "constant", "function", "variable"},
 }

@@ -41,7 +41,7 @@ def test_a_copy_is_written_with_what_it_needs_and_kept_by_another_worker(alone: 
     for path, kept in copied["written"].items():
         other.keep(path, kept)
         other.keep(path, kept)
-    assert file(other, "GET", "/games")["games"] == ["mine.sj", "meltingpot/shared/endings.sj"]
+    assert file(other, "GET", "/games")["games"] == ["mine.sj", "meltingpot/shared/edges.sj", "meltingpot/shared/endings.sj"]
     assert file(other, "GET", "/file?path=mine.sj").items() >= {"text": text, "digest": copied["digest"]}.items()
     assert "already" in file(alone, "POST", "/copy", example="example:clean_up.sj", path="mine.sj", text=text)["refused"]
 
