@@ -89,7 +89,7 @@ def open_regular(path: Path) -> Iterator[BinaryIO]:
     """Opens a file for reading. Raises OSError, with a reason in words, where it is no file: a pipe would be waited for, a device never ends."""
     with open(path, "rb", opener=_open_at_once) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-            raise OSError(errno.EINVAL, "it is no regular file", str(path))
+            raise OSError(errno.EINVAL, "it isn't a regular file", str(path))
         yield file
 
 

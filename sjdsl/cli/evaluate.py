@@ -120,7 +120,10 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
         if before is not None and before.update is None and stored.stat().st_mtime <= file.stat().st_mtime:  # of an earlier version
             before = before.model_copy(update={"update": update})
         if before is not None and before.episodes > episodes and before.update == update:
-            click.echo(f"{file} keeps its {before.episodes} episodes of this policy; remove it to store these {episodes}", err=True)
+            click.echo(
+                f"{file} already holds an evaluation of this policy in {before.episodes} episodes, and is kept; delete it to store this one",
+                err=True,
+            )
             return
         save_evaluation(played, file, {"policy": which, "update": update, "seed": seed, "greedy": greedy})
 

@@ -33,7 +33,7 @@ INDENT = " " * 14
 )
 @variant_option
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
-@click.option("--full", is_flag=True, help="Tell every change of a counterexample's last step, not only a few of alike ones.")
+@click.option("--full", is_flag=True, help="Tell every change of a counterexample's last step, not only a few of those that are alike.")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
 def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, full: bool, as_json: bool) -> int:
     """Tests the checks of games: FILE is a `.sj` file or the name of a bundled game.

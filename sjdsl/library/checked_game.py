@@ -50,7 +50,7 @@ def _check_types(game: Any, variant: Any, params: Any) -> None:
     """Raises TypeError for an argument of `make` that cannot be meant."""
     if isinstance(game, Traversable) and not isinstance(game, PathLike):
         raise TypeError(
-            f"`{game}` is no file of its own, but part of an archive: unpack it, or open the folder of the game and its maps by "
+            f"`{game}` is inside an archive, not a file on disk: unpack it, or open the folder of the game and its maps by "
             "`importlib.resources.as_file`"
         )
     if not isinstance(game, str | PathLike):

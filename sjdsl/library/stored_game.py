@@ -46,7 +46,9 @@ def locate_game(stored: Mapping[str, Any], rules: str, place: Path, game: str | 
             return arguments
     missing = [f"no {path}" for name, path in files.items() if name not in instead and not path.is_file()]
     if missing:
-        raise GameMoved(f"the game of {place} is gone: there is {' and '.join(missing)}, nor such a file near it with the rules {rules}")
+        raise GameMoved(
+            f"the game of {place} is missing: there is {' and '.join(missing)}, and no file of that name near it has the rules {rules}"
+        )
     if instead and not rules:
         raise GameMoved(f"{place} doesn't say which rules its game had")
     if instead:

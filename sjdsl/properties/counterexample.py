@@ -34,7 +34,7 @@ LARGEST = "3.4e38"  # of float32: (2 - 2^-23) * 2^127
 def describe_counterexample(family: GameFamily, counterexample: Counterexample, full: bool = False) -> list[str]:
     """Returns the text of a counterexample: what all agents do in each step, the last step rule by rule, and what the check reads.
 
-    full: tells every change of the last step, not only a few of alike ones.
+    full: tells every change of the last step, not only a few of those that are alike.
     """
     trajectory, scenario, at = counterexample.trajectory, counterexample.scenario, counterexample.where.at
     game, own = trajectory.game, {p.name: p.value for p in family.own.params}

@@ -46,7 +46,7 @@ class Effort:
     """The effort of a test: how much random play, in units of 10 steps on the interpreter and 655,360 cell updates of the compiled game, and its seed.
 
     compiled: whether the compiled game is played; it is not where JAX is not installed. full: whether a counterexample tells every change
-    of its last step, not only a few of alike ones.
+    of its last step, not only a few of those that are alike.
     """
 
     examples: int = 200

@@ -143,7 +143,7 @@ class Dataset:
         self.returns = ends["returns"]
         self._digests = ends.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
         if self.returns.ndim != 2 or len(self.returns) != self.header.episodes or self.returns.dtype != np.float64:
-            raise RecordingError(f"{path} is damaged: it has not the returns of {self.header.episodes} episodes")
+            raise RecordingError(f"{path} is damaged: it doesn't hold the returns of {self.header.episodes} episodes")
         self._check_members(ends)
 
     def __len__(self) -> int:
@@ -191,7 +191,7 @@ class Dataset:
             raise RecordingError(f"{self.path} is damaged: its arrays are not those that its header names")
         shape = (len(self), len(self.header.arrays), DIGEST_SIZE)
         if self._digests.shape != shape or self._digests.dtype != np.uint8:
-            raise RecordingError(f"{self.path} is damaged: it has not the digests of {len(self)} episodes")
+            raise RecordingError(f"{self.path} is damaged: it doesn't hold the digests of {len(self)} episodes")
         if any(array_digest(array).hex() != self.header.digests.get(name) for name, array in ends.items()):
             raise RecordingError(f"{self.path} is damaged: its returns or digests are not those that were written")
 

@@ -46,7 +46,7 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path
     there, here = (json.loads((folder / name).read_text()) for name in ("runs/one/evaluation.json", "alone.json"))
     assert there["per_episode"] == here["per_episode"]
     fewer = sjdsl("evaluate", "runs/one", "--episodes", "2")
-    assert (fewer.status, "keeps its 3 episodes of this policy" in fewer.err) == (0, True), fewer.text
+    assert (fewer.status, "already holds an evaluation of this policy in 3 episodes" in fewer.err) == (0, True), fewer.text
     assert json.loads((folder / "runs/one/evaluation.json").read_text()) == there
     assert sjdsl("evaluate", "runs/one", "--episodes", "3").status == 0
     assert json.loads((folder / "runs/one/evaluation.json").read_text()) != there

@@ -64,7 +64,7 @@ def test_a_file_of_that_name_with_other_rules_is_not_taken(project: Path) -> Non
     moved = project.rename(project.with_name("other"))
     assert locate_game(stored, rules, moved / "runs/one")["game"] == str(moved / "games/short.sj")
     (moved / "games/short.sj").unlink()
-    with pytest.raises(GameMoved, match=rf"there is no {stored['game']}, nor such a file near it with the rules {rules}"):
+    with pytest.raises(GameMoved, match=rf"there is no {stored['game']}, and no file of that name near it has the rules {rules}"):
         locate_game(stored, rules, moved / "runs/one")
 
 

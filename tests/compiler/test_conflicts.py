@@ -45,6 +45,8 @@ def codes(body: str) -> set[str]:
 
 
 SAFE = [
+    # an agent stands on one cell
+    "each pond { each agent on pond { set agent.bag = pond.fish } }",
     # an entry of a row by agent for each pair
     "each agent as a { each agent as b { set a.seen[b] = b.index } }",
     "each agent as b { each agent as a in disc(2) of b { set a.seen[b] = b.index + a.index } }",
@@ -81,6 +83,7 @@ SAFE = [
     "each agent where agent chose call { each tree { set tree.taker = agent } }",
 ]
 REFUSED = [
+    "each pond { each tree { each agent on tree { set agent.bag = pond.fish } } }",
     # several agents may
     "each agent where agent.index > 0 { set king = agent }",
     "each agent where agent chose whistle { set king = agent }",

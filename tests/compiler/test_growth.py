@@ -70,8 +70,27 @@ def test_twice_the_text_is_twice_the_work(name: str) -> None:
     assert long - middle < 2.5 * (middle - short)  # in proportion 2; as the square 4
 
 
-@pytest.mark.parametrize("statement", ["add 1 to taken", "when step == # { set taken = 3 }", "give # to agent"])
+@pytest.mark.parametrize("statement", ["add 1 to taken", "when step == # { set taken = 3 }", "give # to agent", "add agent to seen"])
 def test_many_writes_are_no_deep_nest(statement: str) -> None:
     """Sums are nested in the program, and Python goes through them recursively."""
-    found = check(Source("game.sj", with_part("field taken : 0 .. 9 capped = 0", GAME.replace(GIVE, lines(statement, 700)))))
+    fields = "field taken : 0 .. 9 capped = 0  field seen : set of agent"
+    found = check(Source("game.sj", with_part(fields, GAME.replace(GIVE, lines(statement, 700)))))
     assert [d for d in found if d.severity == "error"] == []
+
+
+def test_each_cell_has_a_sum_of_its_own() -> None:
+    """Nine reals are added to each of 62,500 cells: many additions, but nine a sum."""
+    row = '"' + "." * 250 + '"\n'
+    game = f"""sj 1
+game lawns {{
+  episode 5
+  kind lawn "." {{ field heat : reward }}
+  map {{ {row * 250} }}
+  agents 1 {{ acts stay }}
+  phase start {{ each agent {{ send agent to lawn }} }}
+  schedule warm -> cool
+  phase warm {{ each lawn {{ {"add 0.1 to lawn.heat " * 9} }} }}
+  phase cool {{ each lawn where lawn.heat > 3 {{ set lawn.heat = 0 }} }}
+  observe {{ window ahead 1, behind 1, left 1, right 1 }}
+}}"""
+    assert [d for d in check(Source("lawns.sj", game)) if d.severity == "error"] == []

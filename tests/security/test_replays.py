@@ -322,5 +322,5 @@ def test_more_episodes_than_there_are(episodes: int, many: Path) -> None:
         members = {name: file.read(name) for name in file.namelist()}
     told = Dataset(many).header.model_copy(update={"episodes": episodes})
     archive(many, {**members, "header.npy": npy(np.array(told.model_dump_json()))})
-    with pytest.raises(RecordingError, match=rf"is damaged: it has not the returns of {episodes} episodes"):
+    with pytest.raises(RecordingError, match=rf"is damaged: it doesn't hold the returns of {episodes} episodes"):
         Dataset(many)

@@ -90,7 +90,7 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     "**Pages** of episodes": (f"{PAGE}::test_texts_of_a_game_stay_texts", f"{READING}::test_a_report_shows_names_as_texts"),
     "None of them becomes": (f"{READING}::test_a_page_has_no_more_elements_for_any_title",),
     "**What does run code": (f"{POLICIES}::test_what_the_caller_names_runs",),
-    "Where only the files of a policy": (
+    "Functions that only the files of a policy": (
         f"{POLICIES}::test_resuming_runs_no_code_that_only_the_folder_names",
         f"{POLICIES}::test_a_callback_that_only_the_folder_names_does_not_run",
     ),

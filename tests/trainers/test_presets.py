@@ -94,7 +94,7 @@ def test_a_list_of_partners_is_read_as_on_the_command_line(tmp_path: Path) -> No
 
 def test_a_preset_that_is_a_pipe_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "mine.toml")
-    with pytest.raises(ConfigError, match="it is no regular file"):
+    with pytest.raises(ConfigError, match="it isn't a regular file"):
         load_preset(tmp_path / "mine.toml")
 
 

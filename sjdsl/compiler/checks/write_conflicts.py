@@ -19,7 +19,7 @@ from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import Fact, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import body_sort, declared_field, phases_of, stands_at_one, written_field
+from sjdsl.compiler.ir.queries import body_sort, cell_under_all, declared_field, phases_of, written_field
 from sjdsl.compiler.ir.types import integer
 
 
@@ -238,7 +238,7 @@ def _is_of_one_agent(quantifier: Quantifier, known: tuple[Fact, ...]) -> bool:
     """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
     if not isinstance(quantifier.statement, ir.Each) or quantifier.statement.domain.var.sort.what == "cell":
         return False
-    if stands_at_one(quantifier.statement.domain):
+    if cell_under_all(quantifier.statement.domain) is not None:
         return True
     index = ir.Attribute(type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index")
     low, high = narrowed(index, known)
@@ -267,7 +267,10 @@ def _is_own(w: Write) -> bool:
         alone = all(q.single for q in quantifiers)
         domain = None if isinstance(quantifier.statement, ir.Match) else quantifier.statement.domain  # type: ignore[union-attr]
         restriction = None if domain is None else domain.restriction
-        if isinstance(restriction, ir.Among) and quantifiers and isinstance(quantifiers[-1].statement, ir.Match):
+        cell = None if domain is None else cell_under_all(domain)
+        if cell is not None and not alone:
+            names = {cell.name}  # nobody stands on two cells
+        elif isinstance(restriction, ir.Among) and quantifiers and isinstance(quantifiers[-1].statement, ir.Match):
             names = {m.name for m in restriction.members}
         elif restriction is None or quantifier.single:
             return alone

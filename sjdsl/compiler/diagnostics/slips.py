@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Iterator
 
 ADD = "`add` adds to a field: `add 1 to agent.bag`, and `add -1 to agent.bag` takes from it"
-BRACES = "what belongs together stands in braces: `{ … }`"
+BRACES = "a block is written in braces: `{ … }`"
 CASE = "one of two values is chosen with `case`: `case agent.bag > 3 { yes: 1, no: 0 }`"
 CHANCE = "`chance 0.5 { … }` happens with a probability, and `draw x from 1 .. 6` draws a number"
 COMMENT = "a comment begins with `#`"
@@ -160,7 +160,7 @@ SLIPS = {
             "`min(max(x, 0), 3)` keeps a number between two others; a field that is `capped` stops at the ends of its range",
         "sign|sgn":
             "the sign of a number is `case x > 0 { yes: 1, no: case x < 0 { yes: -1, no: 0 } }`",
-        "range": "there is no loop over numbers: numbers of a range are `agent.bag in 1 .. 3`",
+        "range": "there is no loop over numbers; to ask whether a number is in a range, write `agent.bag in 1 .. 3`",
         "normal|gauss|gaussian|poisson|uniform|choice|sample|shuffle": DRAW,
         "rand|random|randint|random_float|probability": CHANCE,
         "mod|modulo|rem": "the remainder is `a % b`",
@@ -188,7 +188,7 @@ SLIPS = {
         r"\d+ % ¦ .*": "a share is written as a number from 0 to 1: `0.5` for 50 percent",
         r"\d+ ¦ (\w+ \. \w+ (to|[-+*/<>=]+) .*|\( .*)":
             "a product is written with `*`: `2 * agent.bag`",
-        "[≤≥≠×·÷−→⇒≔]": "signs are those of a keyboard: `<=`, `>=`, `!=`, `*`, `/`, `-`, `->`, `=`",
+        "[≤≥≠×·÷−→⇒≔]": "operators are written in plain ASCII: `<=`, `>=`, `!=`, `*`, `/`, `-`, `->`, `=`",
         "∞": "a range has an end: `0 .. 9999`",
         # conditions
         r"[\w\])]+ (<|<=|>|>=|==) [\w .\[\]]+ ¦ (<|<=|>|>=|==) .*":
@@ -200,12 +200,12 @@ SLIPS = {
         "isnt|equals?|eq|neq": COMPARE,
         r"is (greater|less|more|bigger|smaller|larger) ¦ .*":
             "numbers are compared with `<`, `<=`, `>`, `>=`, `==` and `!=`",
-        "between .*": "numbers of a range are `agent.bag in 3 .. 5`",
+        "between .*": "to ask whether a number is in a range, write `agent.bag in 3 .. 5`",
         "& .*|! .*|[¬∧∨]": CONDITIONS,
         r"\| \| .*": CONDITIONS,
         r"\[ .* ¦ \| .*":
             "a rule says who and what: `each agent on tree { set tree.fruit = none }`",
-        r"\| [^|]+ \| .*": "the size of a number without its sign is `abs(x)`",
+        r"\| [^|]+ \| .*": "the absolute value is `abs(x)`",
         r"\w+ ¦ not (in|on|chose) .*":
             "the word `not` stands before the whole condition: `not agent on tree`, `not agent.bag in 1 .. 3`",
         r"(is|is not) ¦ (in|on) .*":
@@ -247,7 +247,7 @@ SLIPS = {
         r"(exists?|some) \( \w+ ¦ .*": EXISTS,
         "exists?|some|∃( .*)?": EXISTS,
         "∀.*":
-            "all of a sort are named by `each agent { … }`; whether all are so is `all(tree where tree.fruit is ripe)`",
+            "`each agent { … }` goes through all agents; `all(tree where tree.fruit is ripe)` asks whether a condition holds for all",
         "[ΣΠ∑∏].*": "a sum is `sum(agent.bag over agent)`",
         r"\( [^()]* ¦ for .*":
             "`over` names the domain: `sum(a.bag over agent as a)`, `max(a.bag over agent as a)`",
@@ -265,9 +265,9 @@ SLIPS = {
             "the cells around are a shape: `count(agent as other in disc(1) of agent)`",
         r"agents \. .*": "how many agents there are is `count(agent)`",
         r"(each|first|over|in|when|where|\(|\d) ¦ agents .*":
-            "one member stands for all: `each agent { … }`, `count(agent)`",
+            "write the singular: `each agent { … }`, `count(agent)`",
         r"pick [a-z]\w* ¦ (\{|where|as|on|in) .*": "how many comes first: `pick 1 tree { … }`",
-        r"seek (nearest|closest|the|any) ¦ .*": "the nearest is meant anyway: `seek tree`",
+        r"seek (nearest|closest|the|any) ¦ .*": "`seek` always goes to the nearest: `seek tree`",
         "foreach|forall|every|all":
             "`each` goes through all members of a sort: `each agent where agent.bag > 3 { … }`",
         # statements that begin as ours do
@@ -293,18 +293,18 @@ SLIPS = {
         r"(param|size) \w+ ¦ = .*": "a number has a unit: `param apple : reward = 1`",
         r"field \w+ ¦ = .*": "a field has a type: `field score : 0 .. 9 = 0`",
         r"(param|size) [^{}]* = \S+ ¦ (\.\.|to) .*":
-            "limits stand behind the value: `param apple : reward = 2 in 1 .. 3`",
+            "limits come after the value: `param apple : reward = 2 in 1 .. 3`",
         r"field \w+ : ¦ \[ .*": RANGE,
         r"field \w+ : \d+ - \d+ ¦ = .*": RANGE,
         r"field \w+ : \( .* ¦ , .*": RANGE,
         r"field \w+ : \w+ ¦ \{ .*": RANGE,
         r"let \w+ = ¦ [\[{] .*": ROW,
         r"define \w+( \( [\w ,]* \))? ¦ [:{] .*":
-            "an expression follows behind `=`: `define rich(a) = a.bag > 3`",
+            "the expression comes after `=`: `define rich(a) = a.bag > 3`",
         r"kind \w+ \"[^\"]*\" ¦ (blocks|field|timer|glyph) .*":
-            'what a kind has stands in braces: `kind lava "L" { blocks agents }`',
-        r"acts ¦ [=:\[{\"] .*": "actions follow without a sign: `acts stay, zap`",
-        r"tally \w+ ¦ \+ .*": "how many are counted stands behind `by`: `tally eaten by 2`",
+            'the properties of a kind go in braces: `kind lava "L" { blocks agents }`',
+        r"acts ¦ [=:\[{\"] .*": "list the actions right after `acts`: `acts stay, zap`",
+        r"tally \w+ ¦ \+ .*": "the number to count comes after `by`: `tally eaten by 2`",
         r"field \w+ : \w+ = ¦ \[ .*": ROW,
         "list|array|dict|tuple|vector": ROW,
         "str|string|text|char":

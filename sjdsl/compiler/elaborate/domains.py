@@ -40,7 +40,7 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
         cell = _cell_around(d.on, inner)
         if cell is not None:
             conditions.append(ir.StandsAt(agent=var, cell=cell, origin=d.on.span))
-            inner = inner.knowing(conditions)
+            inner = inner.knowing([*conditions, ir.StandsOn(agent=var, kinds=cell.sort.names)])
         else:
             under = d.on.bind or d.on.kind
             check_free(under, inner, d.on.bind is not None)
@@ -62,7 +62,7 @@ def _cell_around(on: ast.On, scope: Scope) -> ir.Member | None:
     cell = bound_cell(on.kind, scope)
     if cell is not None and on.bind is not None:
         name = on.kind.text
-        help_ = f"`on {name}` is on that cell; to bind the cell underneath, give the one around another name, `{name} as one`"
+        help_ = f"`on {name}` means that cell; to bind the cell under the agent, rename the outer one: `{name} as one`"
         raise scope.fail(errors.NameTaken(on.span, name=name, what="a cell around this statement", help=help_))
     return cell
 

@@ -229,9 +229,9 @@ def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
 def _whole_row(path: ast.Path, head: str, static: Static) -> str:
     """Returns how to show a row of which one entry was to be shown."""
     members = tuple(step for step in path.steps if isinstance(step, ast.Member))
-    help_ = f"a row is shown as a whole, each entry for itself: `show {path_text(replace(path, steps=members))}`"
+    help_ = f"a row can only be shown as a whole: `show {path_text(replace(path, steps=members))}`"
     if head in static.fields:
-        help_ += f"; one entry is shown by a name: `define entry = {path_text(path)}`, `show entry`"
+        help_ += f"; to show one entry, give it a name: `define entry = {path_text(path)}`, `show entry`"
     return help_
 
 

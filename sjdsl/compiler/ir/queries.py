@@ -186,7 +186,7 @@ def most_members(domain: Domain, game: Game) -> int:
 
 def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> int:
     """Returns the most members that a restriction leaves of everybody; `lanes`: those of a shape."""
-    if stands_at_one(domain):
+    if cell_under_all(domain) is not None:
         return min(everybody, 1)
     match domain.restriction:
         case Near():
@@ -201,11 +201,11 @@ def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> i
             return everybody
 
 
-def stands_at_one(domain: Domain) -> bool:
-    """Returns whether the members are those on one cell, `agent on gate` with a cell `gate` around: there is one at most."""
+def cell_under_all(domain: Domain) -> Member | None:
+    """Returns the cell around on which each member stands, as in `agent on gate` inside `each gate`: so there is one member at most."""
     parts = domain.where.args if isinstance(domain.where, Logic) and domain.where.fn == "and" else (domain.where,)
-    at = [part for part in parts if isinstance(part, StandsAt) and part.agent.name == domain.var.name]
-    return any(domain.on is None or part.cell.name != domain.on.name for part in at)
+    cells = [part.cell for part in parts if isinstance(part, StandsAt) and part.agent.name == domain.var.name]
+    return next((cell for cell in cells if domain.on is None or cell.name != domain.on.name), None)
 
 
 def num_cells(game: Game, kinds: tuple[str, ...]) -> int:

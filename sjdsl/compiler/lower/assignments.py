@@ -303,7 +303,9 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 
 def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
     """Counts the terms of an exact sum, of which there is room for so many."""
-    terms = w.terms.get(target.attribute, 0) + prod(axis.size for axis in target.scope.axes)
+    apart = target.own_axes or ()  # each member of these has a sum of its own
+    summed = prod(axis.size for axis in target.scope.axes if axis not in apart)
+    terms = w.terms.get(target.attribute, 0) + summed
     if terms >= MOST_TERMS:
         wanted = f"{MOST_TERMS:,} or more additions in a phase to a real field that decides something"
         raise NotSupported(wanted, s.origin, "add up in several phases, or count in whole numbers")
@@ -431,6 +433,6 @@ def finish(w: Writer) -> None:
         node = w.current(attribute)
         for number, added in enumerate(sets, 1):
             node = array.Binary("|", node, added)
-            if number % MOST_TERMS == 0:
+            if number % MOST_NESTED == 0:
                 node = w.bind(attribute, node)
         w.assign(attribute, node)

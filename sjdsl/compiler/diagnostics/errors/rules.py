@@ -7,8 +7,8 @@ class WriteConflict(AboutName, code="SJ401", title="Two writes in one phase"):
     says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
     hints = (
         "{lot}",
-        "write `by lot` behind it, and one of those who would write it does; let one of the two happen with `otherwise`, "
-        "one of several with `pick 1`, or pair them with `match`; or write two phases; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+        "write `by lot` after it, to let one of the writers win at random; or `otherwise`, if one of two should happen; "
+        "or `pick 1`, if one of several should; or pair them with `match`; or write two phases; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
     )
     owner: str
     phase: str
@@ -34,7 +34,7 @@ class NoWayFree(Diagnostic, code="SJ404", title="There may be no free cell"):
 
 
 class PerhapsTaken(NoWayFree):
-    says = "somebody may stand on `{place}`, the cell that a statement around has named"
+    says = "somebody may already stand on `{place}`, the cell bound by an outer statement"
     place: str
 
 
@@ -196,7 +196,7 @@ class BlindPath(Diagnostic, code="SJ513", title="A policy that cannot get there"
 
 class HiddenField(AboutName, code="SJ514", title="A field that a label hides", severity="warning"):
     says = "agents don't see `{kind}.{name}` any more: no label of `{kind}` reads it"
-    hints = ("read it in the condition of a label, or write `hide {kind}.{name}` if nobody shall see it",)
+    hints = ("read it in the condition of a label, or write `hide {kind}.{name}` if nobody should see it",)
     kind: str
 
 
