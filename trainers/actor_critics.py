@@ -23,7 +23,7 @@ AGENTS_AXIS = 2  # of observations, logits and values `[L, M, N, ...]`
 
 @dataclass(frozen=True)
 class ActorCritics:
-    """The networks of teams of agents, which differ in their parameters. Parameters and memory are tuples of one, as stored runs have them."""
+    """The networks of G teams of agents, which differ in their parameters."""
 
     teams: Teams
     network: ActorCritic
@@ -33,22 +33,22 @@ class ActorCritics:
     masks: bool  # whether forbidden actions are never taken
     num_actions: int  # A
 
-    def init(self, key: Array, env: Environment) -> tuple[Any, ...]:
+    def init(self, key: Array, env: Environment) -> Any:
         """Returns initial parameters: leaves `[G, ...]`, drawn with a different key for each team."""
         observation, _ = reset_shapes(env)
         seen = jnp.zeros((1, 1, *observation.shape), observation.dtype)
         fresh = jnp.ones((1, 1), bool)
         memory = self.network.start_memory(1)
-        own, joint, agents = seen[:, :, : self.teams.indices.shape[1]], self.blank_joint(), jnp.asarray(self.teams.indices[0])
-        (teams_key,) = jax.random.split(key, 1)  # so that a seed gives the weights that stored runs began with
-        keys = jax.random.split(teams_key, len(self.teams.agents))
-        drawn = [self.network.init(team_key, memory, own, joint, fresh, agents) for team_key in keys]
-        return (jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn),)
+        agents = jnp.asarray(self.teams.indices[0])
+        seen_by_team = seen[:, :, : len(agents)]
+        keys = jax.random.split(key, len(self.teams.agents))
+        drawn = [self.network.init(team_key, memory, seen_by_team, self.blank_joint(), fresh, agents) for team_key in keys]
+        return jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn)
 
     def start_memory(self, num_envs: int) -> Memory:
         """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
-        one = self.network.start_memory(num_envs)
-        return (jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(self.teams.agents), axis=1), one),)
+        memory = self.network.start_memory(num_envs)
+        return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(self.teams.agents), axis=1), memory)
 
     def joint(self, observation: Array, state: Any) -> Array | None:
         """Returns the input of central critics `[L, M, ...]`: all windows `[L, M, N, P, V, V]`, plane after plane, or states `[L, M, ...]` as vectors."""
@@ -76,11 +76,11 @@ class ActorCritics:
         Returns:
           the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`.
         """
-        (own,), (before,) = parameters, memory
-        teams_first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), before)
-        after, logits, values = over_teams(self.teams, self.network.apply, AGENTS_AXIS)(own, teams_first, observation, joint, fresh)
+        apply = over_teams(self.teams, self.network.apply, AGENTS_AXIS)
+        teams_first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), memory)
+        after, logits, values = apply(parameters, teams_first, observation, joint, fresh)
         everybody = partial(with_partners, self.teams, axis=AGENTS_AXIS, num_agents=observation.shape[AGENTS_AXIS])
-        return (jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after),), everybody(logits), everybody(values)
+        return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after), everybody(logits), everybody(values)
 
 
 def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:

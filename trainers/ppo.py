@@ -65,8 +65,8 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, networks.start_memory(config.num_envs), worlds_key, partners)
-        learners = tuple(start_learner(parameters, config) for parameters in networks.init(network_key, env))
-        return TrainState(key, learners, worlds, jnp.int32(0), jnp.bool_(False))
+        learner = start_learner(networks.init(network_key, env), config)
+        return TrainState(key, learner, worlds, jnp.int32(0), jnp.bool_(False))
 
     def play(parameters: Any, worlds: Worlds, key: Array) -> Any:
         return collect_rollout(env, make_actor(env, networks, parameters), worlds, key, config.num_steps, shaping, partners)
@@ -74,14 +74,13 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     def collect(state: TrainState) -> tuple[TrainState, Played]:
         key, rollout_key = jax.random.split(state.key)
         together = over_devices(play, (ALL, OF_ENVS, ALL), (OF_ENVS, SECOND_OF_ENVS, ALL, ALL))
-        worlds, rollout, finished, measured = together(parameters(state), state.worlds, rollout_key)
+        worlds, rollout, finished, measured = together(state.learner.params, state.worlds, rollout_key)
         after = replace(state, key=key, worlds=worlds)
         return after, Played(rollout, state.worlds.memory, finished, measured)
 
     def take_steps(learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array) -> Any:
-        """Returns the learners, their losses, and the values `[1, M, N]` that the rollout had with their targets."""
-        params = tuple(own.params for own in learner)
-        _, _, last_value = _read(networks, params, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
+        """Returns the learner, its losses, and the values `[1, M, N]` that the rollout had with their targets."""
+        _, _, last_value = _read(networks, learner.params, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
         batch = make_batch(rollout, memory, last_value, config)
         return *learn_teams(learner, batch, key, networks, config), batch.value, batch.target
 
@@ -90,8 +89,8 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         key, shuffle_key = jax.random.split(state.key)
         given, returned = (ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL), (ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS)
         together = over_devices(take_steps, given, returned)
-        learners, losses, value, target = together(state.learner, state.worlds, rollout, played.memory, shuffle_key)
-        learners, losses["loss"] = keep_if_finite(losses["loss"], learners, state.learner, state.diverged)
+        learner, losses, value, target = together(state.learner, state.worlds, rollout, played.memory, shuffle_key)
+        learner, losses["loss"] = keep_if_finite(losses["loss"], learner, state.learner, state.diverged)
         value, target = (leaf[..., learning] for leaf in (value, target))
         metrics = {
             **mean_episode(played.finished),
@@ -100,17 +99,15 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
             "metric": played.measured,
             **losses,
             "explained_variance": explained_variance(value, target),
-            "learning_rate": learning_rate_schedule(config)(state.learner[0].step.ravel()[0]),
+            "learning_rate": learning_rate_schedule(config)(state.learner.step.ravel()[0]),
         }
-        return replace(state, key=key, learner=learners, updates=state.updates + 1, diverged=~jnp.isfinite(losses["loss"])), metrics
-
-    def parameters(state: TrainState) -> tuple[Any, ...]:
-        return tuple(learner.params for learner in state.learner)
+        diverged = ~jnp.isfinite(losses["loss"])
+        return replace(state, key=key, learner=learner, updates=state.updates + 1, diverged=diverged), metrics
 
     def adopt(state: TrainState, parameters: Any) -> TrainState:
-        return replace(state, learner=tuple(replace(learner, params=own) for learner, own in zip(state.learner, parameters, strict=True)))
+        return replace(state, learner=replace(state.learner, params=parameters))
 
-    return Train(init, collect, learn, parameters, adopt, partial(trained_policy, env, config))
+    return Train(init, collect, learn, lambda state: state.learner.params, adopt, partial(trained_policy, env, config))
 
 
 def check_minibatches(config: PPOConfig) -> None:
@@ -230,14 +227,12 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
     return Batch(memory=memory, **steps)
 
 
-def learn_teams(
-    learners: tuple[Learner], batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
-) -> tuple[tuple[Learner], Metrics]:
-    """Returns the learners after their epochs; teams learn side by side, and losses are means over teams."""
-    (learner,), (memory,) = learners, jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), batch.memory)
-    agents, (teams_key,) = networks.teams.indices, jax.random.split(key, 1)  # split once, so that stored runs draw on as they began
+def learn_teams(learner: Learner, batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig) -> tuple[Learner, Metrics]:
+    """Returns the learner `[G, ...]` after its epochs; teams learn side by side, and losses are means over teams."""
+    memory = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), batch.memory)
+    agents = networks.teams.indices
     number = len(agents)
-    orders = draw_orders(teams_key, number, config)
+    orders = draw_orders(key, number, config)
 
     def learn_team(learner: Learner, orders: Array, agents: Array, memory: Memory) -> tuple[Learner, Metrics]:
         return take_epochs(learner, replace(batch, memory=memory), orders, agents, cast(Apply, networks.network.apply), networks, config)
@@ -245,9 +240,9 @@ def learn_teams(
     if number == 1:  # vmap over a single network would turn its convolutions into a loop
         first = jax.tree.map(lambda leaf: leaf[0], (learner, memory))
         after, losses = learn_team(first[0], orders[0], agents[0], first[1])
-        return (jax.tree.map(lambda leaf: leaf[None], after),), losses
+        return jax.tree.map(lambda leaf: leaf[None], after), losses
     after, losses = jax.vmap(learn_team)(learner, orders, jnp.asarray(agents), memory)
-    return (after,), jax.tree.map(jnp.mean, losses)
+    return after, jax.tree.map(jnp.mean, losses)
 
 
 def draw_orders(key: Array, number: int, config: PPOConfig) -> Array:

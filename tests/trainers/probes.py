@@ -298,10 +298,9 @@ def judge(
     `world` is the state's vector, for critics that see it; `changes` are those of the run.
     """
     networks = make_actor_critics(env, quick(**changes))
-    parameters = tuple(learner.params for learner in state.learner)
     seen = windows(env, shown)[None, None]
     joint = networks.joint(seen, None) if world is None else jnp.asarray(world, jnp.float32)[None, None]
-    _, logits, values = networks.apply(parameters, networks.start_memory(1), seen, joint, jnp.ones((1, 1), bool))
+    _, logits, values = networks.apply(state.learner.params, networks.start_memory(1), seen, joint, jnp.ones((1, 1), bool))
     return jax.nn.softmax(logits[0, 0]), values[0, 0]
 
 

@@ -55,11 +55,10 @@ def test_every_minibatch_of_every_epoch_is_a_gradient_step(changes: dict[str, An
     """Counted by the learner, and by Adam and the schedule of its learning rate."""
     _, state = trained(changes)
     assert int(state.updates) == 100
-    for learner in state.learner:
-        counts = [leaf for leaf in jax.tree.leaves(learner.opt_state) if leaf.dtype == jnp.int32]
-        assert len(counts) == (4 if changes.get("algorithm") == "mappo" else 2)  # there actor and critic have an optimiser each
-        for count in (learner.step, *counts):
-            np.testing.assert_array_equal(count, 2 * 2 * 100)
+    counts = [leaf for leaf in jax.tree.leaves(state.learner.opt_state) if leaf.dtype == jnp.int32]
+    assert len(counts) == (4 if changes.get("algorithm") == "mappo" else 2)  # there actor and critic have an optimiser each
+    for count in (state.learner.step, *counts):
+        np.testing.assert_array_equal(count, 2 * 2 * 100)
 
 
 def test_the_learning_rate_falls_to_zero() -> None:
@@ -154,7 +153,7 @@ def test_learning_computes_what_acting_did(changes: dict[str, Any]) -> None:
     Of networks that have learnt, for those of the start give all actions the same probability; but made less sure of themselves.
     """
     env, state = trained(changes)
-    state = state.replace(learner=tuple(learner.replace(params=less_sure(learner.params)) for learner in state.learner))
+    state = state.replace(learner=state.learner.replace(params=less_sure(state.learner.params)))
     config = quick(**changes, num_steps=5, num_epochs=1, num_minibatches=1)
     assert isinstance(config, PPOConfig)
     networks = make_actor_critics(env, config)
@@ -350,7 +349,7 @@ def test_a_central_critic_has_an_optimiser_and_a_clip_of_its_own(joint: bool) ->
 def test_every_parameter_of_a_central_critic_is_the_critics() -> None:
     """And none of the actor's; a local critic shares the actor's layers, and its optimiser."""
     networks = make_actor_critics(matching(), quick(**CENTRAL, memory="gru"))
-    shapes = jax.eval_shape(lambda key: networks.init(key, matching()), jax.random.key(0))[0]["params"]
+    shapes = jax.eval_shape(lambda key: networks.init(key, matching()), jax.random.key(0))["params"]
     found = {module: set(jax.tree.leaves(part)) for module, part in part_of_each({"params": shapes})["params"].items()}
     critic = {name: {"critic"} for name in ("critic", "critic_torso", "critic_memory")}
     assert found == {"torso": {"actor"}, "memory": {"actor"}, "actor": {"actor"}, **critic}
@@ -392,8 +391,8 @@ def test_an_infinite_reward_leaves_the_parameters_as_they_were(changes: dict[str
     """No step is counted, and the critic's weights have the length 1 that they start with."""
     ruined, metrics = learn(endless_riches(), **changes)
     assert np.isnan(metrics["loss"]).all()
-    np.testing.assert_array_equal(ruined.learner[0].step, 0)
-    kernels = ruined.learner[0].params["params"]["critic"]["out"]["kernel"]
+    np.testing.assert_array_equal(ruined.learner.step, 0)
+    kernels = ruined.learner.params["params"]["critic"]["out"]["kernel"]
     np.testing.assert_allclose(jnp.linalg.norm(kernels, axis=-2), 1.0, atol=1e-5)
 
 
@@ -401,4 +400,4 @@ def test_an_infinite_reward_leaves_the_parameters_as_they_were(changes: dict[str
 def test_a_learning_rate_beyond_reason_leaves_the_last_good_parameters() -> None:
     ruined, metrics = learn(matching(), learning_rate=1e30)
     assert np.isnan(metrics["loss"][-1])
-    assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(ruined.learner[0].params))
+    assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(ruined.learner.params))

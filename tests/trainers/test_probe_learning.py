@@ -41,7 +41,7 @@ def test_action_depends_on_the_observation(precision: str) -> None:
     assert metrics["collective_return"][-1] > 1.9
     assert np.isfinite(metrics["loss"]).all()
     assert (metrics["loss"] == learn(matching())[1]["loss"]).all() == (precision == "float32")
-    assert {leaf.dtype.name for leaf in jax.tree.leaves(state.learner[0].params)} == {"float32"}
+    assert {leaf.dtype.name for leaf in jax.tree.leaves(state.learner.params)} == {"float32"}
 
 
 def _stream_values(ends: str, **changes: Any) -> list[list[float]]:

@@ -57,7 +57,7 @@ def test_other_seeds_are_other_runs() -> None:
     runs = [learn(matching(), seed) for seed in range(3)]
     assert len({float(metrics["agent_return"][0, 0]) for _, metrics in runs}) == 3
     assert len({float(metrics["loss"][0]) for _, metrics in runs}) == 3
-    kernels = [np.asarray(state.learner[0].params["params"]["actor"]["out"]["kernel"]) for state, _ in runs]
+    kernels = [np.asarray(state.learner.params["params"]["actor"]["out"]["kernel"]) for state, _ in runs]
     assert not np.allclose(kernels[0], kernels[1])
     assert not np.allclose(kernels[1], kernels[2])
 

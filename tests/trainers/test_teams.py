@@ -136,7 +136,7 @@ def test_one_agent_is_one_network_however_it_is_shared() -> None:
 def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
     """Bit for bit."""
     (shared, figures), (state, told) = (learn(env, **changes) for env, changes in map(_alone, ("shared", "per_agent")))
-    jax.tree.map(np.testing.assert_array_equal, shared.learner[0].params, state.learner[0].params)
+    jax.tree.map(np.testing.assert_array_equal, shared.learner.params, state.learner.params)
     jax.tree.map(np.testing.assert_array_equal, figures, told)
 
 
@@ -165,7 +165,7 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
         _, logits, values = networks.apply(parameters, start, seen, networks.joint(seen, None), fresh)
         apart = []
         for index, agents in enumerate(networks.teams.agents):
-            own = jax.tree.map(lambda leaf: leaf[index], parameters[0])  # noqa: B023
+            own = jax.tree.map(lambda leaf: leaf[index], parameters)  # noqa: B023
             network = networks.network
             apart.append(network.apply(own, network.start_memory(4), seen[:, :, np.asarray(agents)], joint, fresh, np.asarray(agents))[1:])
         return (logits, values), tuple(jnp.concatenate(part, axis=2) for part in zip(*apart, strict=True))
@@ -179,7 +179,7 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
 def test_networks_of_agents_start_different() -> None:
     """Networks that have learnt nothing are those of the start."""
     state, _ = learn(endless_riches(), sharing="per_agent")
-    kernels = [np.asarray(leaf) for leaf in jax.tree.leaves(state.learner[0].params) if leaf.ndim == 3]
+    kernels = [np.asarray(leaf) for leaf in jax.tree.leaves(state.learner.params) if leaf.ndim == 3]
     assert len(kernels) == 5
     for kernel in kernels:
         assert np.abs(kernel[0] - kernel[1]).max() > 1e-3
