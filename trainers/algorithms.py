@@ -15,6 +15,7 @@ from .ppo import make_ppo
 from .step_record import check_own_reward
 from .training_functions import Train
 from .vdn import make_vdn
+from .vdn_on_policy import make_vdn_on_policy
 
 
 def make_train(env: Environment, config: Config) -> Train:
@@ -34,6 +35,8 @@ def make_train(env: Environment, config: Config) -> Train:
             program = make_own(env, config)
         case PPOConfig():
             program = make_ppo(env, config, make_partners(env, config))
+        case VDNConfig(replay="none"):
+            program = make_vdn_on_policy(env, config, make_partners(env, config))
         case VDNConfig():
             program = make_vdn(env, config, make_partners(env, config))
         case _:

@@ -145,6 +145,7 @@ EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
 TRACES = Only("reward", "svo or one of your own", lambda reward: reward not in get_args(RewardMode) or reward == "svo")
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
 CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
+BUFFER, ROLLOUT = only("replay", "buffer"), only("replay", "none")
 BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
@@ -313,13 +314,18 @@ class VDNConfig(Config):
     num_steps: Count = 1
     reward: Annotated[Literal["common"], BeforeValidator(_common)] = "common"
     match_socialjax: bool = False  # the team's reward is multiplied by the number of agents
-    buffer_size: Count = 102_400  # environment steps in the replay buffer; a multiple of num_envs x num_steps
-    batch_size: Count = 128
-    gradient_steps: Count = 4  # of one update
-    learning_starts: CountOrZero = 1000  # environment steps before the first gradient step
-    double_q: bool = False
-    target_update_every: Count = 10  # updates
-    target_rate: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0  # how far the target moves towards the network
+    replay: Literal["buffer", "none"] = "buffer"  # learn from steps drawn from a buffer, or from each rollout as it was played
+    layer_norm: bool = False  # of each hidden layer
+    buffer_size: Annotated[Count, BUFFER] = 102_400  # environment steps in the replay buffer; a multiple of num_envs x num_steps
+    batch_size: Annotated[Count, BUFFER] = 128
+    gradient_steps: Annotated[Count, BUFFER] = 4  # of one update
+    learning_starts: Annotated[CountOrZero, BUFFER] = 1000  # environment steps before the first gradient step
+    double_q: Annotated[bool, BUFFER] = False
+    target_update_every: Annotated[Count, BUFFER] = 10  # updates
+    target_rate: Annotated[float, Field(gt=0.0, le=1.0), BUFFER] = 1.0  # how far the target moves towards the network
+    num_epochs: Annotated[Count, ROLLOUT] = 1
+    num_minibatches: Annotated[Count, ROLLOUT] = 8
+    q_lambda: Annotated[Fraction, ROLLOUT] = 0.9  # weight of longer returns
     epsilon_start: Fraction = 1.0
     epsilon_end: Fraction = 0.05
     epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1  # of the run, until epsilon_end is reached

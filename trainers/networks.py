@@ -41,6 +41,7 @@ class Torso(nn.Module):
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
     own: tuple[tuple[str, Any], ...] = ()  # settings that a custom network may take
+    layer_norm: bool = False
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
@@ -51,7 +52,7 @@ class Torso(nn.Module):
         if self.kind not in ("mlp", "cnn"):
             return self._own(observation.reshape(-1, *observation.shape[-3:])).reshape(*lead, -1).astype(self.dtype)
         if self.kind == "mlp":
-            return nn.relu(WindowLayer(self.width, self.planes, HIDDEN_GAIN, self.dtype, name="Dense_0")(observation))
+            return self._activate(WindowLayer(self.width, self.planes, HIDDEN_GAIN, self.dtype, name="Dense_0")(observation))
         features = to_channels(observation, self.planes, self.dtype, scale_numbers=True)
         features = jnp.moveaxis(features.reshape(-1, *features.shape[-3:]), 1, -1)  # convolutions expect channels last
         for index, side in enumerate(self.sides):
@@ -82,7 +83,10 @@ class Torso(nn.Module):
         return result
 
     def _dense(self, features: Array) -> Array:
-        return nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
+        return self._activate(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
+
+    def _activate(self, features: Array) -> Array:
+        return nn.relu(nn.LayerNorm(dtype=self.dtype)(features) if self.layer_norm else features)
 
 
 def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
@@ -119,10 +123,12 @@ class Head(nn.Module):
     width: int
     gain: float
     dtype: Any
+    layer_norm: bool = False
 
     @nn.compact
     def __call__(self, features: Array) -> Array:
-        hidden = nn.relu(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
+        hidden = nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features)
+        hidden = nn.relu(nn.LayerNorm(dtype=self.dtype)(hidden) if self.layer_norm else hidden)
         return nn.Dense(self.outputs, kernel_init=orthogonal(self.gain), dtype=self.dtype, name="out")(hidden).astype(jnp.float32)
 
 
@@ -201,10 +207,11 @@ class ActionValues(nn.Module):
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
     own: tuple[tuple[str, Any], ...] = ()
+    layer_norm: bool = False
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
         """Returns `[..., N, A]` float32 for observations `[..., N, P, V, V]` uint8 of all agents, in order."""
-        seen = Torso(self.planes, self.kind, self.width, self.dtype, self.sides, self.channels, self.own, name="torso")(observation)
-        seen = with_numbers(seen, jnp.arange(self.numbers), self.numbers)
-        return Head(self.num_actions, self.width, CRITIC_GAIN, self.dtype, name="values")(seen)
+        torso = Torso(self.planes, self.kind, self.width, self.dtype, self.sides, self.channels, self.own, self.layer_norm, name="torso")
+        seen = with_numbers(torso(observation), jnp.arange(self.numbers), self.numbers)
+        return Head(self.num_actions, self.width, CRITIC_GAIN, self.dtype, self.layer_norm, name="values")(seen)

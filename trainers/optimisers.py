@@ -14,7 +14,8 @@ def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:
     """Returns the learning rate as a function of the gradient steps taken."""
     if not config.anneal_learning_rate:
         return optax.constant_schedule(config.learning_rate)
-    steps = config.gradient_steps if isinstance(config, VDNConfig) else config.num_epochs * config.num_minibatches
+    replays = isinstance(config, VDNConfig) and config.replay == "buffer"
+    steps = config.gradient_steps if replays else config.num_epochs * config.num_minibatches
     return optax.linear_schedule(config.learning_rate, 0.0, config.num_updates * steps)
 
 
@@ -50,3 +51,8 @@ def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
 
 def _clipped_adam(config: PPOConfig) -> optax.GradientTransformation:
     return optax.chain(optax.clip_by_global_norm(config.max_gradient_norm), optax.adam(learning_rate_schedule(config), eps=1e-5))
+
+
+def make_value_optimiser(config: VDNConfig) -> optax.GradientTransformation:
+    """Returns rectified Adam on gradients whose global norm is clipped. Source: SocialJax, VDN configuration."""
+    return optax.chain(optax.clip_by_global_norm(config.max_gradient_norm), optax.radam(learning_rate_schedule(config)))

@@ -17,6 +17,7 @@ from sjdsl.policies.compiled import scripted_policy
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import UNTRAINED, MemoryPolicy, Policy, mixed_policy, random_policy, stay_policy, with_memory
 
+from .action_values import best_action, explore, make_action_values
 from .actor_critics import make_actor_critics
 from .config import Config, ConfigError, PPOConfig, VDNConfig
 from .environment import Environment, abstract_key, reset_shapes
@@ -27,7 +28,6 @@ from .partners import NOBODY, Partners, learning_agents
 from .policy_file import Described, PolicyError, policy_path, read_policy
 from .policy_names import split_name, unknown_policy
 from .training_functions import Train
-from .vdn import best_action, explore, make_action_values
 
 __all__ = [
     "MemoryPolicy",

@@ -1,6 +1,5 @@
 """Proximal policy optimisation (PPO) of N agents: runs of IPPO and MAPPO, with shared or separate networks, and the clipped loss."""
 
-import math
 from dataclasses import replace
 from functools import partial
 from itertools import accumulate
@@ -15,11 +14,12 @@ from jax import Array
 from .actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from .advantage import generalised_advantages, successor_values
 from .config import ConfigError, PPOConfig
-from .data_parallel import ALL, OF_ENVS, SECOND_OF_ENVS, mean_of_all, over_devices, own_keys, own_share
+from .data_parallel import ALL, OF_ENVS, SECOND_OF_ENVS, mean_of_all, over_devices, own_keys
 from .environment import Environment
 from .episodes import FinishedEpisodes, mean_episode
 from .losses import Apply, Batch, Loss, clipped_surrogate, mean_entropy, normalised, value_loss
 from .masks import allowed_in, masked, pack_mask, unpack_mask
+from .minibatches import check_minibatches, draw_orders
 from .networks import Memory
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
 from .own_settings import filled
@@ -108,33 +108,6 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         return replace(state, learner=replace(state.learner, params=parameters))
 
     return Train(init, collect, learn, lambda state: state.learner.params, adopt, partial(trained_policy, env, config))
-
-
-def check_minibatches(config: PPOConfig) -> None:
-    """Raises ConfigError if the rollout doesn't divide into minibatches, or a minibatch into devices."""
-    devices = len(jax.devices())
-    if config.memory == "none":
-        if config.steps_per_update % config.num_minibatches:
-            raise ConfigError(
-                f"num_envs x num_steps = {config.num_envs} x {config.num_steps} = {config.steps_per_update} steps cannot be split "
-                f"into num_minibatches = {config.num_minibatches} equal parts"
-            )
-    elif config.num_envs % config.num_minibatches:
-        raise ConfigError(
-            f"networks with memory learn from whole rollouts: num_envs = {config.num_envs} cannot be split into "
-            f"num_minibatches = {config.num_minibatches} equal parts; the largest that works is {max(config.num_envs // devices, 1)}"
-        )
-    size = minibatch_size(config)
-    if size % devices:
-        raise ConfigError(
-            f"a minibatch of {size} {'steps' if config.memory == 'none' else 'environments'} cannot be spread over {devices} devices; "
-            "choose num_minibatches so that it is a multiple"
-        )
-
-
-def minibatch_size(config: PPOConfig) -> int:
-    """Returns the number of sequences in a minibatch: steps, or whole rollouts for networks with memory."""
-    return (config.steps_per_update if config.memory == "none" else config.num_envs) // config.num_minibatches
 
 
 def start_learner(parameters: Any, config: PPOConfig) -> Learner:
@@ -243,24 +216,6 @@ def learn_teams(learner: Learner, batch: Batch, key: Array, networks: ActorCriti
         return jax.tree.map(lambda leaf: leaf[None], after), losses
     after, losses = jax.vmap(learn_team)(learner, orders, jnp.asarray(agents), memory)
     return after, jax.tree.map(jnp.mean, losses)
-
-
-def draw_orders(key: Array, number: int, config: PPOConfig) -> Array:
-    """Returns the sequences of each minibatch, `[G, epochs, minibatches, m]` int32: all of them once an epoch, in a new order.
-
-    Environments are divided into the most groups that divide a minibatch too, and a minibatch has equally many sequences of each group, so
-    the order doesn't depend on the number of devices. On several devices, the sequences are those of this device's environments.
-    """
-    groups = math.gcd(config.num_envs, minibatch_size(config))
-    keys = jax.vmap(lambda own: jax.random.split(own, (number, config.num_epochs)))(own_keys(key, own_share(groups)))
-    envs, sequences = config.num_envs // groups, minibatch_size(config) * config.num_minibatches // groups  # of a group
-    draw = partial(jax.random.permutation, x=jnp.arange(sequences, dtype=jnp.int32))
-    step, env = jnp.divmod(jax.vmap(jax.vmap(jax.vmap(draw)))(keys), envs)
-    orders = (
-        step * len(keys) + jnp.arange(len(keys))[:, None, None, None]
-    ) * envs + env  # steps one after another, each of all environments
-    orders = orders.reshape(*keys.shape, config.num_minibatches, -1)
-    return jnp.moveaxis(orders, 0, 3).reshape(number, config.num_epochs, config.num_minibatches, -1)
 
 
 def take_epochs(

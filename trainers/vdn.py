@@ -13,13 +13,14 @@ import optax
 from flax.training.train_state import TrainState as Learner
 from jax import Array
 
-from .actor_critics import packing_of, token_planes
+from .action_values import best_action, exploration, explore, make_action_values
+from .actor_critics import packing_of
 from .config import ConfigError, VDNConfig
 from .environment import Environment, MaskedEnvironment, array_shape, reset_shapes
 from .episodes import mean_episode
-from .masks import allowed_in, draw_any, masked, pack_mask, unpack_mask, wants_masks
+from .masks import allowed_in, masked, pack_mask, unpack_mask, wants_masks
 from .networks import ActionValues
-from .optimisers import learning_rate_schedule
+from .optimisers import learning_rate_schedule, make_value_optimiser
 from .packing import Packing
 from .partners import Partners, learning_agents
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
@@ -49,25 +50,6 @@ class ValueLearner:
     replay: ReplayBuffer
 
 
-def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
-    """Returns the network, which all agents share.
-
-    Raises:
-      ConfigError: the environment has no token observations.
-    """
-    return ActionValues(
-        num_actions=env.num_actions,
-        planes=token_planes(env),
-        kind=config.network,
-        width=config.network_width,
-        dtype=jnp.dtype(config.precision),
-        numbers=env.num_agents if config.agent_id else 0,
-        sides=config.convolution_sides,
-        channels=config.convolution_channels,
-        own=config.own,
-    )
-
-
 def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     """Returns the pure functions of a run.
 
@@ -81,7 +63,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         )
     network = make_action_values(env, config)
     shaping = make_shaping(config, env.num_agents)
-    optimiser = make_optimiser(config)
+    optimiser = make_value_optimiser(config)
     packing = packing_of(env)
     masks = wants_masks(env, config)
 
@@ -180,30 +162,6 @@ def make_actor(env: Environment, network: ActionValues, packing: Packing, masks:
         return packing.pack(info["terminal_observation"]), pack_mask(allowed_in(env, masks, info.get("terminal_state")))
 
     return Actor(act, packing.pack, follow)
-
-
-def explore(key: Array, values: Array, allowed: Array | None, epsilon: Array | float) -> Array:
-    """Returns the best action of values `[..., A]`, or with probability `epsilon` a random one, among those allowed."""
-    explore_key, action_key = jax.random.split(key)
-    best = best_action(values, allowed)
-    explores = jax.random.bernoulli(explore_key, epsilon, best.shape)
-    return jnp.where(explores, draw_any(action_key, best.shape, values.shape[-1], allowed), best)
-
-
-def best_action(values: Array, allowed: Array | None) -> Array:
-    """Returns the allowed action `[...]` int32 with the highest value of `[..., A]`."""
-    return jnp.argmax(masked(values, allowed), axis=-1).astype(jnp.int32)
-
-
-def exploration(config: VDNConfig, updates: Array) -> Array:
-    """Returns the probability of exploring in the rollout after `updates` updates: linear, then constant."""
-    gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)
-    return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(jnp.float32)
-
-
-def make_optimiser(config: VDNConfig) -> optax.GradientTransformation:
-    """Returns rectified Adam on gradients whose global norm is clipped. Source: SocialJax, VDN configuration."""
-    return optax.chain(optax.clip_by_global_norm(config.max_gradient_norm), optax.radam(learning_rate_schedule(config)))
 
 
 def take_gradient_steps(

@@ -13,8 +13,8 @@ import pytest
 
 from bench.paper import published
 from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, register
+from sjdsl.trainers.minibatches import check_minibatches
 from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.ppo import check_minibatches
 from tests.games.environments import NINE, environment
 
 PPO = tuple((algorithm, reward) for algorithm in ("ippo", "mappo") for reward in ("individual", "common", "svo", "exchange", "inequity"))

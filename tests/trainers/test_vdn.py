@@ -9,7 +9,9 @@ import pytest
 from probes import FAST_TO_COMPILE, delayed, endless_riches, judge_actions, learn, matching, quick, stream
 
 from sjdsl.trainers import ConfigError, TrainState, VDNConfig, make_config, make_train
-from sjdsl.trainers.vdn import Transition, ValueLearner, exploration, follow_target, learning_rate_schedule, vdn_loss
+from sjdsl.trainers.action_values import exploration
+from sjdsl.trainers.optimisers import learning_rate_schedule
+from sjdsl.trainers.vdn import Transition, ValueLearner, follow_target, vdn_loss
 
 VDN = {"algorithm": "vdn"}
 TOLERANCE = 0.15
