@@ -253,14 +253,32 @@ QUICK_VALUES: dict[str, Any] = {
     "gamma": 0.8,
 }
 
+QUICK_ROLLOUTS: dict[str, Any] = {  # value decomposition without a replay buffer
+    "algorithm": "vdn",
+    "replay": "none",
+    "layer_norm": True,
+    "num_envs": 16,
+    "num_steps": 16,
+    "total_timesteps": 16 * 16 * 100,
+    "num_epochs": 2,
+    "num_minibatches": 2,
+    "learning_rate": 1e-2,
+    "epsilon_fraction": 0.5,
+    "network": "mlp",
+    "network_width": 16,
+    "gamma": 0.8,
+}
+
 FAST_TO_COMPILE = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}  # compiling is what takes the time
 
 Run = tuple[TrainState, dict[str, Any]]
 
 
 def quick(**changes: Any) -> Config:
-    """Returns `QUICK` or, for vdn, `QUICK_VALUES`, with `changes`."""
-    return make_config(QUICK_VALUES if changes.get("algorithm") == "vdn" else QUICK, **changes)
+    """Returns `QUICK` or, for vdn, `QUICK_VALUES` or `QUICK_ROLLOUTS`, with `changes`."""
+    if changes.get("algorithm") != "vdn":
+        return make_config(QUICK, **changes)
+    return make_config(QUICK_ROLLOUTS if changes.get("replay") == "none" else QUICK_VALUES, **changes)
 
 
 def run_of(env: Probe, config: Config, seeds: int = 1) -> Callable[[Array], Run]:
@@ -286,7 +304,7 @@ def _run_of_form(form: Probe, config: Config, seeds: int) -> Callable[[Array, Ta
 
 @cache
 def learn(env: Probe, seed: int = 0, **changes: Any) -> Run:
-    """Trains on a probe with `QUICK` or `QUICK_VALUES` and `changes`; once, however many tests ask."""
+    """Trains on a probe with the settings of `quick`; once, however many tests ask."""
     return run_of(env, quick(**changes))(jax.random.key(seed))
 
 
@@ -308,4 +326,5 @@ def judge_actions(env: Probe, state: TrainState, shown: int | Sequence[int], **c
     """Returns the value `[N, A]` of each action that a trained network of value decomposition gives."""
     config = quick(algorithm="vdn", **changes)
     assert isinstance(config, VDNConfig)
-    return make_action_values(env, config).apply(state.learner.online.params, windows(env, shown))
+    learner = state.learner if config.replay == "none" else state.learner.online
+    return make_action_values(env, config).apply(learner.params, windows(env, shown))

@@ -11,9 +11,13 @@ from probes import FAST_TO_COMPILE, delayed, endless_riches, judge_actions, lear
 from sjdsl.trainers import ConfigError, TrainState, VDNConfig, make_config, make_train
 from sjdsl.trainers.action_values import exploration
 from sjdsl.trainers.optimisers import learning_rate_schedule
+from sjdsl.trainers.rollout import Rollout
 from sjdsl.trainers.vdn import Transition, ValueLearner, follow_target, vdn_loss
+from sjdsl.trainers.vdn_on_policy import Steps, team_loss, with_targets
 
 VDN = {"algorithm": "vdn"}
+ON_POLICY = {"replay": "none"}
+BOTH = pytest.mark.parametrize("changes", [{}, ON_POLICY], ids=["replayed", "on policy"])
 TOLERANCE = 0.15
 
 
@@ -23,19 +27,22 @@ def values(env: Any, shown: int, **changes: Any) -> np.ndarray:
     return np.asarray(judge_actions(env, state, shown, **changes))
 
 
-def test_value_is_discounted_once_a_step() -> None:
-    np.testing.assert_allclose(values(delayed(), 0).sum(axis=0), 0.8 * 2, atol=TOLERANCE)
-    np.testing.assert_allclose(values(delayed(), 1).sum(axis=0), 2, atol=TOLERANCE)
+@BOTH
+def test_value_is_discounted_once_a_step(changes: dict[str, Any]) -> None:
+    np.testing.assert_allclose(values(delayed(), 0, **changes).sum(axis=0), 0.8 * 2, atol=TOLERANCE)
+    np.testing.assert_allclose(values(delayed(), 1, **changes).sum(axis=0), 2, atol=TOLERANCE)
 
 
-@pytest.mark.parametrize("double_q", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_each_joint_action_has_its_value(double_q: bool) -> None:
+@pytest.mark.parametrize(
+    "changes", [{}, ON_POLICY, pytest.param({"double_q": True}, marks=pytest.mark.slow)], ids=["replayed", "on policy", "double"]
+)
+def test_each_joint_action_has_its_value(changes: dict[str, Any]) -> None:
     """The team has 1 for each agent that does what is cued: a sum, so that values can say it exactly."""
     for cue in (0, 1):
-        found = values(matching(), cue, double_q=double_q)
+        found = values(matching(), cue, **changes)
         paid = np.arange(2) == cue
         np.testing.assert_allclose(found[0][:, None] + found[1][None], paid[:, None] + 1.0 * paid[None], atol=TOLERANCE)
-    _, metrics = learn(matching(), **VDN, double_q=double_q)
+    _, metrics = learn(matching(), **VDN, **changes)
     assert float(metrics["collective_return"][-10:].mean()) > 1.85  # all but 0.05 / 2 of the actions of each
 
 
@@ -45,14 +52,16 @@ def test_double_q_is_another_run() -> None:
     assert (plain != double).any()
 
 
-def test_a_time_limit_is_no_ending() -> None:
+@BOTH
+def test_a_time_limit_is_no_ending(changes: dict[str, Any]) -> None:
     """An endless reward of 1 to both is worth 2 / (1 - 0.8), wherever it is cut."""
-    found = [values(stream("truncated"), 1 + 2 * step).max(axis=1).sum() for step in range(3)]
+    found = [values(stream("truncated"), 1 + 2 * step, **changes).max(axis=1).sum() for step in range(3)]
     np.testing.assert_allclose(found, 10.0, atol=0.7)
 
 
-def test_a_true_ending_is_worth_nothing() -> None:
-    found = [values(stream("terminated"), 1 + 2 * step).max(axis=1).sum() for step in range(3)]
+@BOTH
+def test_a_true_ending_is_worth_nothing(changes: dict[str, Any]) -> None:
+    found = [values(stream("terminated"), 1 + 2 * step, **changes).max(axis=1).sum() for step in range(3)]
     np.testing.assert_allclose(found, [2 * 2.44, 2 * 1.8, 2 * 1.0], atol=0.3)
 
 
@@ -73,11 +82,13 @@ def test_at_first_actions_are_drawn() -> None:
     assert float(learn(matching(), **VDN)[1]["collective_return"][0]) == pytest.approx(1.0, abs=0.35)
 
 
-def test_an_infinite_reward_leaves_the_parameters_as_they_were() -> None:
-    ruined, metrics = learn(endless_riches(), **VDN)
+@BOTH
+def test_an_infinite_reward_leaves_the_parameters_as_they_were(changes: dict[str, Any]) -> None:
+    ruined, metrics = learn(endless_riches(), **VDN, **changes)
     assert np.isnan(metrics["loss"]).all()
-    assert int(ruined.learner.online.step) == 0
-    kernel = ruined.learner.online.params["params"]["values"]["out"]["kernel"]
+    learner = ruined.learner if changes else ruined.learner.online
+    assert int(learner.step) == 0
+    kernel = learner.params["params"]["values"]["out"]["kernel"]
     np.testing.assert_allclose(kernel.T @ kernel, np.eye(2), atol=1e-5)
 
 
@@ -138,6 +149,49 @@ def test_the_loss_equals_its_formula(double_q: bool) -> None:
     loss, parts = vdn_loss(jnp.asarray(online), jnp.asarray(target), Network, batch, config)  # type: ignore[arg-type]
     assert float(loss) == pytest.approx(np.mean(squares), rel=1e-5)
     assert float(parts["team_value"]) == pytest.approx(np.mean(taken), rel=1e-5)
+
+
+def test_targets_of_rollouts_equal_their_recursion() -> None:
+    """G_t = r_t + gamma * ((1 - lambda) * V_{t+1} + lambda * G_{t+1}); nothing follows a termination, V of the terminal state a truncation."""
+    draw = np.random.default_rng(0)
+    steps, envs = 7, 3
+    values, terminal, reward = draw.normal(size=(3, steps, envs)).astype(np.float32)
+    last = draw.normal(size=envs).astype(np.float32)
+    done = draw.random((steps, envs)) < 0.4
+    truncated = done & (draw.random((steps, envs)) < 0.5)
+    config = VDNConfig(replay="none", gamma=0.9, q_lambda=0.7)
+
+    wanted = np.zeros((steps, envs))
+    for env in range(envs):
+        following, value = last[env], last[env]  # the return and the value of the next state
+        for step in reversed(range(steps)):
+            if done[step, env]:
+                following = value = terminal[step, env] if truncated[step, env] else 0.0
+            wanted[step, env] = reward[step, env] + 0.9 * (0.3 * value + 0.7 * following)
+            following, value = wanted[step, env], values[step, env]
+
+    rollout = Rollout(
+        observation=jnp.zeros((steps, envs, 1, 1), jnp.uint8),
+        state=None,
+        fresh=jnp.zeros((steps, envs), bool),
+        action=jnp.zeros((steps, envs, 1), jnp.int32),
+        reward=jnp.zeros((steps, envs, 1)),
+        shaped_reward=jnp.asarray(reward)[..., None],
+        done=jnp.asarray(done),
+        truncated=jnp.asarray(truncated),
+        acting=jnp.asarray(values),
+        ending=jnp.asarray(terminal),
+    )
+    np.testing.assert_allclose(with_targets(rollout, jnp.asarray(last), config).target, wanted.ravel(), rtol=1e-5, atol=1e-6)
+
+
+def test_the_value_of_the_team_is_the_sum_over_learners() -> None:
+    """Half the mean squared error; agent 1 of three doesn't learn."""
+    network = type("Network", (), {"apply": staticmethod(lambda parameters, observation: parameters[observation[..., 0]])})
+    table = jnp.array([[1.0, 2.0], [3.0, 5.0]])
+    steps = Steps(jnp.array([[[0], [1], [1]]]), jnp.array([[1, 0, 1]]), jnp.array([10.0]))
+    loss, parts = team_loss(table, network, jnp.array([0, 2]), steps)  # type: ignore[arg-type]
+    assert (float(loss), float(parts["team_value"])) == (0.5 * (2 + 5 - 10) ** 2, 7.0)
 
 
 def test_nothing_is_learnt_from_the_target() -> None:
