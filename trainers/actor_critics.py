@@ -115,6 +115,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         sides=config.convolution_sides,
         channels=config.convolution_channels,
         own=config.own,
+        normalise_values=config.normalise_values,
     )
     return ActorCritics(teams, network, joint_shape, state_vector, packing_of(env), wants_masks(env, config), env.num_actions)
 

@@ -165,6 +165,7 @@ class Config(BaseModel):
     learning_rate: PositiveFloat
     anneal_learning_rate: bool = True  # linearly to zero over the run
     max_gradient_norm: PositiveFloat = 0.5
+    adam_epsilon: PositiveFloat = 1e-8  # added to the root of squared gradients; a larger one slows layers with small gradients
 
     init_from: Annotated[str, BeforeValidator(_policy_name)] = ""  # the policy whose parameters the run starts with; "": random ones
     partners: Partners = ()  # (agent, policy): agents that act by a fixed policy and don't learn
@@ -289,6 +290,7 @@ class PPOConfig(Config):
     clip_epsilon: PositiveFloat = 0.2
     scale_clip_epsilon: bool = False  # divide clip_epsilon by the number of agents
     clip_value_loss: bool = False
+    normalise_values: bool = False  # critics predict in units of the running mean and deviation of their targets
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 

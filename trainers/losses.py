@@ -53,12 +53,12 @@ def clipped_surrogate(ratio: Array, advantage: Array, epsilon: float) -> Array:
     return jnp.minimum(ratio * advantage, clipped_ratio * advantage)
 
 
-def value_loss(value: Array, before: Array, target: Array, config: PPOConfig) -> Array:
-    """Returns half the mean squared error of values; `before` are those when acting, about which they may be clipped (Huang et al. 2022)."""
-    squared_error = jnp.square(value - target)
+def value_loss(value: Array, before: Array, target: Array, unit: Array | float, config: PPOConfig) -> Array:
+    """Returns half the mean squared error of values, in a unit; about those `before`, when acting, they may be clipped (Huang et al. 2022)."""
+    squared_error = jnp.square((value - target) / unit)
     if config.clip_value_loss:
-        clipped_value = before + jnp.clip(value - before, -config.clip_epsilon, config.clip_epsilon)
-        squared_error = jnp.maximum(squared_error, jnp.square(clipped_value - target))
+        change = jnp.clip((value - before) / unit, -config.clip_epsilon, config.clip_epsilon)
+        squared_error = jnp.maximum(squared_error, jnp.square((before - target) / unit + change))
     return 0.5 * squared_error.mean()
 
 

@@ -117,19 +117,25 @@ class Recurrence(nn.Module):
 
 
 class Head(nn.Module):
-    """A hidden layer and a linear layer with float32 outputs."""
+    """A hidden layer and a linear layer with float32 outputs; of a critic whose values are normalised, also their scale (`value_scale`)."""
 
     outputs: int
     width: int
     gain: float
     dtype: Any
     layer_norm: bool = False
+    normalised: bool = False
 
     @nn.compact
     def __call__(self, features: Array) -> Array:
         hidden = nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features)
         hidden = nn.relu(nn.LayerNorm(dtype=self.dtype)(hidden) if self.layer_norm else hidden)
-        return nn.Dense(self.outputs, kernel_init=orthogonal(self.gain), dtype=self.dtype, name="out")(hidden).astype(jnp.float32)
+        outputs = nn.Dense(self.outputs, kernel_init=orthogonal(self.gain), dtype=self.dtype, name="out")(hidden).astype(jnp.float32)
+        if not self.normalised:
+            return outputs
+        mean = self.param("mean", nn.initializers.zeros, (), jnp.float32)
+        deviation = self.param("deviation", nn.initializers.ones, (), jnp.float32)
+        return outputs * jax.lax.stop_gradient(deviation) + jax.lax.stop_gradient(mean)
 
 
 class ActorCritic(nn.Module):
@@ -151,6 +157,7 @@ class ActorCritic(nn.Module):
     sides: tuple[int, ...] = CONVOLUTION_SIDES
     channels: int = CONVOLUTION_CHANNELS
     own: tuple[tuple[str, Any], ...] = ()
+    normalise_values: bool = False
 
     @nn.compact
     def __call__(
@@ -169,15 +176,16 @@ class ActorCritic(nn.Module):
         """
         torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype, sides=self.sides, channels=self.channels, own=self.own)
         head = partial(Head, width=self.width, dtype=self.dtype)
+        critic = partial(head, gain=CRITIC_GAIN, normalised=self.normalise_values, name="critic")
         seen = with_numbers(torso(self.planes, name="torso")(observation), agents, self.numbers)
         memory, seen = self._remember("memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1]))
         logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(seen)
         if self.joint_planes is None:
-            return memory, logits, head(1, gain=CRITIC_GAIN, name="critic")(seen)[..., 0]
+            return memory, logits, critic(1)(seen)[..., 0]
         assert joint is not None
         known = torso(self.joint_planes, name="critic_torso")(joint)
         memory, known = self._remember("critic_memory", memory, known, fresh)
-        return memory, logits, head(self.num_agents, gain=CRITIC_GAIN, name="critic")(known)
+        return memory, logits, critic(self.num_agents)(known)
 
     def _remember(self, name: str, memory: Memory, features: Array, fresh: Array) -> tuple[Memory, Array]:
         if not self.recurrent:

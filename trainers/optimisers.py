@@ -50,9 +50,13 @@ def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
 
 
 def _clipped_adam(config: PPOConfig) -> optax.GradientTransformation:
-    return optax.chain(optax.clip_by_global_norm(config.max_gradient_norm), optax.adam(learning_rate_schedule(config), eps=1e-5))
+    return optax.chain(
+        optax.clip_by_global_norm(config.max_gradient_norm), optax.adam(learning_rate_schedule(config), eps=config.adam_epsilon)
+    )
 
 
 def make_value_optimiser(config: VDNConfig) -> optax.GradientTransformation:
     """Returns rectified Adam on gradients whose global norm is clipped. Source: SocialJax, VDN configuration."""
-    return optax.chain(optax.clip_by_global_norm(config.max_gradient_norm), optax.radam(learning_rate_schedule(config)))
+    return optax.chain(
+        optax.clip_by_global_norm(config.max_gradient_norm), optax.radam(learning_rate_schedule(config), eps=config.adam_epsilon)
+    )

@@ -28,6 +28,7 @@ from .partners import NOBODY, Partners, learning_agents
 from .policy_file import Described, PolicyError, policy_path, read_policy
 from .policy_names import split_name, unknown_policy
 from .training_functions import Train
+from .value_scale import converted
 
 __all__ = [
     "MemoryPolicy",
@@ -237,6 +238,8 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
         raise ConfigError(f"`init_from` must be the folder of a run, RUN@best, RUN@UPDATE, or a .safetensors file; there is no `{name}`")
     file = policy_path(path, which)
     parameters, described = read_parameters(file, env)
+    if isinstance(config, PPOConfig) and "algorithm" not in config.hooks and isinstance(described.config, PPOConfig):
+        parameters = converted(parameters, config.normalise_values)
     differs = [
         f"{key} = {getattr(described.config, key, 'none')} there and {getattr(config, key, 'none')} here"
         for key in SHAPING_NETWORKS

@@ -28,6 +28,7 @@ from .policies import trained_policy
 from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, rewarded_steps, start_worlds
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
+from .value_scale import follow_targets, value_unit
 
 
 @flax.struct.dataclass
@@ -238,6 +239,8 @@ def take_epochs(
         losses = {**losses, "loss": value, **gradient_norms(gradients, config)}
         return learner.apply_gradients(grads=gradients), losses
 
+    if config.normalise_values:
+        learner = learner.replace(params=follow_targets(learner.params, batch.target[..., agents], learner.step == 0))
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
     return learner, jax.tree.map(jnp.mean, losses)
 
@@ -301,7 +304,8 @@ def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> 
     log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
     ratio = jnp.exp(log_ratio)
     policy_loss = -clipped_surrogate(ratio, normalised(batch.advantage, config), config.clip_epsilon).mean()
-    critic_loss = value_loss(value, batch.value, batch.target, config)
+    unit = value_unit(parameters) if config.normalise_values else 1.0
+    critic_loss = value_loss(value, batch.value, batch.target, unit, config)
     entropy = mean_entropy(logits)
     loss = policy_loss + config.value_coefficient * critic_loss - config.entropy_coefficient * entropy
     return loss, {

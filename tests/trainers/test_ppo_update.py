@@ -310,12 +310,12 @@ def test_explained_variance() -> None:
 
 
 def _two_steps(gradients: Sequence[Any]) -> np.ndarray:
-    """Returns where Adam, epsilon 1e-5 and rate 0.1, takes parameters in two steps on gradients clipped to a norm of 0.5: by hand."""
+    """Returns where Adam, epsilon 1e-8 and rate 0.1, takes parameters in two steps on gradients clipped to a norm of 0.5: by hand."""
     first, second, parameters = (np.zeros(len(gradients[0])) for _ in range(3))
     for step, gradient in enumerate(map(np.asarray, gradients), start=1):
         gradient = gradient * min(1.0, 0.5 / np.linalg.norm(gradient))
         first, second = 0.9 * first + 0.1 * gradient, 0.999 * second + 0.001 * gradient**2
-        parameters = parameters - 0.1 * (first / (1 - 0.9**step)) / (np.sqrt(second / (1 - 0.999**step)) + 1e-5)
+        parameters = parameters - 0.1 * (first / (1 - 0.9**step)) / (np.sqrt(second / (1 - 0.999**step)) + 1e-8)
     return parameters
 
 
