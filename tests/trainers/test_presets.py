@@ -32,7 +32,7 @@ def test_a_packaged_preset_and_changes() -> None:
 def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text('extends = "two_cores"\ngame = "coins"\n[environment]\nnum_agents = 3\n')
     preset = load_preset(tmp_path / "mine.toml")
-    assert (preset.game, preset.environment, preset.config.total_timesteps) == ("coins", {"num_agents": 3}, 3_000_000)
+    assert (preset.game, preset.environment, preset.config.total_timesteps) == ("coins", {"num_agents": 3}, 4_000_000)
     other = load_preset(tmp_path / "mine.toml", game="harvest_open")
     assert (other.game, other.environment, other.config.total_timesteps) == ("harvest_open", {}, 4_000_000)
 
