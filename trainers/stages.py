@@ -8,6 +8,7 @@ from .config import Config
 from .config_errors import ConfigError
 
 STAGES = "stages"  # in the folder of a run: the folders of all its stages but the last, which is the run itself
+FROM_STAGES = " from stages"
 
 # Settings that two runs must share for one to start with the parameters of the other.
 SHAPING_NETWORKS = (
@@ -42,6 +43,11 @@ def check_settings(configs: Sequence[Config], place: str = STAGES) -> None:
                 raise ConfigError(f"{place}[{number}]: `{name}` can't change from stage to stage: it is {old} before, and {new} here")
         if config.init_from:
             raise ConfigError(f"{place}[{number}]: leave `init_from` out: a stage starts from the policy of the one before")
+
+
+def reward_label(reward: str, num_stages: int) -> str:
+    """Returns the reward of a run in a table: after stages, it isn't the same as from scratch."""
+    return f"{reward}{FROM_STAGES}" if num_stages > 1 else reward
 
 
 def stage_folders(folder: Path) -> list[Path]:
