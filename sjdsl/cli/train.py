@@ -13,6 +13,7 @@ from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.provenance import located
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.extras import MissingExtra, is_installed
 from sjdsl.trainers import Preset, load_preset, make_config
 from sjdsl.trainers.config import stored_config
@@ -77,8 +78,13 @@ def command(
     game, config, parts = preset.game or "", preset.config, [*preset.earlier, preset]
     preset.refuse_of_stages(options.names)
     chosen = [options.or_else(part.environment) for part in parts]
-    for part, one in zip(parts, chosen, strict=True):
-        check_policies(part.config, one.check(game))
+    for number, (part, one) in enumerate(zip(parts, chosen, strict=True), 1):
+        try:
+            check_policies(part.config, one.check(game))
+        except (CompileError, click.ClickException):
+            if preset.earlier:
+                click.echo(f"{preset.place}[{number}]:", err=True)
+            raise
     if run_dir and not distributed and not is_unused(Path(run_dir)):  # of several processes, another may have begun to write there
         raise click.ClickException(
             f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it: "
@@ -203,8 +209,9 @@ def _finish(result: "Result", path: Path, env: "Environment", config: "Config", 
     went_on = next(folder for folder, seed in zip(result.folders, config.seed_numbers, strict=True) if seed not in result.diverged)
     (last,) = deque(read_rows(went_on / METRICS_JSONL), maxlen=1)
     steps = result.updates * config.steps_per_update * config.seeds
+    whose = "the last stage: " if "stage" in last else ""
     click.echo(
-        f"\n{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.steps_per_update * config.seeds):,.0f} steps a second; "
+        f"\n{whose}{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.steps_per_update * config.seeds):,.0f} steps a second; "
         f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
     if not is_installed("matplotlib"):

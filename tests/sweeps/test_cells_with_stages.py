@@ -16,9 +16,9 @@ from tests.sweeps.described import GAME, TINY, plan
 PRESET = """
 [[stages]]
 environment = { map = "small.txt", num_agents = 3, params = { apple = 2 } }
-config = { reward = "common", total_timesteps = 4096 }
+config = { reward = "common", total_timesteps = 8192 }
 [[stages]]
-config.total_timesteps = 8192
+config.total_timesteps = 16384
 """
 
 
@@ -29,7 +29,7 @@ def test_a_cell_has_the_stages_of_its_preset(tmp_path: Path) -> None:
     assert first.provenance == {"game": "coins", "variant": None, "map": "small.txt", "num_agents": 3, "params": {"apple": 2}}
     assert cell.provenance == {"game": "coins", "variant": None, "map": None, "num_agents": None, "params": {}}
     assert [(stage.config["reward"], stage.config["gamma"]) for stage in cell.stages] == [("common", 0.5), ("individual", 0.5)]
-    assert steps_of(cell) == 4096 + 8192
+    assert steps_of(cell) == 8192 + 16384
     assert Cell.read(cell.name, json.loads(json.dumps(cell.described()))) == cell
     (common,) = plan("common_reward=mean", preset=str(tmp_path / "p.toml"))  # which only the first stage reads
     assert common.earlier[0].config["common_reward"] == "mean"
