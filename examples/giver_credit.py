@@ -4,11 +4,13 @@ import jax.numpy as jnp
 
 from sjdsl.trainers import Step
 
+CREATED = 2  # tokens by a gift that is refined: three for one
+
 
 def giver_credit(step: Step, *, credit: float = 2.0):
-    """Returns `[N]`: what an agent consumes, and `credit` for each gift of a token that can still be refined, which becomes three."""
-    raw, cut, _ = step.state.agent_bag.T  # [N] tokens before the step
-    received = sum(step.events[f"received[{level}]"] for level in ("raw", "cut", "fine"))
-    given, consumed = step.events["given"], step.events["consumed"]
-    collected = step.next_state.agent_bag.sum(axis=-1) - step.state.agent_bag.sum(axis=-1) - received + given + consumed
-    return step.reward + credit * jnp.where(raw + cut + collected > 0, given, 0)
+    """Returns `[N]`: what an agent consumes, and `credit` for each token that its gifts create; those of the finest create none."""
+    before, after, events = step.state.agent_bag, step.next_state.agent_bag, step.events
+    received = sum(events[f"received[{level}]"] for level in ("raw", "cut", "fine"))
+    collected = (after - before).sum(axis=-1) - received + events["given"] + events["consumed"]
+    refinable = before[:, 0] + before[:, 1] + collected > 0  # the least refined token is given
+    return step.reward + credit * CREATED * jnp.where(refinable, events["given"], 0)
