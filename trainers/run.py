@@ -19,7 +19,7 @@ from sjdsl.termination import raising_on_sigterm
 from .algorithms import make_train
 from .checkpoints import Checkpoints, resumption
 from .compiled import NoMemoryError, compile_train, peak_megabytes, with_spread_starts
-from .config import Config, ConfigError, stored_config
+from .config import Config, ConfigError, PPOConfig, stored_config
 from .environment import Environment, episode_length
 from .extensions import short_name
 from .loggers import LoggerName
@@ -37,7 +37,7 @@ from .run_files import write_json
 from .run_folder import describe_run, seed_folders
 from .run_lock import is_unused, locked
 from .run_state import FINISHED
-from .stages import SHAPING_NETWORKS, STAGES, check_settings, stage_folders
+from .stages import STAGES, check_settings, stage_folders
 from .updates import (
     AfterUpdate,
     Callback,
@@ -95,6 +95,7 @@ class Result:
     compile_seconds: float
     seconds: float  # compiling included
     peak_megabytes: float  # the most memory this process, or the device, held
+    stage: int = 0  # that before the last in which its callback ended the run; 0: none
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -128,9 +129,10 @@ def train(
       earlier: stages before the training in `env`. Each stage starts from the policies of the one before; all have the same seeds. Their
         folders are `stages/1`, `stages/2` and so on in `run_dir`.
     Raises:
-      RunError: the folder isn't empty, or another process trains there; every seed diverged, or one in a stage before the last; or the disk or the memory is full. What was
-        written before stays.
-      ConfigError: a configuration doesn't fit its environment, or a stage can't follow the one before. PolicyError: a policy that it names can't be read.
+      RunError: the folder isn't empty, or another process trains there; every seed diverged, or one before the last stage; or the disk or
+        the memory is full. What was written before stays.
+      ConfigError: a configuration doesn't fit its environment, or a stage can't follow the one before. PolicyError: a policy that one names
+        can't be read.
     """
     run_dir = Path(run_dir)
     if any_process(not is_unused(run_dir)):
@@ -142,6 +144,8 @@ def train(
             raise RunError(NOT_EMPTY.format(run_dir))
         more = {"loggers": list(several(loggers)), "asked": dict(asked or {})}
         parts = _parts(run_dir, stages, [describe_run(one.env, one.config, one.provenance) | more for one in stages])
+        for part in parts:
+            part.folder.mkdir(parents=True, exist_ok=True)
         if is_first():
             _prepare(parts)
         return _run(parts, progress, callback)
@@ -158,10 +162,8 @@ def _parts(run_dir: Path, stages: Sequence[Stage], manifests: Sequence[dict[str,
 
 
 def _prepare(parts: Sequence[_Part]) -> None:
-    """Makes the folders of a run, with what it starts from, and the manifests of all stages but the last."""
+    """Writes what a run starts from, and the manifests of all stages but the last."""
     *earlier, last = parts
-    for part in parts:
-        part.folder.mkdir(parents=True, exist_ok=True)
     if parts[0].config.init_from:
         copy_policy(parts[0].config.init_from, parts[0].folder / START)
     for part in earlier:
@@ -194,19 +196,14 @@ def _shapes(stage: Stage) -> Any:
 
 def _unlike(before: Stage, stage: Stage) -> str:
     """Returns what may be why networks differ, in words."""
-    reasons = [f"there are {before.env.num_agents} agents before, and {stage.env.num_agents} here"]
-    reasons = reasons if before.env.num_agents != stage.env.num_agents else []
-    settings = {name: getattr(stage.config, name, None) for name in SHAPING_NETWORKS}
-    reasons += [
-        f"`{name}` is {getattr(before.config, name, None)} before, and {value} here"
-        for name, value in settings.items()
-        if getattr(before.config, name, None) != value
-    ]
-    if settings["sharing"] == "per_agent":
+    reasons = []
+    if before.env.num_agents != stage.env.num_agents:
+        reasons.append(f"there are {before.env.num_agents} agents before, and {stage.env.num_agents} here")
+    if isinstance(stage.config, PPOConfig) and stage.config.sharing == "per_agent":
         reasons.append("each agent has a network of its own (`sharing=per_agent`)")
-    if settings["algorithm"] == "mappo":
-        reasons.append(f"the central critic reads the {settings['critic']} of all agents")
-    return "; ".join(reasons) or "observations or actions differ"
+    if isinstance(stage.config, PPOConfig) and stage.config.algorithm == "mappo":
+        reasons.append(f"the central critic reads the {stage.config.critic} of all agents")
+    return "; ".join(reasons) or "observations, actions, partners or settings of your own differ"
 
 
 def resume(
@@ -231,8 +228,8 @@ def resume(
       provenance: how `env` was made, where the run's game has moved.
       earlier: the environments of the stages before the last, if the run has any.
     Raises:
-      RunError: there is no such run, it is a stage of another, or another process trains in its folder; it was of another game or other versions, or has done more
-        steps already; or rows of its metrics are lost.
+      RunError: there is no such run, it is a stage of another, or another process trains in its folder; it was of another game or other
+        versions, or has done more steps already; or rows of its metrics are lost.
     """
     run_dir = Path(run_dir)
     check_same_run(env, run_dir)
@@ -250,7 +247,7 @@ def resume(
             last["provenance"] = dict(provenance)
         last["status"] = "running"
         for manifest in manifests:
-            if manifest["status"] != WAITING:
+            if manifest.get("status") != WAITING:
                 manifest["resumed"] = [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]
             manifest["loggers"] = list(manifest.get("loggers", ()) if loggers is None else several(loggers))
             manifest["asked"] = manifest.get("asked", {}) | dict(asked or {})
@@ -269,14 +266,14 @@ def _run(parts: Sequence[_Part], progress: ProgressStyle, callback: Callback | N
     *earlier, last = parts
     with recording_status(last.folder, last.manifest):
         for part in earlier:
-            if part.manifest["status"] != FINISHED:
+            if part.manifest.get("status") != FINISHED:
                 part.manifest["status"] = "running"
                 with recording_status(part.folder, part.manifest):
                     result = _run_part(part, progress, callback)
                 if part.manifest["status"] != FINISHED:
                     last.manifest["status"] = part.manifest["status"]
-                    return result
-            if diverged := part.manifest["diverged"]:
+                    return replace(result, stage=part.number)
+            if diverged := part.manifest.get("diverged"):
                 said = describe_divergence({entry["seed"]: entry["update"] for entry in diverged})
                 raise RunError(f"stage {part.number}: {said}. The next stage starts only if no seed diverged")
         return _run_part(last, progress, callback)
@@ -291,9 +288,8 @@ def _run_part(part: _Part, progress: ProgressStyle, callback: Callback | None) -
     # The policy it began with may be gone from its old place, so a run has a copy of its own.
     start = {"init_from": str(part.folder / START)} if (part.folder / START).is_file() else {}
     with ExitStack() as stack:
-        show = stack.enter_context(
-            show_progress(progress if is_first() else "none", config.num_updates, title, config.steps_per_update * config.seeds)
-        )
+        style = progress if is_first() else "none"
+        show = stack.enter_context(show_progress(style, config.num_updates, title, config.seeds, part.steps_before))
         compiled = compile_train(make_train(env, config.model_copy(update=start)), config, _parameters_before(part))
         compiled = with_spread_starts(compiled, config, episode_length(env))
         checkpoints = Checkpoints(part.folder)

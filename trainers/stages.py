@@ -45,9 +45,9 @@ def check_settings(configs: Sequence[Config], place: str = STAGES) -> None:
             raise ConfigError(f"{place}[{number}]: leave `init_from` out: a stage starts from the policy of the one before")
 
 
-def reward_label(reward: str, num_stages: int) -> str:
+def reward_label(reward: str, from_stages: bool) -> str:
     """Returns the reward of a run in a table: after stages, it isn't the same as from scratch."""
-    return f"{reward}{FROM_STAGES}" if num_stages > 1 else reward
+    return f"{reward}{FROM_STAGES}" if from_stages else reward
 
 
 def stage_folders(folder: Path) -> list[Path]:

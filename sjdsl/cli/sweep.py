@@ -49,8 +49,8 @@ def command(
     new value or axis adds cells. Several processes can work on one folder: docs/sweeps.md.
     """
     listed = [read_axis(text) for text in axes]
-    of_game = {"variant": options.variant, "params": options.params, "map": options.map, "num_agents": options.num_agents}
-    spec = SweepSpec(games, listed, run.settings, run.preset, episodes=episodes, loggers=run.loggers, **of_game)
+    of_game = options.variant, options.params
+    spec = SweepSpec(games, listed, run.settings, run.preset, *of_game, episodes, run.loggers, options.map, options.num_agents)
     read: dict[str, ir.Game] = {}
     describe = _describer(read)
     cells = plan_sweep(spec, describe)  # what doesn't fit is refused before JAX loads

@@ -99,15 +99,17 @@ def command(
 
         check_loggers(run.loggers)
         provenances = [one.describe(game) for one in chosen]
-        run_stages = [Stage(make_environment(made), part.config, made) for made, part in zip(provenances, parts, strict=True)]
-        check_stages(run_stages, preset.place)
+        environments = [make_environment(described) for described in provenances]
+        configs = [part.config for part in parts]
+        *earlier, last = map(Stage, environments, configs, provenances)
+        check_stages([*earlier, last], preset.place)
         found, asked = find_callback(callback)
-    *earlier, last = run_stages
-    kind = f"{last.env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
+    env = environments[-1]
+    kind = f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
     path = Path(run_dir) if run_dir else new_folder(kind)
-    asked = {"episodes": episodes, **asked}
-    result = train(last.env, config, path, "auto", last.provenance, run.loggers, asked, found, earlier)
-    _finish(result, path, last.env, config, episodes)
+    asked_for = {"episodes": episodes, **asked}
+    result = train(env, config, path, "auto", last.provenance, run.loggers, asked_for, found, earlier)
+    _finish(result, env, config, episodes)
 
 
 def _list_keys(config: "Config") -> None:
@@ -182,7 +184,7 @@ def _resume(
         provenance=provenance,
         earlier=environments,
     )
-    _finish(result, path, env, stored_config(read_manifest(path)["config"]), episodes)
+    _finish(result, env, stored_config(read_manifest(path)["config"]), episodes)
 
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
@@ -190,8 +192,8 @@ def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
     return (None, {}) if name is None else (find("callback", name), {"callback": lasting("callback", name)})
 
 
-def _finish(result: "Result", path: Path, env: "Environment", config: "Config", episodes: int) -> None:
-    """Evaluates each seed's policy, and prints the time and memory of the run in the folder `path`."""
+def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
+    """Evaluates each seed's policy, and prints the time and memory of the run."""
     import jax
 
     from sjdsl.trainers.learning_curve import LEARNING_CURVE
@@ -200,8 +202,9 @@ def _finish(result: "Result", path: Path, env: "Environment", config: "Config", 
 
     if jax.process_index() != 0:
         return
-    if result.run_dir != path:
-        click.echo(f"\nthe callback ended the run in {result.run_dir}; sjdsl train --resume {shlex.quote(str(path))} continues it")
+    if result.stage:
+        path = shlex.quote(str(result.run_dir.parents[1]))
+        click.echo(f"\nthe callback ended the run in stage {result.stage}; sjdsl train --resume {path} continues it")
         return
     for folder, seed in zip(result.folders, config.seed_numbers, strict=True):
         if episodes:
@@ -209,9 +212,11 @@ def _finish(result: "Result", path: Path, env: "Environment", config: "Config", 
     went_on = next(folder for folder, seed in zip(result.folders, config.seed_numbers, strict=True) if seed not in result.diverged)
     (last,) = deque(read_rows(went_on / METRICS_JSONL), maxlen=1)
     steps = result.updates * config.steps_per_update * config.seeds
+    steps_before = last["env_steps"] - result.updates * config.steps_per_update
+    speed = rate(last, config.seeds, steps_before)
     whose = "the last stage: " if "stage" in last else ""
     click.echo(
-        f"\n{whose}{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.steps_per_update * config.seeds):,.0f} steps a second; "
+        f"\n{whose}{steps:,} environment steps in {last['seconds']:,.1f} s: {speed:,.0f} steps a second; "
         f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
     if not is_installed("matplotlib"):

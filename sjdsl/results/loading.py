@@ -310,6 +310,8 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
         way["init_from"] = "a policy"
     if earlier:
         way["stages"] = [_stage(one, config) for one in earlier]
+    elif manifest.get("stage", 1) > 1:
+        way["stages"] = f"stage {manifest['stage']} of a run"
     named = way if way["algorithm"] == "vdn" else way | FORMER_VALUES
     everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": named, "stage": stage}
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
@@ -323,7 +325,7 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
         "num_agents": game["num_agents"],
         "run": f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
         "algorithm": config["algorithm"],
-        "reward": reward_label(reward, len(earlier) + 1),
+        "reward": reward_label(reward, "stages" in way),
         "sharing": config.get("sharing", "shared"),
         "stage": stage,
         "network": str(config["network"]),

@@ -87,7 +87,7 @@ def in_words(row: Any, sharing: bool = True) -> str:
       sharing: whether to mention separate parameters.
     """
     name = NAMES.get(row.algorithm, short_name(row.algorithm))
-    of_row, from_stages, _ = row.reward.partition(FROM_STAGES)
+    of_row, from_stages, _ = str(row.reward).partition(FROM_STAGES)
     if row.algorithm == "vdn":
         return name + from_stages  # VDN always learns from the sum of all rewards
     reward = short_name(of_row)

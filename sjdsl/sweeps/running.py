@@ -114,7 +114,7 @@ def describe_with_make(
     name = str(path.resolve()) if path.suffix else game
     file = map and str(Path(map).resolve())
     provenance = {"game": name, "variant": variant, "map": file, "num_agents": num_agents, "params": dict(params)}
-    env = sjdsl.make(**provenance)
+    env = sjdsl.make(name, variant, num_agents, params, file)
     return provenance, env.name, env.hash
 
 

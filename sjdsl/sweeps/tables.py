@@ -48,7 +48,7 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
             updates, device = manifest["updates"], manifest.get("device", {})
             place = {"cell": cell.name, "game": cell.game, "hash": cell.hash}
             way = {key: cell.config.get(key) for key in ("algorithm", "sharing")} | {"variant": cell.provenance.get("variant")}
-            way["reward"] = reward_label(cell.config["reward"], len(cell.stages))
+            way["reward"] = reward_label(cell.config["reward"], bool(cell.earlier))
             run = {
                 "seed": seed,
                 "updates": updates,

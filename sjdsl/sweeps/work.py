@@ -140,14 +140,14 @@ def _clear_half_begun(path: Path) -> None:
     """
     if not path.is_dir() or (path / MANIFEST).is_file():
         return
-    shutil.rmtree(path / STAGES, ignore_errors=True)
     inside = sorted(found.name for found in path.iterdir())
-    ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK}
+    ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK, STAGES}
     others = [name for name in inside if name not in ours and not name.endswith(UNFINISHED)]
     if others:
         raise ExperimentError(f"{path} holds {', '.join(others[:3])} but no {MANIFEST}; --retry moves it aside and starts again")
+    shutil.rmtree(path / STAGES, ignore_errors=True)
     for name in inside:
-        (path / name).unlink()
+        (path / name).unlink(missing_ok=True)
 
 
 def _finish(sweep: Path, cell: Cell, episodes: int) -> None:

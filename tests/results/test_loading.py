@@ -12,7 +12,7 @@ from report_folders import described as describe
 import sjdsl
 from sjdsl.results import ResultsError, load, load_curves
 from sjdsl.results.bundled import other_numbers, variant_now
-from sjdsl.results.loading import COLUMNS, POINTS, load_both, write_frame
+from sjdsl.results.loading import COLUMNS, POINTS, ids_of, load_both, write_frame
 from sjdsl.results.sections import diagrams
 from sjdsl.results.selecting import in_words
 
@@ -295,3 +295,6 @@ def test_a_run_in_stages_is_marked(tmp_path: Path) -> None:
     assert points.env_steps.is_monotonic_increasing
     assert points.env_steps.max() == steps_before + 400
     assert {in_words(row) for _, row in found[0].iterrows()} == {"IPPO, common", "IPPO, common from stages"}
+    manifest = json.loads((tmp_path / "run/stages/1/manifest.json").read_text())
+    assert ids_of(manifest | {"stage": 1})["reward"] == "individual"
+    assert ids_of(manifest | {"stage": 2})["reward"] == "individual from stages"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.sweeps import SweepSpec, sweep
+from sjdsl.sweeps import SweepSpec, sweep, work
 from sjdsl.sweeps.axes import read_axis
 from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.folder import steps_of
@@ -49,6 +49,14 @@ def test_what_stages_set_is_no_axis(tmp_path: Path, axis: str, changes: dict[str
     (tmp_path / "p.toml").write_text(PRESET)
     with pytest.raises(ExperimentError, match=rf"p\.toml: stages set `{name}` themselves: change it there"):
         plan(axis, preset=str(tmp_path / "p.toml"), **changes)
+
+
+def test_stages_of_a_run_that_has_hardly_begun_are_cleared(tmp_path: Path) -> None:
+    (tmp_path / "stages/1").mkdir(parents=True)
+    (tmp_path / "stages/1/manifest.json").touch()
+    (tmp_path / ".lock").touch()
+    work._clear_half_begun(tmp_path)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.thorough

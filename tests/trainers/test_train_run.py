@@ -185,7 +185,7 @@ def test_several_seeds_that_all_diverge(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def _show_three_updates(style: ProgressStyle) -> None:
-    with show_progress(style, 3, "a run", steps=2000) as show:
+    with show_progress(style, 3, "a run", seeds=2) as show:
         for update, episodes in ((1, 0), (2, 4), (3, 0)):
             show(
                 {
