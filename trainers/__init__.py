@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from .preset import Preset as Preset
     from .preset import load_preset as load_preset
     from .run import Result as Result
+    from .run import Stage as Stage
+    from .run import check_stages as check_stages
     from .run import resume as resume
     from .run import train as train
     from .run_errors import RunError as RunError
@@ -71,7 +73,7 @@ __getattr__ = lazy_names(
         ),
         "ppo": ("Played", "ppo_loss"),
         "preset": ("Preset", "load_preset"),
-        "run": ("Result", "resume", "train"),
+        "run": ("Result", "Stage", "check_stages", "resume", "train"),
         "run_errors": ("RunError",),
         "step_record": ("Step",),
         "training_functions": ("Metrics", "Train", "TrainState", "keep_if_finite"),

@@ -39,9 +39,11 @@ class Compiled:
     megabytes: float  # memory of the larger of both functions, according to XLA
 
 
-def compile_train(program: Train, config: Config) -> Compiled:
+def compile_train(program: Train, config: Config, parameters: Any = None) -> Compiled:
     """Compiles a run.
 
+    Args:
+      parameters: that it starts with, with a first axis for several seeds; None: those of `program.init`.
     Raises:
       ConfigError: the environments don't divide evenly over the devices.
       NoMemoryError: the run doesn't fit into the device's memory.
@@ -52,16 +54,23 @@ def compile_train(program: Train, config: Config) -> Compiled:
     loops = program.loops and config.seeds > 1 and jax.default_backend() == "cpu"
     over_seeds: Over = one_after_the_other if loops else at_once
 
-    def first(seeds: Array) -> TrainState:
-        result: TrainState = at_once(lambda seed: program.init(jax.random.key(seed)))(seeds if config.seeds > 1 else seeds[0])
+    def first(seeds: Array, parameters: Any) -> TrainState:
+        def start_seed(seed: Array, own: Any) -> TrainState:
+            state = program.init(jax.random.key(seed))
+            if own is None:
+                return state
+            assert program.adopt is not None
+            return program.adopt(state, own)
+
+        result: TrainState = at_once(start_seed)(seeds if config.seeds > 1 else seeds[0], parameters)
         return result
 
     seeds = jnp.asarray(config.seed_numbers, jnp.uint32)
-    shapes = jax.eval_shape(first, seeds)
+    shapes = jax.eval_shape(first, seeds, parameters)
     places = placement.of_state(shapes)
     state = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, places)
     # Return leaves, not a tree: tracing again creates a new optimiser, which JAX would take for a different tree structure.
-    init = jax.jit(lambda seeds: jax.tree.leaves(first(seeds)), out_shardings=jax.tree.leaves(places))
+    init = jax.jit(lambda seeds, parameters: jax.tree.leaves(first(seeds, parameters)), out_shardings=jax.tree.leaves(places))
     collect_over = over_seeds(program.collect)
     collect = jax.jit(collect_over, donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
     played_shapes, played_places = jax.eval_shape(collect_over, state)[1], collect.output_shardings[1]
@@ -75,7 +84,7 @@ def compile_train(program: Train, config: Config) -> Compiled:
             f"{free / MEGABYTE:,.0f} MB are free; make num_envs, num_steps, seeds or buffer_size smaller"
         )
     return Compiled(
-        lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(seeds)),
+        lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(seeds, parameters)),
         collect,
         learn,
         at_once(program.parameters),

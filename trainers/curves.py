@@ -11,7 +11,7 @@ import numpy as np
 from sjdsl.files import written_whole
 
 from .manifest import read_manifest
-from .metrics_files import METRICS_JSONL, Row, read_rows
+from .metrics_files import Row, run_rows
 from .panels import Line, draw_panels, split_lines
 from .run_errors import RunError
 
@@ -31,7 +31,7 @@ def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
     """
     read_manifest(run_dir)
     folders = sorted(run_dir.glob("seed_*")) or [run_dir]
-    seeds = [figures(read_rows(folder / METRICS_JSONL), metric) for folder in folders]
+    seeds = [figures(run_rows(folder), metric) for folder in folders]
     if not all(seed.size for seed in seeds):
         raise RunError(f"{run_dir} has no metrics yet")
     return seeds

@@ -59,6 +59,8 @@ class _Manifest(_Part):
     extended: list[dict[str, Any]] = []
     diverged: list[_Diverged] = []
     updates: Number = 0
+    stages: list[str] = []
+    stage: Number = 0
 
 
 def read_manifest(run_dir: Path) -> dict[str, Any]:

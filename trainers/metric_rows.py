@@ -46,4 +46,4 @@ def mean_row(rows: Sequence[Row]) -> Row:
     for name in rows[0]:
         known = [row[name] for row in rows if row[name] == row[name]]
         means[name] = sum(known) / len(known) if known else float("nan")
-    return means | {name: rows[0][name] for name in ("update", "env_steps")}
+    return means | {name: rows[0][name] for name in ("update", "env_steps", "stage") if name in rows[0]}

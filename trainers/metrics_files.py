@@ -18,6 +18,7 @@ from sjdsl.files import naming, open_in_place, read_lines
 
 from .run_errors import RunError
 from .run_files import plain
+from .stages import stage_folders
 
 METRICS_JSONL = "metrics.jsonl"
 EVALUATIONS = "evaluations.jsonl"
@@ -106,21 +107,31 @@ def read_rows(path: Path) -> Iterator[Row]:
     return (known_row(row) for _, row in _whole_lines(path))
 
 
+def run_rows(folder: Path) -> Iterator[Row]:
+    """Yields the rows of a seed of a run, those of all its stages, one at a time. folder: that of the last stage.
+
+    Raises:
+      RunError: a line can't be read.
+    """
+    for stage in stage_folders(folder):
+        yield from read_rows(stage / METRICS_JSONL)
+
+
 def known_row(row: Row) -> Row:
     """Returns a row as it was before it became JSON: NaN for missing values."""
     return {name: math.nan if value is None else value for name, value in row.items()}
 
 
 def thinned_rows(folder: Path, most: int) -> list[Row]:
-    """Returns the rows in which episodes finished; if there are more than `most`, neighbours are averaged."""
-    number = sum(row["episodes"] > 0 for row in read_rows(folder / METRICS_JSONL))
+    """Returns the rows in which episodes finished; if there are more than `most`, neighbours of one stage are averaged."""
+    number = sum(row["episodes"] > 0 for row in run_rows(folder))
     together = max(1, math.ceil(number / most))
     thinned: list[Row] = []
     size = 0
-    for row in read_rows(folder / METRICS_JSONL):
+    for row in run_rows(folder):
         if not row["episodes"] > 0:
             continue
-        if size in (0, together):
+        if size in (0, together) or row.get("stage") != thinned[-1].get("stage"):
             thinned.append(row)
             size = 1
         else:

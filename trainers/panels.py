@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.render.plot_style import Label, begin_at_zero, line_colour, name_lines, note_below, plot_style
+from sjdsl.render.plot_style import FAINT, Label, begin_at_zero, line_colour, name_lines, note_below, plot_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,11 +37,12 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """One plot. title: above it, may be empty; y_title: what is drawn, in words."""
+    """One plot. title: above it, may be empty; y_title: what is drawn, in words; marks: steps at which a dotted line is drawn."""
 
     title: str
     y_title: str
     lines: tuple[Line, ...]
+    marks: tuple[float, ...] = ()
 
 
 def split_lines(lines: Sequence[Line], y_title: str) -> list[Panel]:
@@ -73,6 +74,8 @@ def draw_panels(panels: Sequence[Panel], title: str = "", note: str = "") -> "Fi
                 axes.plot(line.steps, line.values, marker=marker, color=colour, label=line.label)
                 if line.low is not None and line.high is not None:
                     axes.fill_between(line.steps, line.low, line.high, color=colour, alpha=0.2, linewidth=0)
+            for mark in panel.marks:
+                axes.axvline(mark, color=FAINT, linestyle=":")
             names.append([Label(line.label, line.values[-1], line.colour or colours[line.label]) for line in panel.lines])
             axes.set(xlabel="environment steps", ylabel=panel.y_title, title=panel.title)
             axes.xaxis.set_major_formatter(EngFormatter(sep=""))

@@ -27,6 +27,7 @@ from .own_algorithm import make_own
 from .partners import NOBODY, Partners, learning_agents
 from .policy_file import Described, PolicyError, policy_path, read_policy
 from .policy_names import split_name, unknown_policy
+from .stages import SHAPING_NETWORKS
 from .training_functions import Train
 from .value_scale import converted
 
@@ -42,21 +43,6 @@ __all__ = [
     "trained_policy",
     "with_memory",
 ]
-
-# Settings that two runs must share for one to start with the parameters of the other.
-SHAPING_NETWORKS = (
-    "algorithm",
-    "own",
-    "network",
-    "network_width",
-    "convolution_sides",
-    "convolution_channels",
-    "agent_id",
-    "sharing",
-    "critic",
-    "memory",
-    "partners",
-)
 
 
 def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | None = None) -> Policy:

@@ -50,7 +50,7 @@ def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> N
     """Writes `path` (.safetensors) and the `.json` beside it, each whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     leaves, _ = tree_flatten_with_path(jax.device_get(parameters))
-    tensors = {keystr(place): np.ascontiguousarray(leaf) for place, leaf in leaves}
+    tensors = {keystr(place): np.asarray(leaf, order="C") for place, leaf in leaves}
     text = json_text(described).encode()
     write_whole(path.with_suffix(".json"), text)
     write_whole(path, save(tensors, {DIGEST: digests_of(tensors, text)}))

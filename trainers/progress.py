@@ -26,21 +26,22 @@ class Show(Protocol):
 
 
 @contextmanager
-def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int = 1) -> Iterator[Show]:
+def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int = 1, steps_before: int = 0) -> Iterator[Show]:
     """Yields a function that shows the row of each update and warnings; until the first update, shows that the run is being compiled.
 
     Args:
       seeds: of the run, whose steps are added up.
+      steps_before: environment steps of each seed in stages before this one.
     """
     if style == "auto":
         style = "bar" if Console().is_terminal else "lines"
     match style:
         case "bar":
-            with _bar(num_updates, title, seeds) as show:
+            with _bar(num_updates, title, seeds, steps_before) as show:
                 yield show
         case "lines":
             print(f"{title}: {COMPILING}", flush=True)
-            yield _lines(num_updates, seeds)
+            yield _lines(num_updates, seeds, steps_before)
         case "none":
             yield lambda *_: None
         case _:
@@ -48,7 +49,7 @@ def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int
 
 
 @contextmanager
-def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Show]:
+def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterator[Show]:
     """Shows a bar, and below it what agents earn and how they learn: one line would be too long for most terminals."""
     columns = (
         TextColumn("{task.description}"),
@@ -67,14 +68,14 @@ def _bar(num_updates: int, title: str, seeds: int) -> Iterator[Show]:
         for warning in warnings:
             progress.console.print(f"warning: {warning}", markup=False, highlight=False)
         outcome = _outcome(row) or outcome
-        progress.update(task, completed=row["update"], speed=f"{rate(row, seeds):,.0f} steps/s")
+        progress.update(task, completed=row["update"], speed=f"{rate(row, seeds, steps_before):,.0f} steps/s")
         below.plain = f"{outcome}{_learning(row)}, {_share(row)}"
 
     with Live(Group(progress, below), console=progress.console):
         yield show
 
 
-def _lines(num_updates: int, seeds: int) -> Show:
+def _lines(num_updates: int, seeds: int, steps_before: int) -> Show:
     outcome = NO_EPISODE
     printed = 0.0
 
@@ -90,16 +91,16 @@ def _lines(num_updates: int, seeds: int) -> Show:
         left = row["seconds"] / row["update"] * (num_updates - row["update"])
         print(
             f"update {row['update']:>{len(str(num_updates))}}/{num_updates}  {row['env_steps']:>11,} steps  "
-            f"{rate(row, seeds):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{_learning(row)}",
+            f"{rate(row, seeds, steps_before):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{_learning(row)}",
             flush=True,
         )
 
     return show
 
 
-def rate(row: Row, seeds: int) -> float:
-    """Returns environment steps a second of all seeds, from the first update to this one, everything included."""
-    return float(row["env_steps"] * seeds / row["seconds"])
+def rate(row: Row, seeds: int, steps_before: int) -> float:
+    """Returns environment steps a second of all seeds, from the first update of a stage to this one, everything included."""
+    return float((row["env_steps"] - steps_before) * seeds / row["seconds"])
 
 
 def _share(row: Row) -> str:

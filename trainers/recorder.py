@@ -93,6 +93,7 @@ class Recorder:
     loggers: Loggers
     evaluator: Evaluator
     best_evaluated: float  # the best collective return of the evaluations so far
+    steps_before: int  # environment steps of the stages before this one
 
     def append(self, row: Row) -> None:
         """Writes the row of an update."""
@@ -107,17 +108,21 @@ class Recorder:
         self.store(parameters, update, f"{update:08d}", "last", *best)
         remove_policies(self.folder / POLICIES, self.config.keep_policies)
 
+    def moment(self, update: int) -> dict[str, int]:
+        """Returns an update and the environment steps until its end, those of earlier stages included."""
+        return {"update": update, "env_steps": self.steps_before + update * self.config.steps_per_update}
+
     def store(self, parameters: Any, update: int, *names: str) -> None:
         """Stores the policy of an update under some names, after the metrics."""
         self.metrics.to_disk()
-        described = {**self.about, "update": update, "env_steps": update * self.config.steps_per_update}
+        described = {**self.about, **self.moment(update)}
         for name in names:
             write_policy(self.folder / POLICIES / f"{name}{SUFFIX}", parameters, described)
 
     def evaluate(self, parameters: Any, update: int) -> None:
         """Plays episodes with the policy of an update, writes their figures, and stores the policy as `best` if it is."""
         figures = summarise(self.evaluator(evaluation_key(self.seed, update), parameters))
-        start = {"update": update, "env_steps": update * self.config.steps_per_update}
+        start = self.moment(update)
         earned = figures["collective return"].mean
         append_line(self.folder / EVALUATIONS, start | {name: asdict(figure) for name, figure in figures.items()})
         self.loggers.log(start | {"evaluation_collective_return": earned})
@@ -128,11 +133,17 @@ class Recorder:
 
 @contextmanager
 def open_recorders(
-    folders: Sequence[Path], env: Environment, config: Config, done: int, loggers: Sequence[LoggerName], title: str
+    folders: Sequence[Path],
+    env: Environment,
+    config: Config,
+    done: int,
+    loggers: Sequence[LoggerName],
+    title: str,
+    steps_before: int = 0,
 ) -> Iterator[list[Recorder]]:
     """Opens the files of each seed, without what was written after update `done`; draws the learning curves at the end.
 
-    Only the first of several processes has recorders: the others don't write.
+    `steps_before`: environment steps of stages before this one. Only the first of several processes has recorders: the others don't write.
     """
     evaluator = make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), config.evaluation_episodes)
     with ExitStack() as stack:
@@ -146,11 +157,11 @@ def open_recorders(
             history = History(config)
             for row in cut_metrics(folder, done, config.evaluate_every):
                 history.recall(row)
-            steps = done * config.steps_per_update
+            steps = steps_before + done * config.steps_per_update
             opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config, steps))
             metrics = stack.enter_context(open_metrics(folder))
             about = {"game": describe_game(env), "config": config.record(), "seed": seed}
             best = max((row["collective return"]["mean"] for row in read_rows(folder / EVALUATIONS)), default=-math.inf)
-            recorders.append(Recorder(folder, about, config, seed, metrics, history, opened, evaluator, best))
+            recorders.append(Recorder(folder, about, config, seed, metrics, history, opened, evaluator, best, steps_before))
             stack.callback(draw, folder, seed)
         yield recorders

@@ -3,14 +3,15 @@
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from sjdsl.several import several
 from sjdsl.termination import raising_on_sigterm
@@ -18,15 +19,15 @@ from sjdsl.termination import raising_on_sigterm
 from .algorithms import make_train
 from .checkpoints import Checkpoints, resumption
 from .compiled import NoMemoryError, compile_train, peak_megabytes, with_spread_starts
-from .config import Config, stored_config
+from .config import Config, ConfigError, PPOConfig, stored_config
 from .environment import Environment, episode_length
 from .extensions import short_name
 from .loggers import LoggerName
 from .manifest import MANIFEST
 from .metric_rows import mean_row
-from .metrics_files import METRICS_JSONL, Row, read_rows
-from .policies import Policy, trained_policy
-from .policy_file import START, copy_policy
+from .metrics_files import Row, run_rows
+from .policies import Policy, parameter_shapes, trained_policy
+from .policy_file import START, copy_policy, policy_path, read_policy
 from .processes import any_process, is_first
 from .progress import ProgressStyle, show_progress
 from .recorder import open_recorders
@@ -35,11 +36,51 @@ from .run_errors import DiskError, RunError
 from .run_files import write_json
 from .run_folder import describe_run, seed_folders
 from .run_lock import is_unused, locked
-from .updates import AfterUpdate, Callback, Keeping, Progress, Update, diverged_before, of_seed, run_updates
+from .run_state import FINISHED
+from .stages import STAGES, check_settings, stage_folders
+from .updates import (
+    AfterUpdate,
+    Callback,
+    Keeping,
+    Progress,
+    Update,
+    describe_divergence,
+    diverged_before,
+    of_seed,
+    run_updates,
+)
 
+WAITING = "waiting"  # the status of a stage that hasn't begun
 NOT_EMPTY = "{} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it"
 
-__all__ = ["Result", "RunError", "resume", "train"]
+__all__ = ["Result", "RunError", "Stage", "check_stages", "resume", "train"]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of a run."""
+
+    env: Environment
+    config: Config
+    provenance: Mapping[str, Any] = field(default_factory=dict)  # how `env` was made, as in `train`
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A stage of a run in its folder, or a run without stages."""
+
+    env: Environment
+    config: Config
+    folder: Path
+    manifest: dict[str, Any]  # updated as the run goes on
+    number: int  # of the stage, from 1; 0: the run has no stages
+    before: "_Part | None"
+
+    @property
+    def steps_before(self) -> int:
+        """Environment steps of the stages before, for each seed."""
+        before = self.before
+        return 0 if before is None else before.steps_before + before.config.num_updates * before.config.steps_per_update
 
 
 @dataclass(frozen=True)
@@ -54,11 +95,12 @@ class Result:
     compile_seconds: float
     seconds: float  # compiling included
     peak_megabytes: float  # the most memory this process, or the device, held
+    stage: int = 0  # that before the last in which its callback ended the run; 0: none
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """One row an update, read from metrics.jsonl; with several seeds, the means over those that learnt."""
-        seeds = zip_longest(*(read_rows(folder / METRICS_JSONL) for folder in self.folders))
+        """One row an update of all stages, read from metrics.jsonl; with several seeds, the means over those that learnt."""
+        seeds = zip_longest(*map(run_rows, self.folders))
         return tuple(mean_row([row for row in rows if row is not None]) for rows in seeds)
 
 
@@ -71,6 +113,7 @@ def train(
     loggers: LoggerName | Sequence[LoggerName] = (),
     asked: Mapping[str, Any] | None = None,
     callback: Callback | None = None,
+    earlier: Sequence[Stage] = (),
 ) -> Result:
     """Trains, and writes manifest, metrics, checkpoints, policies and learning curve to `run_dir` along the way.
 
@@ -83,23 +126,84 @@ def train(
       loggers: where metrics go as well: `tensorboard`, `wandb`, or both.
       asked: further JSON values for the manifest, for when the run is resumed.
       callback: called with an `Update` after each update, in the first of several processes; the run ends there if it returns True.
+      earlier: stages before the training in `env`. Each stage starts from the policies of the one before; all have the same seeds. Their
+        folders are `stages/1`, `stages/2` and so on in `run_dir`.
     Raises:
-      RunError: the folder isn't empty, or another process trains there; every seed diverged; or the disk or the memory is full. What was
-        written before stays.
-      ConfigError: the configuration doesn't fit the environment. PolicyError: a policy that it names can't be read.
+      RunError: the folder isn't empty, or another process trains there; every seed diverged, or one before the last stage; or the disk or
+        the memory is full. What was written before stays.
+      ConfigError: a configuration doesn't fit its environment, or a stage can't follow the one before. PolicyError: a policy that one names
+        can't be read.
     """
     run_dir = Path(run_dir)
     if any_process(not is_unused(run_dir)):
         raise RunError(NOT_EMPTY.format(run_dir))
-    make_train(env, config)  # fails before the folder is made if something doesn't fit
+    stages = [*earlier, Stage(env, config, provenance or {})]
+    check_stages(stages)  # fails before the folder is made if something doesn't fit
     with _lock(run_dir):
         if is_first() and not is_unused(run_dir):  # another process was faster
             raise RunError(NOT_EMPTY.format(run_dir))
-        run_dir.mkdir(parents=True, exist_ok=True)
-        if config.init_from and is_first():
-            copy_policy(config.init_from, run_dir / START)
-        manifest = describe_run(env, config, provenance or {}) | {"loggers": list(several(loggers)), "asked": dict(asked or {})}
-        return _run(env, config, run_dir, manifest, progress, callback)
+        more = {"loggers": list(several(loggers)), "asked": dict(asked or {})}
+        parts = _parts(run_dir, stages, [describe_run(one.env, one.config, one.provenance) | more for one in stages])
+        for part in parts:
+            part.folder.mkdir(parents=True, exist_ok=True)
+        if is_first():
+            _prepare(parts)
+        return _run(parts, progress, callback)
+
+
+def _parts(run_dir: Path, stages: Sequence[Stage], manifests: Sequence[dict[str, Any]]) -> list[_Part]:
+    """Returns the stages of a run as parts, in order."""
+    parts: list[_Part] = []
+    for number, (stage, manifest) in enumerate(zip(stages, manifests, strict=True), 1):
+        folder = run_dir if number == len(stages) else run_dir / STAGES / str(number)
+        before = parts[-1] if parts else None
+        parts.append(_Part(stage.env, stage.config, folder, manifest, number if len(stages) > 1 else 0, before))
+    return parts
+
+
+def _prepare(parts: Sequence[_Part]) -> None:
+    """Writes what a run starts from, and the manifests of all stages but the last."""
+    *earlier, last = parts
+    if parts[0].config.init_from:
+        copy_policy(parts[0].config.init_from, parts[0].folder / START)
+    for part in earlier:
+        part.manifest.update(status=WAITING, stage=part.number)
+        write_json(part.folder / MANIFEST, part.manifest)
+    if earlier:
+        last.manifest[STAGES] = [str(part.folder.relative_to(last.folder)) for part in earlier]
+
+
+def check_stages(stages: Sequence[Stage], place: str = STAGES) -> None:
+    """Checks that each stage fits its environment, and can continue with the parameters of the one before.
+
+    Args:
+      place: of the stages, for messages.
+    Raises:
+      ConfigError: one doesn't. PolicyError: as in `train`.
+    """
+    check_settings([stage.config for stage in stages], place)
+    programs = [make_train(stage.env, stage.config) for stage in stages]
+    for number, (before, stage) in enumerate(pairwise(stages), 2):
+        if programs[number - 1].adopt is None:
+            raise ConfigError(f"{place}[{number}]: this algorithm can't start from a policy: its `Train` has no `adopt`")
+        if _shapes(before) != _shapes(stage):
+            raise ConfigError(f"{place}[{number}]: its networks have other shapes than those of the stage before: {_unlike(before, stage)}")
+
+
+def _shapes(stage: Stage) -> Any:
+    return jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(stage.env, stage.config))
+
+
+def _unlike(before: Stage, stage: Stage) -> str:
+    """Returns what may be why networks differ, in words."""
+    reasons = []
+    if before.env.num_agents != stage.env.num_agents:
+        reasons.append(f"there are {before.env.num_agents} agents before, and {stage.env.num_agents} here")
+    if isinstance(stage.config, PPOConfig) and stage.config.sharing == "per_agent":
+        reasons.append("each agent has a network of its own (`sharing=per_agent`)")
+    if isinstance(stage.config, PPOConfig) and stage.config.algorithm == "mappo":
+        reasons.append(f"the central critic reads the {stage.config.critic} of all agents")
+    return "; ".join(reasons) or "observations, actions, partners or settings of your own differ"
 
 
 def resume(
@@ -111,6 +215,7 @@ def resume(
     callback: Callback | None = None,
     total_timesteps: int | None = None,
     provenance: Mapping[str, Any] | None = None,
+    earlier: Sequence[Environment] = (),
 ) -> Result:
     """Resumes a run from its last checkpoint; on a CPU it ends with the metrics of a run that was never stopped.
 
@@ -121,22 +226,33 @@ def resume(
       total_timesteps: makes the run longer, even a finished one. From there on, schedules over the whole run (of the learning rate, for
         example) are those of the longer run.
       provenance: how `env` was made, where the run's game has moved.
+      earlier: the environments of the stages before the last, if the run has any.
     Raises:
-      RunError: there is no such run, or another process trains in its folder; it was of another game or other versions, or has done more
-        steps already; or rows of its metrics are lost.
+      RunError: there is no such run, it is a stage of another, or another process trains in its folder; it was of another game or other
+        versions, or has done more steps already; or rows of its metrics are lost.
     """
     run_dir = Path(run_dir)
     check_same_run(env, run_dir)
+    environments, folders = [*earlier, env], stage_folders(run_dir)
+    if len(environments) != len(folders):
+        raise RunError(f"{run_dir} has {len(folders)} stages: `earlier` must have the environments of the first {len(folders) - 1}")
     with _lock(run_dir):
-        manifest = check_same_run(env, run_dir)  # again, now that no other process writes it
+        manifests = [check_same_run(one, folder) for one, folder in zip(environments, folders, strict=True)]  # no other process writes now
+        last = manifests[-1]
+        if "stage" in last:
+            raise RunError(f"{run_dir} is stage {last['stage']} of a run: resume {run_dir.parents[1]}")
         if total_timesteps is not None:
-            manifest = extended(manifest, run_dir, total_timesteps)
-        resumed = [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]
-        manifest |= {"status": "running", "resumed": resumed}
-        manifest |= {"loggers": list(manifest.get("loggers", ()) if loggers is None else several(loggers))}
-        manifest |= {"asked": manifest.get("asked", {}) | dict(asked or {})}
-        manifest |= {"provenance": dict(manifest.get("provenance", {}) if provenance is None else provenance)}
-        return _run(env, stored_config(manifest["config"]), run_dir, manifest, progress, callback)
+            last |= extended(last, run_dir, total_timesteps)
+        if provenance is not None:
+            last["provenance"] = dict(provenance)
+        last["status"] = "running"
+        for manifest in manifests:
+            if manifest.get("status") != WAITING:
+                manifest["resumed"] = [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]
+            manifest["loggers"] = list(manifest.get("loggers", ()) if loggers is None else several(loggers))
+            manifest["asked"] = manifest.get("asked", {}) | dict(asked or {})
+        stages = [Stage(one, stored_config(manifest["config"])) for one, manifest in zip(environments, manifests, strict=True)]
+        return _run(_parts(run_dir, stages, manifests), progress, callback)
 
 
 def _lock(run_dir: Path) -> AbstractContextManager[None]:
@@ -145,32 +261,50 @@ def _lock(run_dir: Path) -> AbstractContextManager[None]:
 
 
 @raising_on_sigterm()
-def _run(
-    env: Environment, config: Config, run_dir: Path, manifest: dict[str, Any], progress: ProgressStyle, callback: Callback | None
-) -> Result:
-    """Runs the remaining updates; `manifest` is updated as the run goes on."""
+def _run(parts: Sequence[_Part], progress: ProgressStyle, callback: Callback | None) -> Result:
+    """Runs the remaining updates of all stages; if a callback ends the run in one before the last, returns the result of that."""
+    *earlier, last = parts
+    with recording_status(last.folder, last.manifest):
+        for part in earlier:
+            if part.manifest.get("status") != FINISHED:
+                part.manifest["status"] = "running"
+                with recording_status(part.folder, part.manifest):
+                    result = _run_part(part, progress, callback)
+                if part.manifest["status"] != FINISHED:
+                    last.manifest["status"] = part.manifest["status"]
+                    return replace(result, stage=part.number)
+            if diverged := part.manifest.get("diverged"):
+                said = describe_divergence({entry["seed"]: entry["update"] for entry in diverged})
+                raise RunError(f"stage {part.number}: {said}. The next stage starts only if no seed diverged")
+        return _run_part(last, progress, callback)
+
+
+def _run_part(part: _Part, progress: ProgressStyle, callback: Callback | None) -> Result:
+    """Runs the remaining updates of a stage; its manifest is updated as the run goes on."""
     began = time.perf_counter()
-    folders = seed_folders(run_dir, config)
-    title = f"{env.name}, {short_name(config.algorithm)}, {short_name(config.reward)} reward"
+    env, config, manifest = part.env, part.config, part.manifest
+    folders = seed_folders(part.folder, config)
+    title = f"{env.name}, {short_name(config.algorithm)}, {short_name(config.reward)} reward" + f", stage {part.number}" * (part.number > 0)
     # The policy it began with may be gone from its old place, so a run has a copy of its own.
-    start = {"init_from": str(run_dir / START)} if (run_dir / START).is_file() else {}
+    start = {"init_from": str(part.folder / START)} if (part.folder / START).is_file() else {}
     with ExitStack() as stack:
-        stack.enter_context(recording_status(run_dir, manifest))
-        show = stack.enter_context(show_progress(progress if is_first() else "none", config.num_updates, title, config.seeds))
-        compiled = compile_train(make_train(env, config.model_copy(update=start)), config)
+        style = progress if is_first() else "none"
+        show = stack.enter_context(show_progress(style, config.num_updates, title, config.seeds, part.steps_before))
+        compiled = compile_train(make_train(env, config.model_copy(update=start)), config, _parameters_before(part))
         compiled = with_spread_starts(compiled, config, episode_length(env))
-        checkpoints = Checkpoints(run_dir)
+        checkpoints = Checkpoints(part.folder)
         stack.callback(checkpoints.close)
         state, done = checkpoints.restore_last(compiled.start())
-        if "resumed" in manifest and done < config.num_updates and progress != "none" and is_first():
+        goes_on = done > 0 or part.before is None
+        if "resumed" in manifest and goes_on and done < config.num_updates and progress != "none" and is_first():
             print(f"{title}: {resumption(done)}", flush=True)
         manifest.update(compile_seconds=compiled.seconds, program_megabytes=compiled.megabytes)
-        recorders = stack.enter_context(open_recorders(folders, env, config, done, manifest["loggers"], title))
+        recorders = stack.enter_context(open_recorders(folders, env, config, done, manifest["loggers"], title, part.steps_before))
         so_far = Progress(done, diverged_before(state, recorders, config))
         try:
-            keeping = Keeping(recorders, checkpoints.save, show)
+            keeping = Keeping(recorders, checkpoints.save, show, steps_before=part.steps_before, stage=part.number)
             if callback is not None and is_first():
-                keeping = replace(keeping, after_update=_call_after_update(callback, env, config, run_dir))
+                keeping = replace(keeping, after_update=_call_after_update(callback, env, config, part.folder))
             state = run_updates(compiled, state, so_far, config, keeping)
         finally:
             manifest.update(
@@ -184,7 +318,21 @@ def _run(
             manifest["status"] = f"stopped by its callback after update {so_far.updates}"
         parameters = jax.device_get(compiled.parameters(state))
     seconds = time.perf_counter() - began
-    return Result(run_dir, parameters, so_far.updates, so_far.diverged, folders, compiled.seconds, seconds, peak_megabytes())
+    return Result(part.folder, parameters, so_far.updates, so_far.diverged, folders, compiled.seconds, seconds, peak_megabytes())
+
+
+def _parameters_before(part: _Part) -> Any:
+    """Returns the parameters at the end of the stage before, with a first axis for several seeds; None if there is none."""
+    if part.before is None:
+        return None
+    any_process(False)  # waits until the first process has written them
+    seeds = []
+    for folder in seed_folders(part.before.folder, part.before.config):
+        parameters, _ = read_policy(policy_path(folder, "last"), lambda config: parameter_shapes(part.env, config))
+        if parameters is None:
+            raise RunError(f"the last policy of {folder} has other networks than stage {part.number}")
+        seeds.append(parameters)
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *seeds) if len(seeds) > 1 else seeds[0]
 
 
 def _call_after_update(callback: Callback, env: Environment, config: Config, run_dir: Path) -> AfterUpdate:

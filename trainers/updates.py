@@ -69,6 +69,8 @@ class Keeping:
     save: Callable[[int, Any], None]  # writes a checkpoint: the state after an update
     show: Show
     after_update: AfterUpdate = lambda *_: False
+    steps_before: int = 0  # environment steps of each seed in stages before this one
+    stage: int = 0  # its number; 0: the run has no stages
 
     def recording(self, seeds: Sequence[int]) -> list[tuple[int, Recorder]]:
         """Returns the recorders of seeds, by their indices; none in processes that don't write."""
@@ -109,11 +111,12 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                 now = time.perf_counter()
                 start = {
                     "update": number,
-                    "env_steps": number * config.steps_per_update,
+                    "env_steps": keeping.steps_before + number * config.steps_per_update,
                     "seconds": before + now - began,
                     "steps_per_second": config.steps_per_update * config.seeds / (now - last),
                     "rollout_share": (acted - last) / (now - last),
                 }
+                start |= {"stage": keeping.stage} if keeping.stage else {}
                 rows = [start | flatten_metrics(of_seed(measured, index, config)) for index in range(config.seeds)]
                 parameters = compiled.parameters(state)
                 learning = _record(rows, parameters, progress, config, keeping)

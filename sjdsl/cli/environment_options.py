@@ -36,6 +36,12 @@ class EnvironmentOptions:
     num_agents: int | None = None
     params: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def names(self) -> list[str]:
+        """The options that were given, by the names of their arguments; numbers of the game as `param.X`."""
+        given = [name for name in ("variant", "map", "num_agents") if getattr(self, name) is not None]
+        return [*given, *(f"param.{name}" for name in self.params)]
+
     def describe(self, game: str) -> dict[str, Any]:
         """Returns the arguments of `make_environment` as JSON values that mean the same in every folder."""
         path = game_path(game)

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,12 +49,14 @@ def command(
     new value or axis adds cells. Several processes can work on one folder: docs/sweeps.md.
     """
     listed = [read_axis(text) for text in axes]
-    spec = SweepSpec(games, listed, run.settings, run.preset, options.variant, options.params, episodes, run.loggers)
+    of_game = options.variant, options.params
+    spec = SweepSpec(games, listed, run.settings, run.preset, *of_game, episodes, run.loggers, options.map, options.num_agents)
     read: dict[str, ir.Game] = {}
-    describe = _describer(options, read)
+    describe = _describer(read)
     cells = plan_sweep(spec, describe)  # what doesn't fit is refused before JAX loads
     for cell in cells:
-        check_policies(cell.configuration(), read[cell.hash])
+        for stage in cell.stages:
+            check_policies(stage.configuration(), read[stage.hash])
     folder = Path(run_dir)
     with stages(LOADING):
         from sjdsl.sweeps.running import check_sweep, sweep
@@ -74,15 +75,17 @@ def command(
     return _report(outcome, folder)
 
 
-def _describer(options: EnvironmentOptions, read: dict[str, ir.Game]) -> "Describe":
+def _describer(read: dict[str, ir.Game]) -> "Describe":
     """Returns a function that describes a game: the arguments of its environment, its name and its hash. It needs no JAX.
 
     Each game is read once, and added to `read` by its hash.
     """
     known: dict[str, tuple[str, str]] = {}
 
-    def describe(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple[dict[str, Any], str, str]:
-        asked = replace(options, variant=variant, params=params)
+    def describe(
+        game: str, variant: str | None, params: Mapping[str, Any], map: str | None = None, num_agents: int | None = None
+    ) -> tuple[dict[str, Any], str, str]:
+        asked = EnvironmentOptions(variant, map, num_agents, params)
         provenance = asked.describe(game)
         key = repr(sorted(provenance.items(), key=str))
         if key not in known:

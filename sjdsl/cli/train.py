@@ -13,13 +13,15 @@ from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.provenance import located
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.extras import MissingExtra, is_installed
-from sjdsl.trainers import load_preset, make_config
+from sjdsl.trainers import Preset, load_preset, make_config
 from sjdsl.trainers.config import stored_config
 from sjdsl.trainers.extensions import find, lasting, require_allowed, short_name
 from sjdsl.trainers.manifest import read_manifest
 from sjdsl.trainers.own_settings import OWN, taken_settings
 from sjdsl.trainers.run_lock import is_unused
+from sjdsl.trainers.stages import stage_folders
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -69,30 +71,44 @@ def command(
             raise click.UsageError(f"a resumed run keeps its settings, except total_timesteps: leave out {', '.join(wrong)}")
         _resume(Path(resumed), game, options.map, episodes, run.loggers or None, callback, run.changes.get("total_timesteps"))
         return
-    game, environment, config = _choose(game, run, needed=not keys)
+    preset = _choose(game, run, needed=not keys)
     if keys:
-        _list_keys(config)
+        _list_keys(preset.config)
         return
-    options = options.or_else(environment)
-    check_policies(config, options.check(game))
+    game, config, parts = preset.game or "", preset.config, [*preset.earlier, preset]
+    preset.refuse_of_stages(options.names)
+    chosen = [options.or_else(part.environment) for part in parts]
+    for number, (part, one) in enumerate(zip(parts, chosen, strict=True), 1):
+        try:
+            check_policies(part.config, one.check(game))
+        except (CompileError, click.ClickException):
+            if preset.earlier:
+                click.echo(f"{preset.place}[{number}]:", err=True)
+            raise
     if run_dir and not distributed and not is_unused(Path(run_dir)):  # of several processes, another may have begun to write there
         raise click.ClickException(
             f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it: "
             f"sjdsl train --resume {shlex.quote(run_dir)}"
         )
     episodes = EPISODES if episodes is None else episodes
-    click.echo(extent_of(config), err=True)
+    for number, part in enumerate(parts, 1):
+        click.echo(f"stage {number}: " * (len(parts) > 1) + extent_of(part.config), err=True)
     with stages(LOADING):
-        from sjdsl.trainers import train
+        from sjdsl.trainers import Stage, check_stages, train
         from sjdsl.trainers.loggers import check_loggers
 
         check_loggers(run.loggers)
-        provenance = options.describe(game)
-        env = make_environment(provenance)
+        provenances = [one.describe(game) for one in chosen]
+        environments = [make_environment(described) for described in provenances]
+        configs = [part.config for part in parts]
+        *earlier, last = map(Stage, environments, configs, provenances)
+        check_stages([*earlier, last], preset.place)
         found, asked = find_callback(callback)
+    env = environments[-1]
     kind = f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
     path = Path(run_dir) if run_dir else new_folder(kind)
-    result = train(env, config, path, provenance=provenance, loggers=run.loggers, asked={"episodes": episodes, **asked}, callback=found)
+    asked_for = {"episodes": episodes, **asked}
+    result = train(env, config, path, "auto", last.provenance, run.loggers, asked_for, found, earlier)
     _finish(result, env, config, episodes)
 
 
@@ -148,8 +164,14 @@ def _resume(
         require_allowed("callback", kept, str(path / "manifest.json"))
     command = f"sjdsl train GAME --resume {shlex.quote(str(path))}"
     provenance = located(manifest["provenance"], manifest["game"].get("hash", ""), path, command, game, map_file)
+    earlier = [
+        located(known["provenance"], known["game"].get("hash", ""), folder, command, game)
+        for folder in stage_folders(path)[:-1]
+        for known in [read_manifest(folder)]
+    ]
     with stages(LOADING), named_in(path / "manifest.json"):
         env = make_environment(provenance)
+        environments = [make_environment(made) for made in earlier]
     found, asked = find_callback(callback or kept)
     total = None if longer is None else make_config(total_timesteps=longer).total_timesteps
     result = resume(
@@ -160,6 +182,7 @@ def _resume(
         callback=found,
         total_timesteps=total,
         provenance=provenance,
+        earlier=environments,
     )
     _finish(result, env, stored_config(read_manifest(path)["config"]), episodes)
 
@@ -179,14 +202,21 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
 
     if jax.process_index() != 0:
         return
+    if result.stage:
+        path = shlex.quote(str(result.run_dir.parents[1]))
+        click.echo(f"\nthe callback ended the run in stage {result.stage}; sjdsl train --resume {path} continues it")
+        return
     for folder, seed in zip(result.folders, config.seed_numbers, strict=True):
         if episodes:
             evaluate_run(folder, env, episodes, seed)
     went_on = next(folder for folder, seed in zip(result.folders, config.seed_numbers, strict=True) if seed not in result.diverged)
     (last,) = deque(read_rows(went_on / METRICS_JSONL), maxlen=1)
     steps = result.updates * config.steps_per_update * config.seeds
+    steps_before = last["env_steps"] - result.updates * config.steps_per_update
+    speed = rate(last, config.seeds, steps_before)
+    whose = "the last stage: " if "stage" in last else ""
     click.echo(
-        f"\n{steps:,} environment steps in {last['seconds']:,.1f} s: {rate(last, config.seeds):,.0f} steps a second; "
+        f"\n{whose}{steps:,} environment steps in {last['seconds']:,.1f} s: {speed:,.0f} steps a second; "
         f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
     )
     if not is_installed("matplotlib"):
@@ -216,12 +246,12 @@ def join_processes() -> None:
         raise click.ClickException(f"can't join the other processes: {error}; outside a cluster, set {wanted}") from None
 
 
-def _choose(game: str | None, run: RunOptions, needed: bool) -> tuple[str, dict[str, Any], "Config"]:
-    """Returns the game, the preset's other arguments of the environment, and the configuration."""
+def _choose(game: str | None, run: RunOptions, needed: bool) -> Preset:
+    """Returns the preset with the changes of the command line; without a preset, the game and the configuration as one."""
     if run.preset is None:
         if game is None and needed:
             raise click.UsageError("name the game to train in, as in `sjdsl train clean_up`, or a preset that names one")
-        return game or "", {}, make_config(run.settings)
+        return Preset(game, {}, make_config(run.settings))
     loaded = load_preset(run.preset, run.settings, game)
     if loaded.game is None and needed:
         raise click.UsageError(
@@ -232,7 +262,7 @@ def _choose(game: str | None, run: RunOptions, needed: bool) -> tuple[str, dict[
         setting = mark.setting if mark else "algorithm"
         where = ": no hook takes it" if name.startswith(OWN) else f" while `{setting}` is {getattr(loaded.config, setting)}"
         click.echo(f"the preset's `{name}` has no effect{where}", err=True)
-    return loaded.game or "", dict(loaded.environment), loaded.config
+    return loaded
 
 
 def new_folder(name: str) -> Path:

@@ -8,7 +8,7 @@ Columns, in this order:
   return of an agent of a policy in a mixture of cross-play) or `diagram` (a Schelling diagram).
 * `game`, `hash` (of its rules), `variant`, `params` (changed numbers, `a=1 b=2`), `map`, `num_agents`.
 * `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained the same and may be averaged.
-  `algorithm`, `reward`, `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of
+  `algorithm`, `reward` (after stages, that of the last and ` from stages`), `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of
   a former sweep of SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that aren't the default).
 * `preset`: the preset of this version with the same settings, or `""`.
 * `seed`, `status` (`done`, `failed`: it diverged, `unfinished`), `steps` (environment steps of its training), `hardware`, `folder`.
@@ -20,7 +20,7 @@ Columns, in this order:
 import json
 import math
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -39,9 +39,10 @@ from sjdsl.results.stored_experiments import CrossPlay, Diagram
 from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.manifest import MANIFEST, read_manifest
-from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
+from sjdsl.trainers.metrics_files import run_rows
 from sjdsl.trainers.policy_file import POLICIES
 from sjdsl.trainers.run_errors import RunError
+from sjdsl.trainers.stages import reward_label, stage_folders
 from sjdsl.trainers.stored_evaluation import EVALUATION, RETURN, read_evaluation
 
 with needs("results"):
@@ -277,8 +278,10 @@ def _stages(path: Path) -> dict[str, int | None]:
 def _run(path: Path, stage: int | None = None) -> Found:
     try:
         manifest = read_manifest(path)
-        ids = ids_of(manifest, stage)
-        found = [_seed(folder, seed, ids, manifest) for seed, folder in _folders(path, manifest["config"])]
+        earlier = [read_manifest(folder) for folder in stage_folders(path)[:-1]]
+        ids = ids_of(manifest, stage, earlier)
+        steps_before = sum(_steps(one) for one in earlier)
+        found = [_seed(folder, seed, ids, manifest, steps_before) for seed, folder in _folders(path, manifest["config"])]
         rows = [row for row, _ in found]
         for row in rows:
             _check(row)
@@ -292,14 +295,23 @@ def _run(path: Path, stage: int | None = None) -> Found:
     return rows, [point for _, points in found for point in points]
 
 
-def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, Any]:
-    """Returns the game, way of training and settings of a run, by column, from its manifest; `stage`: of a sweep of svo."""
+def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Sequence[Mapping[str, Any]] = ()) -> dict[str, Any]:
+    """Returns the game, way of training and settings of a run, by column, from its manifest.
+
+    Args:
+      stage: of a sweep of svo.
+      earlier: the manifests of the stages before.
+    """
     game, config = manifest["game"], manifest["config"]
     made = manifest.get("provenance") or {}
     way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith("checkpoint_")}
     way = {key: value for key, value in way.items() if key not in FORMER_VALUES and (key not in AS_EVER or value != AS_EVER[key])}
     if way.get("init_from"):  # seeds that each started from their own policy count as trained the same
         way["init_from"] = "a policy"
+    if earlier:
+        way["stages"] = [_stage(one, config) for one in earlier]
+    elif manifest.get("stage", 1) > 1:
+        way["stages"] = f"stage {manifest['stage']} of a run"
     named = way if way["algorithm"] == "vdn" else way | FORMER_VALUES
     everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": named, "stage": stage}
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
@@ -313,7 +325,7 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, A
         "num_agents": game["num_agents"],
         "run": f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
         "algorithm": config["algorithm"],
-        "reward": reward,
+        "reward": reward_label(reward, "stages" in way),
         "sharing": config.get("sharing", "shared"),
         "stage": stage,
         "network": str(config["network"]),
@@ -329,6 +341,14 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None) -> dict[str, A
     columns = {*WAY} - ({"svo_angle"} if reward == "svo" and "svo_angle" not in ids else set())
     own = {key: value for key, value in sorted(way.items()) if key not in columns and value != usual.get(key)}
     return ids | {"settings": json.dumps(own, separators=(",", ":"))}
+
+
+def _stage(manifest: Mapping[str, Any], last: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the game of a stage, and the settings in which it differs from the last one. last: the configuration of that."""
+    game, made = manifest["game"], manifest.get("provenance") or {}
+    settings = {key: value for key, value in manifest["config"].items() if value != last.get(key)}
+    settings["init_from"] = "a policy" if settings.get("init_from") else ""
+    return {"hash": game["hash"], "params": " ".join(_numbers(game, made)), "num_agents": game["num_agents"], **settings}
 
 
 def _check(row: Mapping[str, Any]) -> None:
@@ -361,8 +381,13 @@ def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     return [(first, path)] if number == 1 else [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
 
 
-def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str, Any]) -> tuple[dict[str, Any], Rows]:
-    """Returns the row of a seed, and its learning curve where it is done."""
+def _steps(manifest: Mapping[str, Any]) -> int:
+    """Returns the environment steps that a run has done, or a stage of one."""
+    return int(manifest["updates"] * manifest["derived"]["steps_per_update"])
+
+
+def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str, Any], steps_before: int) -> tuple[dict[str, Any], Rows]:
+    """Returns the row of a seed, and its learning curve where it is done. steps_before: in earlier stages."""
     if seed in {entry["seed"] for entry in manifest.get("diverged", ())}:
         status = "failed"
     else:
@@ -375,7 +400,7 @@ def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str
     if status != "done":
         return row | {"steps": int(max(steps, default=0)), "episodes": 0}, []
     means, episodes = _evaluation(folder / EVALUATION)
-    row |= {"steps": int(manifest["updates"] * manifest["derived"]["steps_per_update"]), "episodes": episodes}
+    row |= {"steps": steps_before + _steps(manifest), "episodes": episodes}
     row |= {"collective_return" if name == RETURN else name: value for name, value in means.items()}
     named = zip(steps, returns, strict=True)
     points = [{"run": ids["run"], "seed": seed, "env_steps": int(x), "collective_return": y, "folder": str(folder)} for x, y in named]
@@ -387,7 +412,7 @@ def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
 
     The steps are the ends of equal parts of the run, the same for all seeds.
     """
-    steps, returns = figures(read_rows(folder / METRICS_JSONL), "collective_return")
+    steps, returns = figures(run_rows(folder), "collective_return")
     if not np.isfinite(returns).any():
         return np.zeros(0), np.zeros(0)
     together = math.ceil(len(steps) / POINTS) * steps[0]  # environment steps of a point

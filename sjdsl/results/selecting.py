@@ -7,6 +7,7 @@ from sjdsl.results.bundled import rules_now
 from sjdsl.results.figures import Cell
 from sjdsl.results.loading import SETTING
 from sjdsl.trainers.extensions import short_name
+from sjdsl.trainers.stages import FROM_STAGES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,13 +87,14 @@ def in_words(row: Any, sharing: bool = True) -> str:
       sharing: whether to mention separate parameters.
     """
     name = NAMES.get(row.algorithm, short_name(row.algorithm))
+    of_row, from_stages, _ = str(row.reward).partition(FROM_STAGES)
     if row.algorithm == "vdn":
-        return name  # VDN always learns from the sum of all rewards
-    reward = short_name(row.reward)
-    if row.reward == "exchange":
+        return name + from_stages  # VDN always learns from the sum of all rewards
+    reward = short_name(of_row)
+    if of_row == "exchange":
         reward = f"exchange {row.exchange_ratio:g}"
-    elif row.reward == "svo":
+    elif of_row == "svo":
         angle = "several angles" if row.svo_angle != row.svo_angle else f"{row.svo_angle:g}°"
         reward = f"SVO {angle}, weight {row.svo_weight:g}" + (", choosing the weight" if row.stage == 1 else "")
     apart = {SHARED: "", APART: ", separate parameters"}.get(row.sharing, f", parameters {row.sharing.replace('_', ' ')}")
-    return f"{name}, {reward}{apart if sharing else ''}"
+    return f"{name}, {reward}{from_stages}{apart if sharing else ''}"

@@ -23,6 +23,7 @@ from sjdsl.trainers.run_errors import RunError
 from sjdsl.trainers.run_files import plain, write_json
 from sjdsl.trainers.run_folder import versions
 from sjdsl.trainers.run_state import FINISHED
+from sjdsl.trainers.stages import stage_folders
 from sjdsl.trainers.stored_evaluation import EVALUATION, StoredEvaluation, read_evaluation
 from sjdsl.trainers.updates import describe_divergence
 
@@ -112,7 +113,8 @@ def _fault(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
 def _without_paths(described: Mapping[str, Any]) -> dict[str, Any]:
     """Returns what `sweep.json` says of a cell, without where its game and map are: they are identified by the hash of the rules."""
     kept = {name: value for name, value in described["provenance"].items() if name not in ("game", "map")}
-    return {**described, "provenance": kept}
+    earlier = [_without_paths(stage) for stage in described.get("earlier", ())]
+    return {**described, "provenance": kept, "earlier": earlier}
 
 
 def read_sweep(folder: Path) -> dict[str, Any]:
@@ -132,7 +134,8 @@ def _format_fault(known: Mapping[str, Any]) -> str:
         _Sweep.model_validate(known)
         for name, described in known["cells"].items():
             where = ("cells", name)
-            Cell.read(name, described).configuration()
+            for stage in Cell.read(name, described).stages:
+                stage.configuration()
     except ValidationError as error:
         fault = error.errors()[0]
         return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join(map(str, (*where, *fault['loc'])))}`: {fault['msg']}"
@@ -231,8 +234,9 @@ def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
 
 
 def diverged_in(path: Path) -> str:
-    """Returns which seeds of a run diverged when, in words; empty if none did."""
-    return describe_divergence({entry["seed"]: entry["update"] for entry in manifest_of(path).get("diverged", ())})
+    """Returns which seeds of a run diverged when, in words; empty if none did, in any stage."""
+    diverged = [entry for folder in stage_folders(path) for entry in manifest_of(folder).get("diverged", ())]
+    return describe_divergence({entry["seed"]: entry["update"] for entry in diverged})
 
 
 def record_failure(folder: Path, cell: Cell, reason: str) -> None:
@@ -260,9 +264,8 @@ def retry(folder: Path, cell: Cell) -> None:
 
 
 def steps_of(cell: Cell) -> int:
-    """Returns the environment steps of each seed of a cell, rounded up to whole updates."""
-    config = cell.configuration()
-    return config.num_updates * config.steps_per_update
+    """Returns the environment steps of each seed of a cell in all stages, rounded up to whole updates."""
+    return sum(stage.steps for stage in cell.stages)
 
 
 def as_text(value: Any) -> str:

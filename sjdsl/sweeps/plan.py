@@ -45,10 +45,10 @@ def _check_angles(cells: Sequence[Cell]) -> None:
 
 def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
     """Raises ExperimentError for a setting that no cell reads."""
-    configurations = [cell.configuration() for cell in cells]
+    configurations = [stage.configuration() for cell in cells for stage in cell.stages]
     unread = [config.unread for config in configurations]
     for name in spread(spec.settings):
-        if name.startswith(OWN) and not any(name.removeprefix(OWN) in cell.config["own"] for cell in cells):
+        if name.startswith(OWN) and not any(name.removeprefix(OWN) in dict(config.own) for config in configurations):
             raise ExperimentError(f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your own takes it")
         if all(only_of_others(name, type(config)) for config in configurations):
             owners = " and ".join(algorithm for algorithm, keys in KEYS_OF.items() if name in keys)

@@ -14,11 +14,11 @@ from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.sweeps.processes import run_in_processes
 from sjdsl.sweeps.tables import write_results
-from sjdsl.sweeps.work import ALONE, Watch, environment_of, run_cell
-from sjdsl.trainers.algorithms import make_train
+from sjdsl.sweeps.work import ALONE, Watch, run_cell, stages_of
 from sjdsl.trainers.config import ConfigError
 from sjdsl.trainers.loggers import check_loggers
 from sjdsl.trainers.policies import PolicyError
+from sjdsl.trainers.run import check_stages
 
 PATIENCE = 2.0  # seconds between two checks of cells that other processes run
 
@@ -96,22 +96,25 @@ def check_sweep(spec: SweepSpec, cells: Sequence[Cell], folder: Path) -> None:
     merged(folder, describe_sweep(spec, cells))
     checked = set()
     for cell in cells:
-        kind = cell.hash, repr({key: value for key, value in cell.config.items() if not isinstance(value, float)})
+        kind = repr([(one.hash, {key: value for key, value in one.config.items() if not isinstance(value, float)}) for one in cell.stages])
         if kind in checked:
             continue  # floats alone don't decide what fits
         checked.add(kind)
         try:
-            make_train(environment_of(cell, folder), cell.configuration())
+            check_stages(stages_of(cell, folder))
         except (ConfigError, PolicyError) as error:
             raise ExperimentError(f"{cell.name}: {error}") from None
 
 
-def describe_with_make(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple[dict[str, Any], str, str]:
+def describe_with_make(
+    game: str, variant: str | None, params: Mapping[str, Any], map: str | None = None, num_agents: int | None = None
+) -> tuple[dict[str, Any], str, str]:
     """Returns the arguments of a game's environment, its name and its hash."""
     path = Path(game)
     name = str(path.resolve()) if path.suffix else game
-    provenance = {"game": name, "variant": variant, "map": None, "num_agents": None, "params": dict(params)}
-    env = sjdsl.make(name, variant=variant, params=params)
+    file = map and str(Path(map).resolve())
+    provenance = {"game": name, "variant": variant, "map": file, "num_agents": num_agents, "params": dict(params)}
+    env = sjdsl.make(name, variant, num_agents, params, file)
     return provenance, env.name, env.hash
 
 

@@ -16,6 +16,7 @@ from sjdsl.sweeps.folder import (
     run_dir,
     seed_dirs,
 )
+from sjdsl.trainers.stages import reward_label
 from sjdsl.trainers.stored_evaluation import RETURN, Figure
 
 RESULTS = "results.csv"
@@ -46,11 +47,12 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
             manifest = manifest_of(path)
             updates, device = manifest["updates"], manifest.get("device", {})
             place = {"cell": cell.name, "game": cell.game, "hash": cell.hash}
-            way = {key: cell.config.get(key) for key in ("algorithm", "reward", "sharing")} | {"variant": cell.provenance.get("variant")}
+            way = {key: cell.config.get(key) for key in ("algorithm", "sharing")} | {"variant": cell.provenance.get("variant")}
+            way["reward"] = reward_label(cell.config["reward"], bool(cell.earlier))
             run = {
                 "seed": seed,
                 "updates": updates,
-                "env_steps": updates * cell.configuration().steps_per_update,
+                "env_steps": sum(stage.steps for stage in cell.earlier) + updates * cell.configuration().steps_per_update,
                 "episodes": evaluation.episodes,
                 "hardware": f"{device.get('platform', '?')} x{device.get('count', '?')}: {device.get('kind', '?')}",
             }

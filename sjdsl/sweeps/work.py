@@ -2,6 +2,7 @@
 
 import gc
 import json
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,7 +17,7 @@ from sjdsl.experiments.players import acting_kind
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.library.stored_game import GameMoved, locate_game
-from sjdsl.sweeps.cells import Cell
+from sjdsl.sweeps.cells import Cell, CellStage
 from sjdsl.sweeps.folder import (
     cell_at,
     diverged_in,
@@ -38,9 +39,10 @@ from sjdsl.trainers.manifest import MANIFEST
 from sjdsl.trainers.policies import PolicyError, read_parameters, trained_policy
 from sjdsl.trainers.policy_file import START, policy_path
 from sjdsl.trainers.progress import ProgressStyle
-from sjdsl.trainers.run import resume, train
+from sjdsl.trainers.run import Stage, resume, train
 from sjdsl.trainers.run_errors import DiskError, RunError
 from sjdsl.trainers.run_lock import LOCK
+from sjdsl.trainers.stages import STAGES
 from sjdsl.trainers.stored_evaluation import EVALUATION
 
 Tell = Callable[[str], None]
@@ -72,7 +74,8 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
     """
     sweep, known, cell = cell_at(folder)
     cell.require_code()
-    make_config(cell.config, asked=())  # imports the code that it names
+    for stage in cell.stages:
+        make_config(stage.config, asked=())  # imports the code that it names
     episodes = known["episodes"]
     lock = None if progress_of(sweep, cell, episodes).state in OVER else take(sweep, cell.name)
     ran = False
@@ -118,32 +121,33 @@ def _is_open(sweep: Path, cell: Cell) -> bool:
 
 
 def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> None:
-    path, provenance = run_dir(sweep, cell), located_in(sweep, cell)
-    env = environment_of(cell, sweep)
+    path = run_dir(sweep, cell)
+    *earlier, last = stages_of(cell, sweep)
     _clear_half_begun(path)
     if (path / MANIFEST).is_file():
         watch.tell(f"{cell.name}: training, {resumption(last_checkpoint(path))}")
-        resume(env, path, watch.progress, provenance=provenance)
+        resume(last.env, path, watch.progress, provenance=last.provenance, earlier=[stage.env for stage in earlier])
     else:
         watch.tell(f"{cell.name}: training")
         asked = {"episodes": known["episodes"]}
-        train(env, cell.configuration(), path, watch.progress, provenance, known["loggers"], asked)
+        train(last.env, last.config, path, watch.progress, last.provenance, known["loggers"], asked, earlier=earlier)
 
 
 def _clear_half_begun(path: Path) -> None:
-    """Removes the files of a run that was stopped before it wrote its manifest: a copy of the policy it starts with, and its lock.
+    """Removes the files of a run that was stopped before it wrote its manifest: a copy of the policy it starts with, its stages, and its lock.
 
     Raises ExperimentError if there are other files; they stay.
     """
     if not path.is_dir() or (path / MANIFEST).is_file():
         return
     inside = sorted(found.name for found in path.iterdir())
-    ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK}
+    ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK, STAGES}
     others = [name for name in inside if name not in ours and not name.endswith(UNFINISHED)]
     if others:
         raise ExperimentError(f"{path} holds {', '.join(others[:3])} but no {MANIFEST}; --retry moves it aside and starts again")
+    shutil.rmtree(path / STAGES, ignore_errors=True)
     for name in inside:
-        (path / name).unlink()
+        (path / name).unlink(missing_ok=True)
 
 
 def _finish(sweep: Path, cell: Cell, episodes: int) -> None:
@@ -189,7 +193,12 @@ def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, An
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
 
 
-def located_in(sweep: Path, cell: Cell) -> dict[str, Any]:
+def stages_of(cell: Cell, sweep: Path) -> list[Stage]:
+    """Returns the stages of a cell of the sweep in a folder. Raises what `environment_of` does."""
+    return [Stage(environment_of(stage, sweep), stage.configuration(), located_in(sweep, stage)) for stage in cell.stages]
+
+
+def located_in(sweep: Path, cell: CellStage) -> dict[str, Any]:
     """Returns the arguments of a cell's environment, with the paths that its game and map have now.
 
     Raises:
@@ -201,7 +210,7 @@ def located_in(sweep: Path, cell: Cell) -> dict[str, Any]:
         raise ExperimentError(f"{error}; run the sweep's command again with the path that the game has now") from None
 
 
-def environment_of(cell: Cell, sweep: Path) -> Any:
+def environment_of(cell: CellStage, sweep: Path) -> Any:
     """Returns the environment of a cell of the sweep in a folder.
 
     Raises:
@@ -210,7 +219,7 @@ def environment_of(cell: Cell, sweep: Path) -> Any:
     env = _environment(json.dumps(located_in(sweep, cell), sort_keys=True))
     if env.hash != cell.hash:
         raise ExperimentError(
-            f"the rules of {cell.game} have changed since the sweep began: {cell.hash} then, {env.hash} now; "
+            f"the rules of {env.name} have changed since the sweep began: {cell.hash} then, {env.hash} now; "
             "restore the file, or start another sweep"
         )
     return env

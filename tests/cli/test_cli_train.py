@@ -231,3 +231,47 @@ def test_what_users_bring_along_is_named_on_the_command_line(sjdsl: Sjdsl, folde
     shown = sjdsl("train", "--resume", run_dir, "--set", "total_timesteps=48")
     assert shown.status == 1
     assert "a run can only be made longer" in shown.err
+
+
+STAGED = """
+[[stages]]
+environment = { num_agents = 3, params = { apple = 2 } }
+config.total_timesteps = 96
+[[stages]]
+config.total_timesteps = 48
+"""
+
+
+@pytest.mark.thorough
+def test_a_run_in_stages_goes_on_in_its_stage(sjdsl: Sjdsl, folder: Path) -> None:
+    (folder / "p.toml").write_text(STAGED)
+    (folder / "mine.py").write_text("def stop(update):\n    return update.env_steps == 48\n")
+    quick = [part for part in QUICK if part != "total_timesteps=96"][1:]
+    call = ("train", "orchard.sj", "--preset", "p.toml", *quick, "--run", "run", "--episodes", "2")
+    stopped = sjdsl(*call, "--callback", "mine.py:stop")
+    assert stopped.status == 0, stopped.text
+    assert "stage 1: training 96 environment steps" in stopped.err
+    assert "the callback ended the run in stage 1; sjdsl train --resume run continues it" in stopped.out
+    resumed = sjdsl("train", "--resume", "run")
+    assert resumed.status == 0, resumed.text
+    assert "orchard, ippo, individual reward, stage 1: resuming after update 1" in resumed.out
+    assert "the last stage: 48 environment steps" in resumed.out
+    assert json.loads((folder / "run/evaluation.json").read_text())["episodes"] == 2
+    rows = [json.loads(line) for line in (folder / "run/metrics.jsonl").read_text().splitlines()]
+    assert [(row["stage"], row["env_steps"]) for row in rows] == [(2, 144)]
+
+
+@pytest.mark.parametrize(
+    ("stage", "options", "message"),
+    [
+        ("environment.num_agents = 900", (), r"p.toml: stages[2]:"),
+        ("config.init_from = 'random'", (), "p.toml: stages[2]: leave `init_from` out"),
+        ("environment.num_agents = 3", ("--agents", "2"), "p.toml: stages set `num_agents` themselves: change it there"),
+        ("environment.params.apple = 3", ("--param", "apple=2"), "p.toml: stages set `param.apple` themselves: change it there"),
+        ("environment.num_agents = 3", ("--set", "sharing=per_agent"), "p.toml: stages[2]: its networks have other shapes"),
+    ],
+)
+def test_stages_are_refused_with_their_place(sjdsl: Sjdsl, folder: Path, stage: str, options: tuple[str, ...], message: str) -> None:
+    (folder / "p.toml").write_text(f"[[stages]]\n[[stages]]\n{stage}\n")
+    refused = sjdsl("train", "orchard.sj", "--preset", "p.toml", *QUICK, *options, "--run", "run")
+    assert (refused.status, message in refused.err, (folder / "run").exists()) == (1, True, False), refused.text

@@ -12,8 +12,9 @@ from report_folders import described as describe
 import sjdsl
 from sjdsl.results import ResultsError, load, load_curves
 from sjdsl.results.bundled import other_numbers, variant_now
-from sjdsl.results.loading import COLUMNS, POINTS, load_both, write_frame
+from sjdsl.results.loading import COLUMNS, POINTS, ids_of, load_both, write_frame
 from sjdsl.results.sections import diagrams
+from sjdsl.results.selecting import in_words
 
 NONE = pytest.approx(float("nan"), nan_ok=True)
 DIAGRAM = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 9.0), "fear": (-4.0, -5.0, -3.0), "greed": (2.0, 1.0, 3.0)}
@@ -270,3 +271,30 @@ def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
     write_json(tmp_path / "sweep/sweep.json", {"protocol": "svo", "cells": {"a": 1}})
     with pytest.raises(ResultsError, match="cannot be read"):
         read(tmp_path / "sweep")
+
+
+def test_a_run_in_stages_is_marked(tmp_path: Path) -> None:
+    """Its steps are those of all stages, its curve goes on over them, and it doesn't stand for the same reward from scratch."""
+    scratch = write_run(tmp_path / "scratch", "coins", (3.0,), reward="common")
+    write_run(tmp_path / "run", "coins", (8.0,), reward="common")
+    write_run(tmp_path / "run/stages/1", "coins", (5.0,), reward="individual", num_envs=20)
+    lines = [json.loads(line) for line in (tmp_path / "run/metrics.jsonl").read_text().splitlines()]
+    steps_before = 4 * 2 * 100
+    (tmp_path / "run/metrics.jsonl").write_text(
+        "".join(json.dumps(line | {"env_steps": line["env_steps"] + steps_before}) + "\n" for line in lines)
+    )
+    found = load_both([scratch, tmp_path / "run"])
+    frame = found[0].set_index("reward")
+    assert set(frame.index) == {"common", "common from stages"}
+    staged = frame.loc["common from stages"]
+    assert (staged.steps, staged.collective_return, staged.preset) == (steps_before + 400, 8.0, "")
+    (stage,) = json.loads(staged.settings)["stages"]
+    assert (stage["reward"], stage["num_envs"], stage["num_agents"]) == ("individual", 20, staged.num_agents)
+    assert staged.run != frame.loc["common"].run
+    points = found[1][found[1].run == staged.run]
+    assert points.env_steps.is_monotonic_increasing
+    assert points.env_steps.max() == steps_before + 400
+    assert {in_words(row) for _, row in found[0].iterrows()} == {"IPPO, common", "IPPO, common from stages"}
+    manifest = json.loads((tmp_path / "run/stages/1/manifest.json").read_text())
+    assert ids_of(manifest | {"stage": 1})["reward"] == "individual"
+    assert ids_of(manifest | {"stage": 2})["reward"] == "individual from stages"

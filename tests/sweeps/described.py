@@ -14,13 +14,13 @@ TINY |= {"total_timesteps": 16 * 4, "checkpoint_updates": 1, "seeds": 2}
 KNOWN = ("coins", "clean_up", "mine")
 
 
-def describe(game: str, variant: str | None, params: Mapping[str, Any]) -> tuple[dict[str, Any], str, str]:
+def describe(game: str, variant: str | None, params: Mapping[str, Any], **others: Any) -> tuple[dict[str, Any], str, str]:
     """Stands in for reading a game: it has the numbers `apple` and `regrow`, and its hash tells its variant."""
     name = Path(game).stem
     unknown = [param for param in params if param not in ("apple", "regrow")]
     if unknown:
         raise ValueError(f"the game has no number `{unknown[0]}`")
-    provenance = {"game": game, "variant": variant, "map": None, "num_agents": None, "params": dict(params)}
+    provenance = {"game": game, "variant": variant, "map": None, "num_agents": None, "params": dict(params), **others}
     return provenance, name, f"{name}-{variant}"
 
 

@@ -66,7 +66,7 @@ def grown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Ou
             shutil.copytree(folder, folder.parent / "killed")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(work, "train", lambda *given: train(*given, callback=copy))
+        patch.setattr(work, "train", lambda *given, **more: train(*given, callback=copy, **more))
         outcome = sweep(asked(0.75), folder, watch=Watch(tell=lines.append))
     return folder, lines, outcome
 
@@ -268,7 +268,7 @@ def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list
     rates = SweepSpec([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
     trained: list[str] = []
 
-    def full(*given: Any) -> None:
+    def full(*given: Any, **_: Any) -> None:
         trained.append(given[2].name)
         raise DiskError("no room")
 
@@ -282,7 +282,7 @@ def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list
     assert not (folder / "cells" / bad).exists()
     assert states_of(folder)[GOOD] == "done"
 
-    def wrong(*_: Any) -> None:
+    def wrong(*_: Any, **__: Any) -> None:
         raise ZeroDivisionError("in a reward of one's own")
 
     monkeypatch.setattr(work, "train", wrong)
@@ -291,7 +291,7 @@ def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list
 
 @pytest.mark.thorough
 def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def nothing(*_: Any) -> None:
+    def nothing(*_: Any, **__: Any) -> None:
         raise DiskError("no room")
 
     monkeypatch.setattr(work, "train", nothing)
@@ -318,7 +318,7 @@ def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_an_interrupted_cell_is_run_by_nobody(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(*_: Any) -> None:
+    def interrupted(*_: Any, **__: Any) -> None:
         assert states_of(tmp_path / "sweep")[LOW] == "running"
         raise KeyboardInterrupt
 
@@ -351,7 +351,7 @@ def finish(path: Path, seeds: range) -> None:
 
 @pytest.mark.thorough
 def test_a_cell_that_does_not_fit_into_memory_has_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def train(_: Any, config: Any, run_dir: Path, *__: Any) -> None:
+    def train(_: Any, config: Any, run_dir: Path, *__: Any, **___: Any) -> None:
         if config.learning_rate == 0.2:
             raise RunError("an update needs more")
         finish(run_dir, range(2))

@@ -100,7 +100,7 @@ def compiled_once() -> Iterator[None]:
     """Has all runs of `matching` share what is compiled: only that makes a hundred of them quick. Configurations: `SHORT`, or how often
     it saves and evaluates changed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "compile_train", lambda _, config: compiled_matching(config.model_copy(update=_ALIKE)))
+        patch.setattr(run, "compile_train", lambda _, config, __: compiled_matching(config.model_copy(update=_ALIKE)))
         patch.setattr(recorder, "make_evaluator", lambda _, __, number: _evaluator(number))
         yield
 

@@ -87,7 +87,7 @@ class Wide(nn.Module):
 def compiled_once() -> Iterator[None]:
     """Runs of one configuration share what is compiled."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "compile_train", lambda _, config: compiled_matching(config))
+        patch.setattr(run, "compile_train", lambda _, config, __: compiled_matching(config))
         yield
 
 

@@ -264,10 +264,10 @@ def test_the_checkpoint_of_another_run_is_none_of_this_one(
     assert_same_end(again, whole)
 
 
-def _compile(program: Any, config: Any) -> Any:
+def _compile(program: Any, config: Any, parameters: Any) -> Any:
     from sjdsl.trainers.compiled import compile_train
 
-    return compile_train(program, config)
+    return compile_train(program, config, parameters)
 
 
 def _edit(run_dir: Path, **changes: Any) -> None:
