@@ -18,6 +18,7 @@ SHAPING_NETWORKS = (
     "network_width",
     "convolution_sides",
     "convolution_channels",
+    "layer_norm",
     "agent_id",
     "sharing",
     "critic",
