@@ -26,6 +26,7 @@ OF_THE_CLOCK = ("seconds", "steps_per_second", "rollout_share")
 # Twelve updates of 64 steps, with a checkpoint and a policy after every second and an evaluation after every third.
 SHORT = make_config(
     {**QUICK, "num_envs": 8, "num_steps": 8, "total_timesteps": 64 * 12, "checkpoint_updates": 2, "policy_every": 2, "evaluate_every": 3},
+    normalise_values=True,
     evaluation_episodes=8,
     seed=5,
 )

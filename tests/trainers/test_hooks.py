@@ -320,6 +320,10 @@ def test_a_run_starts_from_a_policy_and_keeps_a_copy(brought: tuple[Path, list[U
         ConfigError, match=r"can't start from .*last\.safetensors, whose networks differ: .*network_width = 16 there and 8 here"
     ):
         make_train(matching(), make_config(alike | {"init_from": str(source), "network_width": 8}))
+    plain = make_train(matching(), make_config(alike | {"init_from": str(source), "normalise_values": False}))
+    assert "deviation" not in plain.parameters(plain.init(jax.random.key(3)))["params"]["critic"], (
+        "the critic's scale is folded into its last layer"
+    )
     with pytest.raises(ConfigError, match="`init_from` must be the folder of a run"):
         make_train(matching(), make_config(alike | {"init_from": "random"}))
 
