@@ -35,7 +35,7 @@ CLIP = jnp.clip
 
 
 def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: Any) -> Any:
-    """Returns a game of the suite, with individual rewards, without chex and under this version of JAX."""
+    """Returns a game of the suite with individual rewards, without chex, under this version of JAX."""
     chex = types.ModuleType("chex")  # of which the suite's modules use a dataclass and names of types
     chex.dataclass = dataclasses.dataclass
     chex.PRNGKey = chex.Array = chex.ArrayDevice = jax.Array
@@ -45,39 +45,54 @@ def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: An
 
 
 def clip(x: Any, *bounds: Any, a_min: Any = None, a_max: Any = None, **named: Any) -> Array:
-    """Is `jnp.clip` that also takes the names that its bounds had in older versions of JAX, which the suite uses."""
+    """Is `jnp.clip` that also takes its bounds by the names of older versions of JAX."""
     if a_min is None:
         return CLIP(x, *bounds, **named)
     return CLIP(x, a_min, a_max)
 
 
+def closure(function: Any) -> dict[str, Any]:
+    """Returns the variables of the functions around one that it uses."""
+    values = [cell.cell_contents for cell in function.__closure__]
+    return dict(zip(function.__code__.co_freevars, values, strict=True))
+
+
+def sent_off(state: Any) -> Array:
+    """Returns which agents of a state of the suite begin the next step in another place than they are seen in."""
+    return jnp.any(state.reborn_locs != state.agent_locs, axis=-1)
+
+
 class Bridge:
-    """One game in both codes, with one environment; callers `vmap`.
+    """One game in both codes; its functions are of one environment, and callers `vmap` them.
 
     Attributes:
-      name: ours. suite, ours: the environments. checkpoint: the file of a trained policy; "": there is none.
+      name: of our game. original: module and class in the suite. agents: how many play.
+      checkpoint: the file of a trained policy; "": there is none.
+      zap: the number of the first action that is no move.
+      stepwise: whether single steps are compared.
+      suite, ours: the environments. see: the suite's observations of one of its states.
     """
 
     name = ""
-    original = ""  # module and class in the suite
+    original = ""
     checkpoint = ""
     agents = 7
-    zap = 7  # the number of the action
-    stepwise = True  # whether single steps are compared
+    zap = 7
+    stepwise = True
 
     def __init__(self, checkout: Path) -> None:
         """Loads both."""
-        self.suite = suite_game(checkout, self.original, num_agents=self.agents, **self.arguments(checkout))
+        arguments = self.arguments(checkout)
+        self.suite = suite_game(checkout, self.original, num_agents=self.agents, **arguments)
         self.ours = sjdsl.make(self.name, variant="socialjax", num_agents=self.agents)
         self.module = self.ours.module
-        reset = self.suite.reset.__wrapped__
-        inner = {**closure(self.suite.step_env.__wrapped__), **closure(reset)}
-        self.see: Callable[[Any], Array] = inner["_get_obs"]
-        self.inner = inner
+        step, reset = self.suite.step_env.__wrapped__, self.suite.reset.__wrapped__
+        self.inner = {**closure(step), **closure(reset)}
+        self.see: Callable[[Any], Array] = self.inner["_get_obs"]
         moves = [*MOVES, *range(len(MOVES), self.ours.num_actions)]
         self.numbers = jnp.asarray(moves, jnp.int32)
-        rows = self.module.MAP
-        self.rows, self.cols = len(rows), len(rows[0])
+        self.rows = len(self.module.MAP)
+        self.cols = len(self.module.MAP[0])
         self.blank = self.suite.reset(jax.random.PRNGKey(0))[1]
 
     def arguments(self, checkout: Path) -> dict[str, Any]:
@@ -89,20 +104,23 @@ class Bridge:
         """Returns the rows and columns of the cells with these glyphs, in reading order."""
         return np.where([[glyph in glyphs for glyph in row] for row in self.module.MAP])
 
+    def board(self, values: Array, places: Array) -> Array:
+        """Returns a map of zeros and these values at these places, `[H, W]`."""
+        zeros = jnp.zeros((self.rows, self.cols), values.dtype)
+        return zeros.at[places[:, 0], places[:, 1]].max(values)
+
     def place(self, state: Any) -> Array:
         """Returns where our agents are, as the suite has it, `[N, 3]`: row, column, heading."""
         row, col = jnp.divmod(state.position.astype(jnp.int32), self.module.FRAME[1])
-        return jnp.stack([row - self.module.PAD, col - self.module.PAD, (2 - state.heading.astype(jnp.int32)) % 4], axis=-1)
+        heading = (2 - state.heading.astype(jnp.int32)) % 4
+        return jnp.stack([row - self.module.PAD, col - self.module.PAD, heading], axis=-1)
 
     def placed(self, state: Any, places: Array) -> Any:
         """Returns our state with its agents at these places."""
-        position = (places[:, 0] + self.module.PAD) * self.module.FRAME[1] + places[:, 1] + self.module.PAD
-        return state.replace(position=position.astype(jnp.int32), heading=((2 - places[:, 2]) % 4).astype(jnp.int32))
-
-    def walked(self, key: Array, state: Any, actions: Array) -> Array:
-        """Returns where our agents are after they walk, before any is sent off."""
-        after, _ = self.module.walk(state, self.module.no_outcome(), self.ours.params, self.numbers[actions], key_words(key))
-        return self.place(after)
+        row = places[:, 0].astype(jnp.int32) + self.module.PAD
+        position = row * self.module.FRAME[1] + places[:, 1] + self.module.PAD
+        heading = (2 - places[:, 2]) % 4
+        return state.replace(position=position.astype(jnp.int32), heading=heading.astype(jnp.int32))
 
     # one step from a state of the suite
 
@@ -114,137 +132,148 @@ class Bridge:
         """Returns our state after a step from a state of the suite."""
         return self.ours.step_env(key, self.from_suite(state), self.numbers[actions])[1]
 
-    def hit(self, state: Any, actions: Array) -> Array:
-        """Returns which agents the suite sent off in the step that led to a state of its own."""
-        return self.inner["_interact"](jax.random.PRNGKey(0), state, actions)[0]
-
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
         """Returns 1 for each sort of difference between the states after a step, else 0."""
-        sent = self.hit(after, actions)
         wanted = self.wanted(before, actions)
-        stay = before.reborn_locs[:, :2]
-        others = ~jnp.eye(self.agents, dtype=bool)
-        contested = jnp.any(jnp.all(wanted[:, None] == wanted[None], axis=-1) & others & jnp.any(wanted != stay, axis=-1)[:, None])
-        moved = jnp.any(self.place(ours) != after.agent_locs, axis=-1)
+        same = jnp.all(wanted[:, None] == wanted[None], axis=-1) & ~jnp.eye(self.agents, dtype=bool)
+        moving = jnp.any(wanted != before.reborn_locs[:, :2], axis=-1)
+        contested = jnp.any(same & moving[:, None])
+        elsewhere = jnp.any(self.place(ours) != after.agent_locs, axis=-1)
+        differ = jnp.any(elsewhere & ~self.hit(after, actions))
         return {
             "steps with a contest by lot": contested,
-            "steps after which places differ, without a contest": jnp.any(moved & ~sent) & ~contested,
+            "steps after which the others' places differ, without a contest": differ & ~contested,
         }
+
+    def hit(self, after: Any, actions: Array) -> Array:
+        """Returns which agents the suite's beams hit in the step that led to a state of its own."""
+        return self.inner["_interact"](jax.random.PRNGKey(0), after, actions)[0]
 
     def wanted(self, before: Any, actions: Array) -> Array:
         """Returns the cells to which agents want to go, `[N, 2]`."""
         module = sys.modules[type(self.suite).__module__]
-        steps = jnp.where((actions >= 2) & (actions < 6), 1, 0)[:, None] * module.STEP_MOVE[jnp.minimum(actions, 7)][:, :2]
-        return jnp.clip(before.reborn_locs[:, :2] + steps, 0, jnp.asarray([self.rows - 1, self.cols - 1]))
+        moving = (actions >= 2) & (actions < 6)
+        steps = jnp.where(moving[:, None], module.STEP_MOVE[jnp.minimum(actions, 7)][:, :2], 0)
+        last = jnp.asarray([self.rows - 1, self.cols - 1])
+        return jnp.clip(before.reborn_locs[:, :2] + steps, 0, last)
 
     # whole episodes
 
-    def suite_figures(self, after: Any, rewards: Array, actions: Array) -> Figures:
-        """Returns what one step of the suite adds to an episode's figures."""
-        return {"return": rewards.sum() / self.agents, "sent off": gone(after).sum(), **self.shares(actions)}
+    def suite_return(self, rewards: Array) -> Array:
+        """Returns the sum of the agents' rewards, which the suite multiplies by their number."""
+        return rewards.sum() / self.agents
 
-    def shares(self, actions: Array) -> Figures:
-        """Returns how many agents chose the game's own actions."""
-        return {f"`{name}` chosen": jnp.sum(actions == number) for number, name in enumerate(self.ours.action_names) if number >= self.zap}
+    def figures(self, shown: Any, total: Array, actions: Array) -> Figures:
+        """Returns what a step that ends in a state of the suite adds to an episode's figures."""
+        names = self.ours.action_names
+        chosen = {names[number]: jnp.sum(actions == number) for number in range(self.zap, len(names))}
+        shares = {f"`{name}` chosen": count for name, count in chosen.items()}
+        return {"return": total, "agents hit": sent_off(shown).sum(), **shares}
+
+    def step(self, key: Array, state: Any, shown: Any, actions: Array) -> tuple[Any, Any, Figures]:
+        """Returns our next state, the suite's state that shows it, and what the step adds to the figures.
+
+        Who was hit is still seen where it walked.
+        """
+        numbers = self.numbers[actions]
+        outcome = self.module.no_outcome()
+        walked, _ = self.module.walk(state, outcome, self.ours.params, numbers, key_words(key))
+        _, after, reward, _, _ = self.ours.step_env(key, state, numbers)
+        shown = self.beams(self.draw(shown, after, self.place(walked)), after, actions)
+        shown = shown.replace(
+            reborn_locs=self.place(after).astype(jnp.int16),
+            agent_invs=shown.agent_invs + self.eaten(reward),
+        )
+        return after, shown, self.figures(shown, reward.sum(), actions)
 
     def begin(self, state: Any) -> Any:
-        """Returns the suite's state that shows our first state."""
+        """Returns the suite's state that shows our first state, without marks."""
+        return self.draw(self.blank, state, self.place(state))
+
+    def draw(self, shown: Any, state: Any, places: Array) -> Any:
+        """Returns a state of the suite with the ground of ours and agents at these places."""
+        grid = self.ground(state).at[places[:, 0], places[:, 1]].set(self.suite._agents)
+        places = places.astype(jnp.int16)
+        return shown.replace(grid=grid, agent_locs=places, reborn_locs=places)
+
+    def ground(self, state: Any) -> Array:
+        """Returns the suite's numbers of what is on the map in our state, but for agents, int16 `[H, W]`."""
         raise NotImplementedError
 
-    def observe(self, carried: Any) -> Array:
-        """Returns the suite's observations of a state of its own."""
-        return self.see(carried)
+    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
+        """Returns a state of the suite with the marks of its own beams; `state` is ours after the step."""
+        del state
+        return self.inner["_interact"](jax.random.PRNGKey(0), shown, actions)[1]
 
-    def step(self, key: Array, state: Any, carried: Any, actions: Array) -> tuple[Any, Any, Figures]:
-        """Returns our next state, the suite's state that shows it, and what the step adds to an episode's figures."""
-        walked = self.walked(key, state, actions)
-        _, after, reward, _, _ = self.ours.step_env(key, state, self.numbers[actions])
-        shown = self.show(after, walked, carried, reward, actions)
-        return after, shown, {"return": reward.sum(), "sent off": gone(shown).sum(), **self.shares(actions)}
-
-    def show(self, after: Any, walked: Array, carried: Any, reward: Array, actions: Array) -> Any:
-        """Returns the suite's state that shows ours after a step; who was sent off is still seen where it walked."""
-        raise NotImplementedError
-
-
-def gone(state: Any) -> Array:
-    """Returns which agents of a state of the suite were sent off in its last step."""
-    return jnp.any(state.reborn_locs != state.agent_locs, axis=-1)
-
-
-def closure(function: Any) -> dict[str, Any]:
-    """Returns the variables of the functions around one that it uses."""
-    return dict(zip(function.__code__.co_freevars, [cell.cell_contents for cell in function.__closure__], strict=True))
+    def eaten(self, reward: Array) -> Array:
+        """Returns what agents add to what the suite has them carry, int8 `[N, 1]`."""
+        return (reward > 0).astype(jnp.int8)[:, None]
 
 
 class CleanUp(Bridge):
     """Clean Up."""
 
-    name, original = "clean_up", "cleanup.clean_up:Clean_up"
+    name = "clean_up"
+    original = "cleanup.clean_up:Clean_up"
     checkpoint = "clean_up_seed30_reward_individual.pkl"
 
-    def hit(self, state: Any, actions: Array) -> Array:
-        """Its two beams have functions of their own."""
-        return self.inner["_interact_fire_zapping"](jax.random.PRNGKey(0), state, actions)[0]
+    def dirty(self, state: Any) -> Array:
+        """Returns where a state of the suite has dirt, bool `[H, W]`: its list has it under agents, too."""
+        labels = state.potential_dirt_and_dirt_label
+        return self.board(labels, state.potential_dirt_and_dirt_locs) == 8
 
     def from_suite(self, state: Any) -> Any:
-        """Labels of dirt are those of the list, which lasts under agents; marks and those sent off hide bare orchard cells."""
-        water, orchard = self.cells("HF"), self.cells("B")
-        labels = jnp.zeros((self.rows, self.cols), jnp.int16)
-        labels = labels.at[tuple(state.potential_dirt_and_dirt_locs.T)].set(state.potential_dirt_and_dirt_label)
-        left = jnp.zeros((self.rows, self.cols), bool).at[tuple(state.agent_locs[:, :2].T)].max(gone(state))
+        """Marks, and those who were hit, hide bare cells of the orchard."""
+        orchard = self.cells("B")
+        left = self.board(sent_off(state), state.agent_locs)
         hidden = (state.grid == 2) | (state.grid == 9) | left
         ours = self.module.initial_state().replace(
             step=jnp.int32(state.inner_t),
-            water_state=(labels[water] == 8).astype(jnp.uint8),
+            water_state=self.dirty(state)[self.cells("HF")].astype(jnp.uint8),
             orchard_fruit=(state.grid[orchard] == 3).astype(jnp.uint8),
             orchard_hidden=hidden[orchard].astype(jnp.uint8),
         )
         return self.placed(ours, state.reborn_locs)
 
+    def hit(self, after: Any, actions: Array) -> Array:
+        """Zaps hit; cleaning beams don't."""
+        return self.inner["_interact_fire_zapping"](jax.random.PRNGKey(0), after, actions)[0]
+
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
         """Adds those of the water."""
-        labels = jnp.zeros((self.rows, self.cols), jnp.int16)
-        labels = labels.at[tuple(after.potential_dirt_and_dirt_locs.T)].set(after.potential_dirt_and_dirt_label)
-        water = (labels[self.cells("HF")] == 8) != (ours.water_state == 1)
-        found = super().differences(before, actions, after, ours)
-        calm = ~found["steps with a contest by lot"]
-        return {**found, "steps after which more than the two cells of a dirt draw differ": calm & (water.sum() > 2)}
+        water = self.dirty(after)[self.cells("HF")] != (ours.water_state == 1)
+        figures = super().differences(before, actions, after, ours)
+        calm = ~figures["steps with a contest by lot"]
+        more = calm & (water.sum() > 2)
+        return {**figures, "steps after which more than the two cells of a dirt draw differ": more}
 
-    def begin(self, state: Any) -> Any:
-        """No marks yet."""
-        return self.draw(self.blank, state, self.place(state))
-
-    def draw(self, carried: Any, state: Any, places: Array) -> Any:
-        """Returns a state of the suite with water and apples of ours, and agents at these places."""
+    def ground(self, state: Any) -> Array:
+        """Apples, river and dirt."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16)
         grid = grid.at[self.cells("B")].set(jnp.where(state.orchard_fruit == 1, 3, 0).astype(jnp.int16))
         grid = grid.at[self.cells("S")].set(6)
-        grid = grid.at[self.cells("HF")].set(jnp.where(state.water_state == 1, 8, 7).astype(jnp.int16))
-        grid = grid.at[places[:, 0], places[:, 1]].set(self.suite._agents)
-        places = places.astype(jnp.int16)
-        return carried.replace(grid=grid, agent_locs=places, reborn_locs=places)
+        return grid.at[self.cells("HF")].set(jnp.where(state.water_state == 1, 8, 7).astype(jnp.int16))
 
-    def show(self, after: Any, walked: Array, carried: Any, reward: Array, actions: Array) -> Any:
-        """The suite's own code draws the beams."""
+    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
+        """Two sorts, zaps first."""
+        del state
         key = jax.random.PRNGKey(0)
-        shown = self.draw(carried, after, walked)
         _, shown = self.inner["_interact_fire_zapping"](key, shown, actions)
-        shown = self.inner["_interact_fire_cleaning"](key, shown, actions)
-        bags = carried.agent_invs + (reward > 0).astype(jnp.int8)[:, None]
-        return shown.replace(reborn_locs=self.place(after).astype(jnp.int16), agent_invs=bags)
+        return self.inner["_interact_fire_cleaning"](key, shown, actions)
 
 
 class Harvest(Bridge):
-    """Commons Harvest: Open, and with the maps of the suite's configurations the other two."""
+    """Commons Harvest: Open."""
 
-    name, original = "harvest_open", "common_harvest.harvest_open:Harvest_open"
+    name = "harvest_open"
+    original = "common_harvest.harvest_open:Harvest_open"
     checkpoint = "harvest_common_open_seed30_reward_individual.pkl"
 
     def from_suite(self, state: Any) -> Any:
-        """Marks block the floor and hide soil, as do those sent off."""
-        left = jnp.zeros((self.rows, self.cols), bool).at[tuple(state.agent_locs[:, :2].T)].max(gone(state))
-        marked, soil = state.grid == 2, self.cells("A")
+        """Marks block the floor; marks, and those who were hit, hide soil."""
+        soil = self.cells("A")
+        marked = state.grid == 2
+        left = self.board(sent_off(state), state.agent_locs)
         ours = self.module.initial_state().replace(
             step=jnp.int32(state.inner_t),
             soil_fruit=(state.grid[soil] == 3).astype(jnp.uint8),
@@ -256,41 +285,29 @@ class Harvest(Bridge):
 
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
         """Adds those of the marks."""
-        marked = jnp.zeros((self.rows, self.cols), bool)
-        marked = marked.at[self.cells(".Q")].set(ours.floor_marked == 1).at[self.cells("P")].set(ours.gate_marked == 1)
-        found = super().differences(before, actions, after, ours)
-        bare = np.isin(np.array([list(row) for row in self.module.MAP]), list(".QP"))
-        marks = jnp.any(bare & (marked != (after.grid == 2)))
-        return {**found, "steps after which marks differ, without a contest": marks & ~found["steps with a contest by lot"]}
+        floor, gates = self.cells(".Q"), self.cells("P")
+        marked = after.grid == 2
+        differ = jnp.any(marked[floor] != ours.floor_marked) | jnp.any(marked[gates] != ours.gate_marked)
+        figures = super().differences(before, actions, after, ours)
+        calm = ~figures["steps with a contest by lot"]
+        return {**figures, "steps after which marks differ, without a contest": differ & calm}
 
-    def begin(self, state: Any) -> Any:
-        """No marks yet."""
-        return self.draw(self.blank, state, self.place(state))
-
-    def draw(self, carried: Any, state: Any, places: Array) -> Any:
-        """Returns a state of the suite with walls and apples of ours, and agents at these places."""
+    def ground(self, state: Any) -> Array:
+        """Walls and apples."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
-        grid = grid.at[self.cells("A")].set(jnp.where(state.soil_fruit == 1, 3, 0).astype(jnp.int16))
-        grid = grid.at[places[:, 0], places[:, 1]].set(self.suite._agents)
-        places = places.astype(jnp.int16)
-        return carried.replace(grid=grid, agent_locs=places, reborn_locs=places)
-
-    def show(self, after: Any, walked: Array, carried: Any, reward: Array, actions: Array) -> Any:
-        """The suite's own code draws the beam."""
-        _, shown = self.inner["_interact"](jax.random.PRNGKey(0), self.draw(carried, after, walked), actions)
-        bags = carried.agent_invs + (reward > 0).astype(jnp.int8)[:, None]
-        return shown.replace(reborn_locs=self.place(after).astype(jnp.int16), agent_invs=bags)
+        return grid.at[self.cells("A")].set(jnp.where(state.soil_fruit == 1, 3, 0).astype(jnp.int16))
 
 
 class Closed(Harvest):
     """Commons Harvest: Closed."""
 
-    name, checkpoint = "harvest_closed", ""
+    name = "harvest_closed"
+    checkpoint = ""
 
     def arguments(self, checkout: Path) -> dict[str, Any]:
         """Its map is in a configuration."""
-        text = (checkout / "algorithms" / "IPPO" / "config" / f"ippo_cnn_{self.name}.yaml").read_text()
-        return {"map_ASCII": re.findall(r'"([ AWQP]{20,})"', text)}
+        file = checkout / "algorithms" / "IPPO" / "config" / f"ippo_cnn_{self.name}.yaml"
+        return {"map_ASCII": re.findall(r'"([ AWQP]{20,})"', file.read_text())}
 
 
 class Partnership(Closed):
@@ -300,43 +317,46 @@ class Partnership(Closed):
 
 
 class Territory(Bridge):
-    """Territory, played by its policy; its states of the suite are not made into ours."""
+    """Territory; single steps aren't compared."""
 
-    name, original = "territory", "territory.territory_env:Territory_open"
+    name = "territory"
+    original = "territory.territory_env:Territory_open"
     checkpoint = "individual/territory_open_seed30.pkl"
     agents = 9
     stepwise = False
 
-    def suite_figures(self, after: Any, rewards: Array, actions: Array) -> Figures:
+    def suite_return(self, rewards: Array) -> Array:
         """Its individual rewards are not multiplied by the number of agents."""
-        return {**super().suite_figures(after, rewards, actions), "return": rewards.sum()}
-
-    def begin(self, state: Any) -> Any:
-        """No marks yet."""
-        return self.draw(self.blank, self.place(state), self.bricks(state))
+        return rewards.sum()
 
     def bricks(self, state: Any) -> Array:
         """Returns the suite's numbers of the bricks: 7 free, 1000 and more for an owner, 999 cracked, 0 gone."""
         owned = jnp.where(state.brick_owner >= 0, 1000 + state.brick_owner, 7)
-        return jnp.where(state.brick_damage == 0, owned, jnp.where(state.brick_damage == 1, 999, 0)).astype(jnp.int16)
+        cracked = jnp.where(state.brick_damage == 1, 999, 0)
+        return jnp.where(state.brick_damage == 0, owned, cracked).astype(jnp.int16)
 
-    def draw(self, carried: Any, places: Array, bricks: Array) -> Any:
-        """Returns a state of the suite with walls, these bricks, and agents at these places."""
+    def ground(self, state: Any) -> Array:
+        """Walls and bricks."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
-        grid = grid.at[self.cells("R")].set(bricks).at[places[:, 0], places[:, 1]].set(self.suite._agents)
-        places = places.astype(jnp.int16)
-        return carried.replace(grid=grid, agent_locs=places, reborn_locs=places)
+        return grid.at[self.cells("R")].set(self.bricks(state))
 
-    def show(self, after: Any, walked: Array, carried: Any, reward: Array, actions: Array) -> Any:
-        """The suite's own code draws the beam around bricks, which it would break again."""
-        del reward
-        bricks = self.bricks(after)
-        shown = self.draw(carried, walked, jnp.where(bricks > 0, 1, 0).astype(jnp.int16))
-        shown = shown.replace(claimed_coord=jnp.zeros((self.rows, self.cols), bool))
-        _, shown = self.inner["_interact"](jax.random.PRNGKey(0), shown, actions)
+    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
+        """Beams end at bricks, but must not break them again: walls stand in for them."""
         cells = self.cells("R")
-        grid = shown.grid.at[cells].set(jnp.where(bricks > 0, bricks, shown.grid[cells]))
-        return shown.replace(grid=grid, reborn_locs=self.place(after).astype(jnp.int16))
+        bricks = self.bricks(state)
+        walls = jnp.where(bricks > 0, 1, shown.grid[cells]).astype(jnp.int16)
+        shown = shown.replace(
+            grid=shown.grid.at[cells].set(walls),
+            claimed_coord=jnp.zeros((self.rows, self.cols), bool),
+        )
+        shown = super().beams(shown, state, actions)
+        marked = jnp.where(bricks > 0, bricks, shown.grid[cells])
+        return shown.replace(grid=shown.grid.at[cells].set(marked))
+
+    def eaten(self, reward: Array) -> Array:
+        """Nothing is carried."""
+        del reward
+        return jnp.zeros((self.agents, 1), jnp.int8)
 
 
 BRIDGES: dict[str, type[Bridge]] = {bridge.name: bridge for bridge in (CleanUp, Harvest, Closed, Partnership, Territory)}

@@ -107,5 +107,19 @@ game lb_foraging "Level-Based Foraging" {
   scenario residents "residents meet one who goes alone" { slots players - 1 focal  slots 1 policy defector }
   variant socialjax "as released: the window of 8 x 8, one's own cell the fifth of both" {
     observe { window ahead 4, behind 3, left 4, right 3 }  # released code
+    group board = floor, start, wall
+    # released code: each of num_food tries draws any cell of the board, and is lost where that is no floor or has food already
+    phase start {
+      each agent {
+        send agent to start facing north
+        draw level from 1 .. strongest
+        set agent.level = level
+      }
+      pick foods board as cell {
+        draw level from 1 .. richest
+        draw earlier from 1 .. 112  # ours: nearly as likely below `foods` as one before it drew the same of 56 cells
+        each floor where floor.row == cell.row and floor.col == cell.col and earlier >= foods { set floor.food = level by lot }
+      }
+    }
   }
 }

@@ -38,6 +38,7 @@ TESTS = {
     "coop_mining settle": "test_coop_mining_chances.py test_contested_iron_goes_to_each_miner_alike",
     "coop_mining grow": "test_coop_mining_chances.py test_iron_and_gold_come_so_often",
     "coop_mining+socialjax grow": "test_coop_mining_chances.py test_iron_and_gold_come_so_often",
+    "coop_mining+meltingpot grow": "test_coop_mining_chances.py test_iron_and_gold_come_so_often",
     "coop_mining+meltingpot settle": "test_melting_pot_chances.py test_of_three_miners_two_share",
     "coop_mining+meltingpot finish": ENDINGS,
     "gift_refinement start": STARTS,
@@ -71,6 +72,7 @@ TESTS = {
         f"mushrooms+socialjax sprout({kind})": "test_mushrooms_chances.py test_as_released_spores_come_a_step_later"
         for kind in ("red", "green", "blue", "orange")
     },
+    "mushrooms+socialjax start": STARTS,
     "mushrooms+socialjax fire": "test_mushrooms_chances.py test_home_is_every_free_bare_cell_alike",
     "mushrooms+meltingpot start": STARTS,
     "mushrooms+meltingpot die": "test_melting_pot_chances.py test_orange_kills_each_red_one_alike",

@@ -150,7 +150,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
         "timers": frozen("zap_pause", "clean_pause"),
         "rows": "_meltingpot",
     },
-    ("coop_mining", "socialjax"): {**COMPASS, "numbers": {"spawn_iron": 0.0002, "spawn_gold": 0.00008}},
+    ("coop_mining", "socialjax"): {**COMPASS, "numbers": {"spawn_iron": 0.0002, "spawn_gold": 0.00008}, "rows": "_meltingpot"},
     ("coop_mining", "meltingpot"): {
         **COOLING,
         **IDENTITY,
@@ -164,7 +164,6 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
         "schedule": "grow walk fade collect cover offer receive(cut) receive(fine) sample consume",
         "rows": "_socialjax",
     },
-    ("gift_refinement", "automatic"): {},
     ("gift_refinement", "meltingpot"): {
         **IDENTITY,
         "numbers": {"players": 6, "reach": 5, "yields": (5, 5, 1), **BY_CHANCE, "ending": 0.2},
@@ -176,7 +175,9 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     },
     ("mushrooms", "socialjax"): {
         **COMPASS,
-        "schedule": "sprout(red) sprout(green) sprout(blue) sprout(orange) walk eat fade fire tick",
+        "numbers": {"sown": (5, 5, 5, 1)},  # released code
+        "schedule": "sprout(red) sprout(green) sprout(blue) sprout(orange) crush walk eat fire tick",
+        "rows": "_socialjax",
     },
     ("mushrooms", "meltingpot"): {
         "numbers": {
@@ -196,6 +197,7 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     },
     ("pd_arena", "socialjax"): {
         **COMPASS,
+        "rows": "_socialjax",
         "schedule": "grow walk collect meet rest tick",
         "shape": {(1, 0), (2, 0)},  # released code: one cell is reached, two are marked
         "of_others": frozen("bag"),  # released code: of everybody

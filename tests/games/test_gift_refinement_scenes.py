@@ -16,7 +16,6 @@ LOOKS = {"r": "ground token=raw"}
 DEFAULT = Stage("gift_refinement", ROWS, 5, looks=LOOKS)
 RELEASED = Stage("gift_refinement", ROWS, 5, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
 BOTH = pytest.mark.parametrize("stage", [DEFAULT, RELEASED], ids=["default", "socialjax"])
-AUTOMATIC = Stage("gift_refinement", ROWS, 5, variant="socialjax+automatic", looks=LOOKS, interpreted=BRIEFLY)
 FAR = Stage("gift_refinement", ROWS, 5, variant="meltingpot", looks=LOOKS, interpreted=BRIEFLY)
 LEVELS = ("raw", "cut", "fine")
 Bag = tuple[int, int, int]
@@ -67,22 +66,20 @@ def test_the_lowest_level_is_given_and_refined(stage: Stage, before: Bag, after:
     scene.has({"metric refined_held": sum(after[1:]) + sum(arrives[1:]), "agent.post": {n: dict.fromkeys(LEVELS, 0) for n in range(5)}})
 
 
-@BOTH
 @pytest.mark.parametrize(("giver", "receiver"), list(itertools.product("^>v<", repeat=2)))
-def test_the_receiver_may_face_anywhere(stage: Stage, giver: str, receiver: str) -> None:
+def test_the_receiver_may_face_anywhere(giver: str, receiver: str) -> None:
     row, column = {"^": (0, 4), ">": (1, 5), "v": (2, 4), "<": (1, 3)}[giver]
     rows = [list(line) for line in ROWS]
     rows[1][4], rows[row][column] = giver, receiver
     told = {1: "0", row: "1"} if row != 1 else {1: "01" if column > 4 else "10"}
     picture = [f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows)]
-    scene = put(stage, *picture[:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    scene = put(DEFAULT, *picture[:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
     assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
 
 
-@BOTH
 @pytest.mark.parametrize("action", ["turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "consume"])
-def test_no_other_action_gives(stage: Stage, action: str) -> None:
-    scene = in_line(stage, "TT>>TTTT", bags={0: (2, 0, 0)}).step(action)
+def test_no_other_action_gives(action: str) -> None:
+    scene = in_line(DEFAULT, "TT>>TTTT", bags={0: (2, 0, 0)}).step(action)
     assert bags(scene, 0, 1) == [(0 if action == "consume" else 2, 0, 0), (0, 0, 0)]
     scene.has({"event given": 0, "event received[cut]": 0})
 
@@ -107,59 +104,54 @@ def test_the_neighbour_diagonally_ahead_gets_nothing(stage: Stage) -> None:
 ROOM = [(11, 14, 3), (12, 15, 3), (13, 15, 2), (14, 15, 1), (15, 15, 0)]
 
 
-@BOTH
 @pytest.mark.parametrize(("before", "after", "received"), ROOM)
-def test_what_does_not_fit_is_lost_and_nothing_is_given_to_a_full_bag(stage: Stage, before: int, after: int, received: int) -> None:
-    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (15, before, 15)}).step("gift")
+def test_what_does_not_fit_is_lost_and_nothing_is_given_to_a_full_bag(before: int, after: int, received: int) -> None:
+    scene = in_line(DEFAULT, "TT>>TTTT", bags={0: (1, 0, 0), 1: (15, before, 15)}).step("gift")
     assert bags(scene, 0, 1) == [(int(received == 0), 0, 0), (15, after, 15)]
     scene.has({"event received[cut]": [0, received, 0, 0, 0], "event given": [int(received > 0), 0, 0, 0, 0]})
 
 
-@BOTH
-def test_only_the_level_that_would_arrive_needs_room(stage: Stage) -> None:
-    scene = in_line(stage, "TT>>TTTT", bags={0: (0, 1, 0), 1: (15, 15, 14)}).step("gift")
+def test_only_the_level_that_would_arrive_needs_room() -> None:
+    scene = in_line(DEFAULT, "TT>>TTTT", bags={0: (0, 1, 0), 1: (15, 15, 14)}).step("gift")
     assert bags(scene, 0, 1) == [(0, 0, 0), (15, 15, 15)]
-    scene = in_line(stage, "TT>>TTTT", bags={0: (0, 0, 1), 1: (15, 14, 15)}).step("gift")
+    scene = in_line(DEFAULT, "TT>>TTTT", bags={0: (0, 0, 1), 1: (15, 14, 15)}).step("gift")
     assert bags(scene, 0, 1) == [(0, 0, 1), (15, 14, 15)]
 
 
-@BOTH
 @pytest.mark.parametrize("givers", [2, 3, 4])
-def test_several_givers_add_up(stage: Stage, givers: int) -> None:
+def test_several_givers_add_up(givers: int) -> None:
     """Around agent 4: each pays one token."""
     picture = ("TTTTTvTT  0", "TTTT>^<T  142", "TT#TT^TT  3", *ROWS[3:])
     actions = ", ".join(["gift"] * givers)
-    scene = put(stage, *picture, bags=dict.fromkeys(range(4), (2, 0, 0))).step(actions)
+    scene = put(DEFAULT, *picture, bags=dict.fromkeys(range(4), (2, 0, 0))).step(actions)
     assert bags(scene, *range(5)) == [(1, 0, 0)] * givers + [(2, 0, 0)] * (4 - givers) + [(0, 3 * givers, 0)]
     scene.has({"event given": [int(agent < givers) for agent in range(5)], "event received[cut]": {4: 3 * givers}})
-    mixed = put(stage, *picture, bags={0: (1, 0, 0), 1: (0, 1, 0), 2: (0, 0, 1)}).step("gift, gift, gift")
+    mixed = put(DEFAULT, *picture, bags={0: (1, 0, 0), 1: (0, 1, 0), 2: (0, 0, 1)}).step("gift, gift, gift")
     assert bags(mixed, *range(5)) == [(0, 0, 0)] * 4 + [(0, 3, 4)]
 
 
-@BOTH
-def test_room_is_judged_before_all_gifts(stage: Stage) -> None:
+def test_room_is_judged_before_all_gifts() -> None:
     """There is room for one token, so both givers pay; what is too much is lost."""
     picture = ("TTTTTvTT  0", "TTTT>^<T  142", "TT#TT^TT  3", *ROWS[3:])
-    scene = put(stage, *picture, bags={0: (1, 0, 0), 1: (1, 0, 0), 4: (0, 14, 0)}).step("gift, gift")
+    scene = put(DEFAULT, *picture, bags={0: (1, 0, 0), 1: (1, 0, 0), 4: (0, 14, 0)}).step("gift, gift")
     assert bags(scene, 0, 1, 4) == [(0, 0, 0), (0, 0, 0), (0, 15, 0)]
     scene.has({"event given": [1, 1, 0, 0, 0], "event received[cut]": {4: 1}})
     # agent 1 is full when gifts are judged, though it gives one away in this step
-    scene = in_line(stage, "TT>>>TTT", bags={0: (0, 1, 0), 1: (0, 0, 15)}).step("gift, gift")
+    scene = in_line(DEFAULT, "TT>>>TTT", bags={0: (0, 1, 0), 1: (0, 0, 15)}).step("gift, gift")
     assert bags(scene, 0, 1, 2) == [(0, 1, 0), (0, 0, 14), (0, 0, 1)]
 
 
-@BOTH
-def test_gifts_of_a_step_do_not_see_each_other(stage: Stage) -> None:
+def test_gifts_of_a_step_do_not_see_each_other() -> None:
     """In a chain each gives what it had; two who face each other exchange; a ring works too."""
-    scene = in_line(stage, "TT>>>TTT", bags={0: (1, 0, 0), 1: (1, 0, 0)}).step("gift, gift")
+    scene = in_line(DEFAULT, "TT>>>TTT", bags={0: (1, 0, 0), 1: (1, 0, 0)}).step("gift, gift")
     assert bags(scene, 0, 1, 2) == [(0, 0, 0), (0, 3, 0), (0, 3, 0)]
-    scene = in_line(stage, "TT>>>TTT", bags={0: (1, 0, 0)}).step("gift, gift")
+    scene = in_line(DEFAULT, "TT>>>TTT", bags={0: (1, 0, 0)}).step("gift, gift")
     assert bags(scene, 0, 1, 2) == [(0, 0, 0), (0, 3, 0), (0, 0, 0)]
     scene.step("stay, gift")
     assert bags(scene, 0, 1, 2) == [(0, 0, 0), (0, 2, 0), (0, 0, 3)]
-    scene = in_line(stage, "TT><TTTT", bags={0: (1, 0, 0), 1: (0, 1, 0)}).step("gift, gift")
+    scene = in_line(DEFAULT, "TT><TTTT", bags={0: (1, 0, 0), 1: (0, 1, 0)}).step("gift, gift")
     assert bags(scene, 0, 1) == [(0, 0, 3), (0, 3, 0)]
-    ring = put(stage, "TTT>vTTT  01", "TTT^<TTT  32", *ROWS[2:-1], "vPPPPPPP", bags=dict.fromkeys(range(4), (1, 0, 0)))
+    ring = put(DEFAULT, "TTT>vTTT  01", "TTT^<TTT  32", *ROWS[2:-1], "vPPPPPPP", bags=dict.fromkeys(range(4), (1, 0, 0)))
     assert bags(ring.step("gift, gift, gift, gift"), *range(4)) == [(0, 3, 0)] * 4
 
 
@@ -175,12 +167,12 @@ def test_gifts_come_after_moves(stage: Stage) -> None:
 @pytest.mark.parametrize("action", ["stay", "turn_right", "gift"])
 def test_as_released_a_token_goes_ahead_unasked_to_who_faces_the_same_way(action: str) -> None:
     for line, gives in (("TT>>TTTT", action != "turn_right"), ("TT>^TTTT", False)):
-        scene = in_line(AUTOMATIC, line, bags={0: (2, 0, 0)}).step(f"{action}, stay")
+        scene = in_line(RELEASED, line, bags={0: (2, 0, 0)}).step(f"{action}, stay")
         assert bags(scene, 0, 1) == ([(1, 0, 0), (0, 3, 0)] if gives else [(2, 0, 0), (0, 0, 0)])
 
 
 def test_as_released_a_full_bag_loses_the_token() -> None:
-    assert bags(in_line(AUTOMATIC, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("stay"), 0, 1) == [(0, 0, 0), (0, 15, 0)]
+    assert bags(in_line(RELEASED, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("stay"), 0, 1) == [(0, 0, 0), (0, 15, 0)]
 
 
 # Melting Pot's reach of five cells
@@ -211,7 +203,7 @@ def test_walls_stop_the_ray() -> None:
 @BOTH
 @pytest.mark.parametrize(("bag", "reward"), [((3, 4, 5), 12), ((1, 0, 0), 1), ((0, 0, 15), 15), ((0, 0, 0), 0)])
 def test_consuming_pays_one_for_each_token(stage: Stage, bag: Bag, reward: float) -> None:
-    scene = in_line(stage, "TT>>TTTT", bags={0: bag, 1: (1, 1, 1)}).step("consume")
+    scene = in_line(stage, "TT><TTTT", bags={0: bag, 1: (1, 1, 1)}).step("consume")
     scene.has({"reward": [reward, 0, 0, 0, 0], "event consumed": [reward, 0, 0, 0, 0]})
     assert bags(scene, 0, 1) == [(0, 0, 0), (1, 1, 1)]
     scene.step("consume").has({"reward": 0})
@@ -225,8 +217,9 @@ def test_a_gift_that_meets_consumption(stage: Stage, reward: float, left: Bag) -
     assert bags(scene, 0, 1) == [(0, 0, 0), left]
 
 
-@pytest.mark.parametrize(("stage", "giver", "left"), [(DEFAULT, 0, (0, 3, 0)), (RELEASED, 1, (0, 0, 0))], ids=["default", "socialjax"])
+@pytest.mark.parametrize(("stage", "giver", "left"), [(DEFAULT, 0, (0, 3, 0)), (RELEASED, 0, (0, 0, 0))], ids=["default", "socialjax"])
 def test_consumption_makes_room_only_if_it_comes_first(stage: Stage, giver: int, left: Bag) -> None:
+    """As released it comes after gifts, and a full bag loses the token."""
     scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("gift, consume").has({"reward": [0, 15, 0, 0, 0]})
     assert bags(scene, 0, 1) == [(giver, 0, 0), left]
 

@@ -9,7 +9,7 @@ import pytest
 from sjdsl.testing import Scene, Stage
 from sjdsl.trainers import evaluate, find_policy
 
-from .chance import BATCH, assert_uniform
+from .chance import BATCH, assert_shares, assert_uniform
 from .environments import environment, placed, places
 
 GAME = "lb_foraging"
@@ -115,6 +115,20 @@ def test_where_and_with_what_an_episode_begins() -> None:
     assert_uniform([(food == level).sum() for level in (1, 2, 3)], within=0.2)
     assert_uniform([(levels == level).sum() for level in (1, 2)], within=0.2)
     assert_uniform((food > 0).sum(axis=0), within=0.4)
+
+
+def test_as_released_food_is_lost_where_it_cannot_lie() -> None:
+    """Each of four tries draws one of 56 cells, 26 of them floor, and is lost on other cells and where food lies already."""
+    env = environment(GAME, "socialjax")
+    _, states = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), BATCH))
+    food = np.asarray(states.floor_food)
+    shares = np.eye(5)[0]
+    for _ in range(4):
+        placed_now = shares[:4] * (26 - np.arange(4)) / 56
+        shares = shares - np.append(placed_now, 0) + np.append(0, placed_now)
+    assert_shares(np.bincount((food > 0).sum(axis=1), minlength=5), shares, within=0.05)
+    assert_uniform([(food == level).sum() for level in (1, 2, 3)], within=0.2)
+    assert_uniform((food > 0).sum(axis=0), within=0.6)
 
 
 @pytest.mark.thorough

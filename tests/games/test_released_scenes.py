@@ -127,12 +127,22 @@ LAST_COLUMN = Stage(
     interpreted=BRIEFLY,
 )
 SURE = {"regrow_1": 1, "regrow_2": 1, "regrow_3": 1}
+NEVER = dict.fromkeys(SURE, 0)
 
 
 @pytest.mark.parametrize(("row", "after"), [("...aa", "...Aa"), ("...Aa", "...AA")])
 def test_the_last_column_does_not_count_the_neighbour_below_left(row: str, after: str) -> None:
     """It counts the one to the left."""
     LAST_COLUMN.put("^QPPP", ".....", row, "...A.", "....^", params=SURE).step().shows("^QPPP", ".....", after, "...A.", "....^")
+
+
+@pytest.mark.parametrize(("numbers", "grows"), [("10", True), ("01", False)])
+def test_a_tree_grows_under_a_mark_that_an_agent_with_a_higher_number_erased(numbers: str, grows: bool) -> None:
+    """The tree two ahead of both, one of whom zaps."""
+    zapper = int(numbers[1])
+    scene = ORCHARD.put("QQPPP", ".....", f">.a..  {numbers[0]}", ".A.A.", f"..^..  {numbers[1]}", params=NEVER)
+    scene.step("zap" if zapper == 0 else "stay, zap").change(**SURE).step()
+    assert (scene.value("soil.fruit")[0] == "ripe") == grows
 
 
 def test_nothing_grows_for_a_step_where_somebody_was_hit() -> None:

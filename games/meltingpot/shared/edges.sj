@@ -2,9 +2,10 @@ sj 1
 game edges "What beams reach past the edges in the released code of SocialJax" {  # a base of other games, not a game of its own
   # Released code: its grid is read up to `reach` cells ahead of an agent without a look at the edges. An index below 0 counts from the end,
   # so the beam goes on at the opposite edge. One past the end is read as the last, so who faces that edge hits itself.
-  define past_edge(a, x, reach, rows, cols) = a.heading is north and x.col == a.col and x.row >= a.row + rows - reach or a.heading is west
-      and x.row == a.row and x.col >= a.col + cols - reach
-  define hits_itself(a, rows, cols) = a.heading is south and a.row == rows - 1 or a.heading is east and a.col == cols - 1
+  define past_top(a, x, reach, rows)        = a.heading is north and x.col == a.col and x.row >= a.row + rows - reach
+  define past_left(a, x, reach, cols)       = a.heading is west and x.row == a.row and x.col >= a.col + cols - reach
+  define past_edge(a, x, reach, rows, cols) = past_top(a, x, reach, rows) or past_left(a, x, reach, cols)
+  define hits_itself(a, rows, cols)         = a.heading is south and a.row == rows - 1 or a.heading is east and a.col == cols - 1
 
   # Released code: the cells of all agents' beams, fired or not, are written one after another: first all that are one ahead, then two
   # ahead, to the left and to the right of that; of a sort, in the order of the agents.
