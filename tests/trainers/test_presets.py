@@ -1,9 +1,7 @@
 """Presets: layered tables, and what those of the package say."""
 
-import csv
 import math
 import os
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -324,22 +322,3 @@ def test_networks_have_the_released_sizes(algorithm: str, game: str, channels: i
 def test_built_in_names_are_not_taken(kind: Any, name: str) -> None:
     with pytest.raises(ValueError, match=f"`{name}` is a built-in {kind}"):
         register(kind, name, lambda *_: None)
-
-
-def test_the_table_of_trials_agrees_with_their_returns() -> None:
-    """Each trial changes one setting of `two_cores`; those that earn at least a tenth more are bold."""
-    with DOCS.with_name("training").joinpath("search.csv").open() as file:
-        trials = [row for row in csv.DictReader(file) if row["preset"] == "two_cores"]
-    settings = ("learning_rate", "num_minibatches", "entropy_coefficient", "gamma", "gae_lambda", "common_reward")
-    earned = {(row["game"], *(f"{key}={row[key]}" for key in settings if row[key])): float(row["collective_return"]) for row in trials}
-    table = DOCS.read_text().partition("**One setting at a time.**")[2].split("\n\n")[1]
-    (_, _, *games), _, *lines = ([cell.strip() for cell in line.split("|")[:-1]] for line in table.splitlines())
-    assert len(games) == 8
-    assert len(lines) == 12
-    for _, said, *cells in lines:
-        change, *in_harvests = re.findall("`([^`]+)`", said)
-        for game, cell in zip(games, cells, strict=True):
-            changed = f"{change.partition('=')[0]}={in_harvests[0]}" if in_harvests and "harvest" in game else change
-            found = earned.get((game,) if change == "two_cores" else (game, changed))
-            bold = "**" if found is not None and found >= 1.1 * earned[(game,)] else ""
-            assert cell == ("" if found is None else f"{bold}{found:,.0f}{bold}"), (said, game)
