@@ -42,6 +42,7 @@ from sjdsl.trainers.manifest import MANIFEST, read_manifest
 from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
 from sjdsl.trainers.policy_file import POLICIES
 from sjdsl.trainers.run_errors import RunError
+from sjdsl.trainers.seeds_in_words import seeds_in_words
 from sjdsl.trainers.stored_evaluation import EVALUATION, RETURN, read_evaluation
 
 with needs("results"):
@@ -415,13 +416,13 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
         how = "isn't finished" if status == "running" else f"ended early ({status})"
         _warn(f"`{path}` {how}: it is left out. Resume it with `sjdsl train --resume {path}`")
     done = [row for row in rows if row["status"] == "done"]
-    for row in rows:
-        if row["status"] == "failed":
-            _warn(f"seed {row['seed']} of `{path}` diverged (non-finite loss): nothing is averaged with it")
+    failed = [row["seed"] for row in rows if row["status"] == "failed"]
+    if failed:
+        _warn(f"{seeds_in_words(failed)} of `{path}` diverged (non-finite loss): this run has no mean")
     wanting = [row for row in done if "collective_return" not in row]
     damaged = [row for row in wanting if not (Path(row["folder"]) / POLICIES).is_dir()]
-    for row in damaged:
-        _warn(f"`{row['folder']}` is incomplete, as it has no `{POLICIES}`: it is left out")
+    if damaged:
+        _warn(f"left out of `{path}`: {seeds_in_words(row['seed'] for row in damaged)}, without `{POLICIES}`")
     if len(wanting) > len(damaged):
         _warn(f"`{path}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {path}`")
     few = [row["episodes"] for row in done if "collective_return" in row and row["episodes"] < EPISODES]

@@ -68,7 +68,7 @@ def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
     found = read(folder)
     assert earned(found) == {0: 3.0, 1: None, 2: 4.0}
     assert found.notes == (
-        f"`{folder}/seed_1` is incomplete, as it has no `policies`: it is left out",
+        f"left out of `{folder}`: seed 1, without `policies`",
         f"`{folder}` was evaluated in 2 episodes a seed, others in 30: run `sjdsl evaluate {folder}`",
     )
 
@@ -127,6 +127,8 @@ def test_a_seed_that_has_failed(tmp_path: Path) -> None:
     assert [(row.seed, row.status) for row in found.rows("seed")] == [(0, "done"), (1, "failed")]
     assert set(found.curves.seed) == {0}
     assert "seed 1" in found.notes[0]
+    several = read(write_run(tmp_path / "several", "coins", (1.0, 2.0, 3.0, 4.0), diverged=[0, 1, 3], reward="common"))
+    assert several.notes == (f"seeds 0, 1 and 3 of `{tmp_path / 'several'}` diverged (non-finite loss): this run has no mean",)
     alone = read(write_run(tmp_path / "alone", "coins", (1.0,), status="failed: the loss became nan", diverged=[0]))
     assert [row.status for row in alone.rows("seed")] == ["failed"]
 
