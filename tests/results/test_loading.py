@@ -197,7 +197,9 @@ def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.Monk
     found = read(tmp_path)
     assert found.frame.record.to_list() == ["diagram", "mixture"]  # what a random policy earns says nothing of the game as it is
     assert set(found.frame.params) == {"harm=-3.0"}
-    assert diagrams(found.frame).tables[0].rows[0][:2] == ("coins, harm=-3.0", "`runs/coins_common`")
+    (table,) = diagrams(found.frame).tables
+    (record,) = table.records
+    assert (record["game"], record["cooperators"]) == ("coins, harm=-3.0", "`runs/coins_common`")
 
 
 def test_which_variant_of_a_bundled_game_rules_are_of() -> None:
