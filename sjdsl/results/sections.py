@@ -1,6 +1,5 @@
 """The sections of a report: each is a function of the table of results, and makes its tables and pictures."""
 
-import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -16,9 +15,11 @@ from sjdsl.results.figures import Cell, Figure, Table, counted, interval, of_cel
 from sjdsl.results.loading import CONTRASTS
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_of
+from sjdsl.results.settings import as_written, differing, settings_of
 from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
 from sjdsl.short_paths import short_names
 from sjdsl.trainers.estimates import estimate
+from sjdsl.trainers.own_settings import OWN
 from sjdsl.trainers.panels import Line, draw_panels, split_lines
 
 if TYPE_CHECKING:
@@ -37,10 +38,18 @@ def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
     for words, seeds in sorted(runs, key=lambda pair: (pair[0].casefold(), pair[1].iloc[0].run)):
         own = seeds.iloc[0]
         others = [other.iloc[0] for name, other in runs if name == words and other.iloc[0].run != own.run]
-        settings = [json.loads(row.settings) | {"total_timesteps": int(row.total_timesteps)} for row in (own, *others)]
-        apart = sorted({key for one in settings for key in one if any(other.get(key) != settings[0].get(key) for other in settings)})
-        said = ", ".join(f"{key} {settings[0].get(key, 'default')}" for key in apart) or (own.run[-8:] if others else "")
+        settings = [_all_settings(row) for row in (own, *others)]
+        apart = [name for name in differing(settings) if name in settings[0] or name.startswith(OWN)]
+        values = [as_written(settings[0].get(name, "default")) or "none" for name in apart]
+        said = ", ".join(f"{name} {value}" for name, value in zip(apart, values, strict=True))
+        if others and not said:
+            said = own.run[-8:]
         yield words + (f" ({said})" if said else ""), seeds
+
+
+def _all_settings(row: Any) -> dict[str, Any]:
+    """Returns the settings of a seed that `in_words` doesn't say."""
+    return settings_of(row) | {"network": row.network, "total_timesteps": int(row.total_timesteps)}
 
 
 def returns(frame: "pd.DataFrame") -> Section:

@@ -53,6 +53,17 @@ def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
     assert "2 seeds, 256k steps, two_cores, unnamed CPU" in {row[3] for row in texts(returns(read(tmp_path).frame))}
 
 
+def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path: Path) -> None:
+    write_run(tmp_path / "usual", "coins", (10.0, 12.0))
+    write_run(tmp_path / "fast", "coins", (10.0, 12.0), learning_rate=0.01, init_from=str(tmp_path))
+    write_run(tmp_path / "deep", "coins", (10.0, 12.0), network="cnn", convolution_sides=[3, 3])
+    assert {row[1] for row in texts(returns(read(tmp_path).frame))} == {
+        "IPPO, individual (init_from none, learning_rate 0.0005, network cnn)",
+        "IPPO, individual (init_from a policy, learning_rate 0.01, network mlp)",
+        "IPPO, individual (init_from none, learning_rate 0.0005, network mlp)",
+    }
+
+
 @pytest.mark.parametrize(
     ("ways", "chosen"),
     [
