@@ -29,7 +29,7 @@ def seeds_of_each(pairs: Iterable[tuple[int, Said]]) -> dict[Said, list[int]]:
     Args:
       pairs: a seed, and a thing that is said of it.
     """
-    found: dict[Said, list[int]] = {}
+    seeds_of: dict[Said, list[int]] = {}
     for seed, thing in pairs:
-        found.setdefault(thing, []).append(seed)
-    return found
+        seeds_of.setdefault(thing, []).append(seed)
+    return seeds_of

@@ -59,7 +59,7 @@ def usable_gpus() -> list[str]:
 
 
 def variables_of_workers(gpus: Sequence[str], workers: int) -> list[dict[str, str]]:
-    """Returns the environment variables of each worker: a GPU of its own, or one shared with others, in turn; none without GPUs."""
+    """Returns the environment variables of each worker: a GPU of its own, or one shared with others, dealt out in turn; none without GPUs."""
     if not gpus:
         return [{} for _ in range(workers)]
     shared = workers > len(gpus)
@@ -70,7 +70,7 @@ def variables_of_workers(gpus: Sequence[str], workers: int) -> list[dict[str, st
 def describe_shares(gpus: Sequence[str], workers: int) -> str:
     """Returns how workers share GPUs, in words."""
     if workers > len(gpus):
-        return f"{workers} processes share {len(gpus)} GPU{'s' * (len(gpus) > 1)} in turn"
+        return f"{workers} processes share {len(gpus)} GPU{'s' * (len(gpus) > 1)}"
     idle = len(gpus) - workers
     return f"{workers} processes have a GPU each" + (f"; {idle} more {'are' if idle > 1 else 'is'} not used" if idle else "")
 

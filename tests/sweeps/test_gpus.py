@@ -84,8 +84,8 @@ def test_a_driver_without_a_gpu_for_jax() -> None:
     [
         (["0", "1"], 2, ["0", "1"], "2 processes have a GPU each"),
         (["4", "5", "6"], 2, ["4", "5"], "2 processes have a GPU each; 1 more is not used"),
-        (["0", "1"], 5, ["0", "1", "0", "1", "0"], "5 processes share 2 GPUs in turn"),
-        (["7"], 2, ["7", "7"], "2 processes share 1 GPU in turn"),
+        (["0", "1"], 5, ["0", "1", "0", "1", "0"], "5 processes share 2 GPUs"),
+        (["7"], 2, ["7", "7"], "2 processes share 1 GPU"),
     ],
 )
 def test_each_worker_sees_one_gpu(monkeypatch: pytest.MonkeyPatch, gpus: list[str], workers: int, seen: list[str], words: str) -> None:
