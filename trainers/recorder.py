@@ -13,7 +13,7 @@ from .config import Config
 from .environment import Environment
 from .evaluation import Evaluation, evaluation_key, make_evaluator, summarise
 from .learning_curve import draw_learning_curve
-from .learning_signs import Signs, is_due
+from .learning_signs import LearningWarning, Signs, is_due
 from .loggers import LoggerName, Loggers, open_loggers
 from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
 from .policies import trained_policy
@@ -56,7 +56,7 @@ class History:
         self.seconds = 0.0  # that they took
         self.earned = Earned()
         self.signs = Signs()
-        self.warnings: list[str] = []  # signs that nothing is learnt
+        self.warnings: list[LearningWarning] = []
         self.is_judged = False  # whether these were looked for at the last row
         self._config = config
 

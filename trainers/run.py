@@ -22,6 +22,7 @@ from .compiled import NoMemoryError, compile_train, peak_megabytes, with_spread_
 from .config import Config, ConfigError, PPOConfig, stored_config
 from .environment import Environment, episode_length
 from .extensions import short_name
+from .learning_signs import said_once
 from .loggers import LoggerName
 from .manifest import MANIFEST
 from .metric_rows import mean_row
@@ -309,7 +310,7 @@ def _run_part(part: _Part, progress: ProgressStyle, callback: Callback | None) -
         finally:
             manifest.update(
                 updates=so_far.updates,
-                warnings=sorted({warning for recorder in recorders for warning in recorder.history.warnings}),
+                warnings=said_once({recorder.seed: recorder.history.warnings for recorder in recorders}),
                 diverged=[{"seed": seed, "update": update} for seed, update in so_far.diverged.items()],
                 seconds=time.perf_counter() - began,
                 peak_megabytes=peak_megabytes(),

@@ -18,6 +18,7 @@ from sjdsl.termination import Terminated, sigterm_raises
 from .checkpoint_pace import CheckpointPace
 from .compiled import Compiled, NoMemoryError
 from .config import Config
+from .learning_signs import LearningWarning, said_once
 from .metric_rows import flatten_metrics, mean_row
 from .metrics_files import Row
 from .policies import Policy
@@ -25,6 +26,7 @@ from .processes import any_process
 from .progress import Show
 from .recorder import Recorder
 from .run_errors import RunError
+from .seeds_in_words import seeds_in_words, seeds_of_each
 from .training_functions import TrainState
 
 
@@ -199,15 +201,16 @@ def _summary(rows: Sequence[Row], learning: Sequence[int], keeping: Keeping) -> 
     before = [recorder.history.signs.before_learning for recorder in recorders]
     known = [figure for figure in before if math.isfinite(figure)]
     row["before_learning"] = sum(known) / len(known) if known else math.nan
-    due = [(recorder.folder, warning) for recorder in recorders if recorder.history.is_judged for warning in recorder.history.warnings]
-    return row, [f"{folder}: {warning}" if len(keeping.recorders) > 1 else warning for folder, warning in due]
+    nothing: dict[int, Sequence[LearningWarning]] = {recorder.seed: () for recorder in keeping.recorders}
+    due = {recorder.seed: recorder.history.warnings for recorder in recorders if recorder.history.is_judged}
+    return row, said_once(nothing | due)
 
 
 def describe_divergence(diverged: Mapping[int, int]) -> str:
     """Returns which seeds diverged when, in words."""
     return "; ".join(
-        f"the loss became nan in update {update} of seed {seed}; the policy of update {update - 1} is kept"
-        for seed, update in diverged.items()
+        f"the loss became nan in update {update} of {seeds_in_words(seeds)}; the policy of update {update - 1} is kept"
+        for update, seeds in seeds_of_each(diverged.items()).items()
     )
 
 

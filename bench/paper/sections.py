@@ -27,7 +27,7 @@ from bench.paper.small_multiples import Series, draw_series, panel_of
 from sjdsl.results import sections
 from sjdsl.results.figures import EMPTY, Cell, Figure, Table, interval, number, of_cell, unlike_settings
 from sjdsl.results.page import Picture, Section
-from sjdsl.results.sections import BEHIND, compared_table, diagram_row, of_record, scored, section_over_games
+from sjdsl.results.sections import BEHIND, compared_table, diagram_rows, of_record, scored, section_over_games
 from sjdsl.results.selecting import APART, SHARED, cell_of, in_words, select, setting_of
 from sjdsl.results.statistics import compare
 
@@ -398,7 +398,8 @@ def diagrams(frame: pd.DataFrame) -> Section:
         own, shape, variant = [row for row in found if row.game == name], published.shape(name), published.variant(name)
         note = f" ({shape['note']})" if shape and shape["note"] else ""
         said = f"{shape['shape']}, called a {shape['type']}{note}" if shape else ""
-        lines = [(*diagram_row(row), said if row is own[0] and _of_the_paper(row) else "") for row in own]
+        cells = zip(own, diagram_rows(own), strict=True)
+        lines = [(*figures, said if row is own[0] and _of_the_paper(row) else "") for row, figures in cells]
         if shape and not (own and _of_the_paper(own[0])):
             lines.insert(0, (f"{name}, variant {variant}", *("",) * 8, said))
         rows += [(*line[:8], line[9], line[8]) for line in lines]

@@ -1,8 +1,7 @@
 """`sjdsl evaluate`: prints what a policy earns beside a random policy in the same episodes, or as focal agents among scripted ones."""
 
 import math
-import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from sjdsl.cli.provenance import provenance_of
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers.policy_names import UNTRAINED, split_name
+from sjdsl.trainers.seeds_in_words import seeds_in_words, seeds_of_each
 from sjdsl.trainers.stored_evaluation import read_evaluation
 
 if TYPE_CHECKING:
@@ -80,6 +80,8 @@ def command(
         folders = sorted(path.glob("seed_*")) or [path]
         for folder in folders:
             require_writable(folder)
+        for note in notes_on_training(path, which):
+            click.echo(f"note: {note}", err=True)
         for folder in folders:
             evaluate_run(folder, env, episodes, seed, greedy, which)
         list_files(path)
@@ -207,15 +209,22 @@ def _interval(figure: "Estimate") -> str:
 def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last") -> Any:
     """Returns the policy in the folder of a run or in a file; warnings about it are printed as notes."""
     from sjdsl.trainers import load_policy
-    from sjdsl.trainers.run_state import run_state
 
     with warnings_as_notes():
-        state = run_state(source) if source.is_dir() and not isinstance(which, int) else None
-        for update in state.diverged.values() if state is not None else ():
-            warnings.warn(f"{source} diverged (non-finite loss) in update {update}; this is its policy from before that", stacklevel=2)
-        if state is not None and state.unfinished:
-            warnings.warn(f"{source} may not have finished its training: {state.unfinished}", stacklevel=2)
         return load_policy(source, env, greedy=greedy, which=which)
+
+
+def notes_on_training(run_dir: Path, which: str | int) -> Iterator[str]:
+    """Yields what a reader of its evaluation should know of a run's training: that it hasn't ended, or which seeds diverged."""
+    from sjdsl.trainers.run_state import run_state
+
+    state = None if isinstance(which, int) else run_state(run_dir)  # a policy by its number may be from before
+    if state is None:
+        return
+    for update, seeds in seeds_of_each(state.diverged.items()).items():
+        yield f"{seeds_in_words(seeds)} of {run_dir} diverged (non-finite loss) in update {update}; played is the policy from before that"
+    if state.unfinished:
+        yield f"{run_dir} may not have finished its training: {state.unfinished}"
 
 
 def list_files(run_dir: Path) -> None:

@@ -6,6 +6,7 @@ import click
 
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.extras import require
+from sjdsl.short_paths import short_names
 
 
 @click.command("plot")
@@ -20,10 +21,12 @@ from sjdsl.extras import require
 def command(runs: tuple[str, ...], output: str, metric: str) -> None:
     """Plots a metric of RUNs over environment steps: the mean over the seeds of each run, and their range.
 
-    RUN is a folder that `sjdsl train` wrote, or NAME=FOLDER to choose its name in the picture.
+    RUN is a folder that `sjdsl train` wrote, named in the picture by the part of its path that tells it apart, or NAME=FOLDER to choose
+    its name.
     """
     pairs = [text.partition("=") for text in runs]
-    named = [(name, Path(folder)) if equals else (Path(name).name, Path(name)) for name, equals, folder in pairs]
+    short = short_names(folder for folder, equals, _ in pairs if not equals)
+    named = [(name, Path(folder)) if equals else (short[name], Path(name)) for name, equals, folder in pairs]
     path = Path(output)
     if path.suffix not in (".png", ".svg", ".pdf"):
         raise click.UsageError(f"`{path}` must end in .png, .svg or .pdf")

@@ -28,7 +28,14 @@ if TYPE_CHECKING:
 @click.option("--run", "run_dir", required=True, metavar="DIR", help="Folder of the sweep.")
 @run_options(seeds=3)
 @click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each evaluation.")
-@click.option("--workers", type=click.IntRange(min=1), metavar="K", default=1, show_default=True, help="Processes at a time.")
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    metavar="K",
+    default=1,
+    show_default=True,
+    help="Processes at a time, each with a GPU if there are any.",
+)
 @click.option("--retry", "again", is_flag=True, help="Try failed cells again.")
 @click.option("--dry-run", is_flag=True, help="List the cells and their progress, and stop.")
 @environment_options
@@ -59,10 +66,12 @@ def command(
             check_policies(stage.configuration(), read[stage.hash])
     folder = Path(run_dir)
     with stages(LOADING):
+        from sjdsl.sweeps.gpus import gpus_for_workers
         from sjdsl.sweeps.running import check_sweep, sweep
         from sjdsl.sweeps.work import Watch
 
     if dry_run:
+        gpus_for_workers(workers)  # as in the sweep itself, a run is checked for one device
         check_sweep(spec, cells, folder.resolve())
         _list(cells, folder, episodes)
         return 0

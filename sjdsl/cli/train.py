@@ -21,6 +21,7 @@ from sjdsl.trainers.extensions import find, lasting, require_allowed, short_name
 from sjdsl.trainers.manifest import read_manifest
 from sjdsl.trainers.own_settings import OWN, taken_settings
 from sjdsl.trainers.run_lock import is_unused
+from sjdsl.trainers.seeds_in_words import seeds_in_words, seeds_of_each
 from sjdsl.trainers.stages import stage_folders
 
 if TYPE_CHECKING:
@@ -225,8 +226,8 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
         click.echo(
             f"no learning curve was drawn, as no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
         )
-    for seed, update in result.diverged.items():
-        click.echo(f"seed {seed} diverged (non-finite loss) in update {update}; its policy is that of update {update - 1}")
+    for update, seeds in seeds_of_each(result.diverged.items()).items():
+        click.echo(f"{seeds_in_words(seeds)} diverged (non-finite loss) in update {update}; the policy of update {update - 1} is kept")
     list_files(result.run_dir)
 
 

@@ -3,7 +3,7 @@
 import csv
 import io
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -12,6 +12,7 @@ import numpy as np
 from sjdsl.experiments.lineups import Lineup, visiting
 from sjdsl.experiments.players import player_of
 from sjdsl.experiments.playing import Experiment, Part
+from sjdsl.short_paths import short_names
 from sjdsl.trainers.estimates import Estimate, estimate
 
 FORMAT = 1  # of crossplay.json
@@ -33,6 +34,12 @@ class CrossPlay:
         return tuple(pool.name for pool in self.experiment.pools)
 
     @property
+    def short_names(self) -> tuple[str, ...]:
+        """Names that are short enough for tables and pictures, by index."""
+        short = short_names(self.names)
+        return tuple(short[name] for name in self.names)
+
+    @property
     def unit(self) -> str:
         """The sampling unit of intervals: training seeds if there are at least two, else episodes of these policies."""
         return SEED if self.experiment.replicates > 1 else EPISODE
@@ -41,11 +48,12 @@ class CrossPlay:
         """Returns the sampling unit of one mixture: episodes if none of its policies was trained."""
         return self.unit if any(self.experiment.pools[number].is_trained for number in lineup) else EPISODE
 
-    def mixture(self, lineup: Lineup) -> str:
-        """Returns a mixture in words, `1 x runs/a, 2 x random`; a given line-up slot by slot."""
+    def mixture(self, lineup: Lineup, names: Sequence[str] = ()) -> str:
+        """Returns a mixture in words, `1 x runs/a, 2 x random`; a given line-up slot by slot. names: other names of the policies."""
+        names = names or self.names
         if self.mix is None:
-            return ", ".join(self.names[number] for number in lineup)
-        return ", ".join(f"{count} x {self.names[number]}" for number, count in sorted(Counter(lineup).items()))
+            return ", ".join(names[number] for number in lineup)
+        return ", ".join(f"{count} x {names[number]}" for number, count in sorted(Counter(lineup).items()))
 
     def estimates(self, lineup: Lineup) -> dict[int, Estimate]:
         """Returns the mean return of an agent of each policy in a mixture, by the policy's index, with its 95 % interval."""

@@ -57,7 +57,7 @@ def draw_matrix(found: CrossPlay) -> "Figure":
     """Returns the mean return of an agent of each row's policy where all others have the column's, as a table of colours."""
     from matplotlib.figure import Figure
 
-    values, names = found.matrix(), [_short(name) for name in found.names]
+    values, names = found.matrix(), [_short(name) for name in found.short_names]
     size = 2.5 + 0.9 * len(names)
     with plot_style():
         figure = Figure(figsize=(size + 1, size), layout="constrained")

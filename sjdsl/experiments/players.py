@@ -25,6 +25,7 @@ from sjdsl.trainers.policy_file import POLICIES, SUFFIX, policy_path
 from sjdsl.trainers.policy_names import split_name
 from sjdsl.trainers.run_folder import describe_game
 from sjdsl.trainers.run_state import run_state
+from sjdsl.trainers.seeds_in_words import seeds_in_words, seeds_of_each
 
 # Settings that only affect learning and what is written: policies that differ in nothing else are computed together.
 _LEARNING = """
@@ -97,13 +98,15 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         found, file = find_policy(name, env), file_of(name)
         return _untrained(name, found, sha256(file.read_bytes()).hexdigest() if file is not None and file.is_file() else None)
     folders, diverged, notes = _seed_folders(path, which)
-    notes += [f"seed {seed} of {path} is left out: it diverged (non-finite loss) in update {update}" for seed, update in diverged.items()]
+    for update, seeds in seeds_of_each(diverged.items()).items():
+        notes.append(f"left out of {path}: {seeds_in_words(seeds)}, which diverged (non-finite loss) in update {update}")
     players = []
+    warned: list[tuple[int, str]] = []  # seed, and a warning about its policy
     for file in (policy_path(folder, which) for folder in folders):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             parameters, described = read_parameters(file, env)
-        notes += [str(warning.message) for warning in caught]
+        warned += [(described.seed, str(warning.message).replace(str(file), str(path))) for warning in caught]
         here = describe_game(env)
         for key, what in (("name", "another game"), ("action_names", "other actions"), ("observation_shape", "other observations")):
             there, now = (
@@ -113,6 +116,8 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
                 raise ExperimentError(f"{file} was trained on {what}: {there} there, {now} here")
         digest, acting = sha256(file.read_bytes()).hexdigest(), partial(trained_policy, env, described.config)
         players.append(Player(name, described.seed, digest, acting_kind(described.config), acting, parameters))
+    for text, seeds in seeds_of_each(warned).items():
+        notes.append(f"{seeds_in_words(seeds)}: {text}" if len(folders) > 1 else text)
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return Pool(name, tuple(players), tuple(notes), tuple(diverged))
@@ -209,7 +214,7 @@ def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
 
     def paired(pool: Pool) -> Pool:
         left_out = [seed for seed in pool.seeds if seed not in common]
-        notes = [f"seed {seed} of {pool.name} is left out, as that of another pool is" for seed in left_out]
+        notes = [f"left out of {pool.name}: {seeds_in_words(left_out)}, which another pool lacks"] if left_out else []
         for note in notes:
             warnings.warn(note, stacklevel=3)
         return replace(pool, players=tuple(p for p in pool.players if p.seed in common), notes=(*pool.notes, *notes))

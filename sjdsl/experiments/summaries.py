@@ -40,12 +40,12 @@ def _verdict(found: Diagram) -> str:
 
 
 def crossplay_text(found: CrossPlay) -> str:
-    """Returns the return of each policy in each mixture, as text."""
-    experiment = found.experiment
+    """Returns the return of each policy in each mixture, as text, and which policies the short names in it stand for."""
+    experiment, names = found.experiment, found.short_names
     rows = [("mixture", "policy", "return of an agent")]
     for lineup in experiment.lineups:
         for number, figure in found.estimates(lineup).items():
-            rows.append((found.mixture(lineup), found.names[number], _with_bounds(figure)))
+            rows.append((found.mixture(lineup, names), names[number], _with_bounds(figure)))
     over = (
         f"{experiment.replicates} training seeds"
         if experiment.replicates > 1
@@ -53,7 +53,9 @@ def crossplay_text(found: CrossPlay) -> str:
     )
     if len({found.unit_of(lineup) for lineup in experiment.lineups}) > 1:
         over += f"; of mixtures without a trained policy over {experiment.episodes * experiment.replicates} episodes"
-    return f"\n{experiment.title}: means with 95 % intervals over {over}\n{_in_columns(rows)}"
+    table = f"\n{experiment.title}: means with 95 % intervals over {over}\n{_in_columns(rows)}"
+    shortened = [(short, name) for short, name in zip(names, found.names, strict=True) if short != name]
+    return f"{table}\n\nthe policies\n{_in_columns(shortened)}" if shortened else table
 
 
 def scenarios_text(found: ScenarioScores) -> str:

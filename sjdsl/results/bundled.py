@@ -1,5 +1,6 @@
 """The current bundled games, to compare the rules and numbers of results with."""
 
+import json
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -61,7 +62,12 @@ def other_numbers(described: Mapping[str, Any]) -> list[str]:
     """
     usual = numbers_now(described["name"], variant_now(described["name"], current_hash(described["hash"])) or "")
     params: Mapping[str, Any] = described["params"]
-    return [f"{name}={params[name]}" for name in sorted(usual.keys() & params.keys()) if not _same(params[name], usual[name])]
+    return [as_assignment(name, params[name]) for name in sorted(usual.keys() & params.keys()) if not _same(params[name], usual[name])]
+
+
+def as_assignment(name: str, value: Any) -> str:
+    """Returns `name=value`, without spaces."""
+    return f"{name}={value if isinstance(value, str) else json.dumps(value, separators=(',', ':'))}"
 
 
 def is_usual(name: str, variant: str, param: str, value: Any) -> bool:

@@ -10,6 +10,8 @@ Columns, in this order:
 * `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained the same and may be averaged.
   `algorithm`, `reward` (after stages, that of the last and ` from stages`), `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of
   a former sweep of SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that aren't the default).
+* A column for each setting in which the loaded runs differ, with its name: `learning_rate`, `own.NAME`; and `param.NAME` for each number of
+  the game in which runs under the same rules differ. `svo_angles` has the angles of agents that differ, `45,90`. Only `load` returns these.
 * `preset`: the preset of this version with the same settings, or `""`.
 * `seed`, `status` (`done`, `failed`: it diverged, `unfinished`), `steps` (environment steps of its training), `hardware`, `folder`.
 * `episodes`, `collective_return` (mean over the episodes, summed over agents), `low` and `high` (its 95 % interval, in rows without a seed).
@@ -20,6 +22,7 @@ Columns, in this order:
 import json
 import math
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
@@ -32,16 +35,19 @@ from sjdsl.experiments.folder import read_json as read_object
 from sjdsl.extras import needs
 from sjdsl.files import parse_json, read_json
 from sjdsl.library.stored_hashes import current_hash
-from sjdsl.results.bundled import is_usual, other_numbers, variant_now
+from sjdsl.results.bundled import as_assignment, is_usual, other_numbers, variant_now
 from sjdsl.results.presets import preset_of
 from sjdsl.results.refusals import ResultsError, ResultsWarning
+from sjdsl.results.settings import CHECKPOINTS, GAME_NUMBERS, NOT_A_WAY, WAY, flat_numbers, numbers_of, stored_numbers, with_settings
 from sjdsl.results.stored_experiments import CrossPlay, Diagram
+from sjdsl.short_paths import short_names
 from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
 from sjdsl.trainers.curves import figures
 from sjdsl.trainers.manifest import MANIFEST, read_manifest
 from sjdsl.trainers.metrics_files import run_rows
 from sjdsl.trainers.policy_file import POLICIES
 from sjdsl.trainers.run_errors import RunError
+from sjdsl.trainers.seeds_in_words import seeds_in_words
 from sjdsl.trainers.stages import reward_label, stage_folders
 from sjdsl.trainers.stored_evaluation import EVALUATION, RETURN, read_evaluation
 
@@ -52,11 +58,10 @@ Rows = list[dict[str, Any]]
 Found = tuple[Rows, Rows]  # evaluations, and points of learning curves
 
 SETTING = ("game", "hash", "variant", "params", "map", "num_agents")
-WAY = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle", "stage", "network", "total_timesteps")
 OF_SEED = ("preset", "seed", "status", "steps", "hardware", "folder", "episodes", "collective_return", "low", "high")
 COLUMNS = ("record", *SETTING, "run", *WAY, "settings", *OF_SEED)
 POINT = ("run", "seed", "env_steps", "collective_return", "folder")
-TEXTS = {"record", *SETTING[:-1], "run", *WAY[:3], "network", "settings", "preset", "status", "hardware", "folder"}
+TEXTS = {"record", *SETTING[:-1], "run", *WAY[:3], "network", "settings", "preset", "status", "hardware", "folder", GAME_NUMBERS}
 TEXTS |= {"mixture", "policy", "unit", "cooperators", "defectors", "outcome", "reason", "caution"}
 COUNTS = {"num_agents", "total_timesteps", "seed", "steps", "episodes", "units", "env_steps"}
 NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "stage", "collective_return", "low", "high"}
@@ -74,12 +79,11 @@ ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.jso
 EPISODES = 30  # at least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`
 POINTS = 40  # at most, of the learning curve of a seed
 DIGITS = 6  # significant digits of a figure, here and in a CSV
-# Settings that don't affect learning: seeds, and what is written when.
-NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
 # Settings that runs of earlier versions lack, with the values they had.
 AS_EVER = {"own": {}, "loss": "ppo"}
 # Settings that runs of earlier versions have and nothing reads, with their values: the names of ways in stored results are made with them.
 FORMER_VALUES = {"team_reward": "mean", "similarity_clip": [3.0, 0.5], "individual_kl": [0.2, 2.0], "team_kl": [1.5, 0.0], "roles": []}
+START = "started from"  # in the rows of runs that are read: the policy that a seed started from
 KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
 
 
@@ -94,7 +98,8 @@ def load(*folders: str | Path) -> "pd.DataFrame":
     Warns:
       ResultsWarning: something is left out.
     """
-    return load_both(folders)[0]
+    rows, _ = _read_all(folders)
+    return with_settings(_evaluations(rows))
 
 
 def load_curves(*folders: str | Path) -> "pd.DataFrame":
@@ -106,15 +111,14 @@ def load_curves(*folders: str | Path) -> "pd.DataFrame":
 
 
 def load_both(folders: Iterable[str | Path], more: Iterable[dict[str, Any]] = ()) -> tuple["pd.DataFrame", "pd.DataFrame"]:
-    """Returns what `load` and `load_curves` return, from one reading. more: further rows, by column, as if they were read last."""
-    rows: Rows = []
-    points: Rows = []
-    for folder in folders:
-        found, curve = _read(Path(folder))
-        rows += found
-        points += curve
+    """Returns what `load`, without the columns of single settings, and `load_curves` return, from one reading.
+
+    Args:
+      more: further rows, by column, as if they were read last.
+    """
+    rows, points = _read_all(folders)
     rows += more
-    return _evaluations(rows), _curves(rows, points)
+    return _evaluations(rows).drop(columns=GAME_NUMBERS), _curves(rows, points)
 
 
 def read_frame(path: Path, columns: Iterable[str]) -> "pd.DataFrame":
@@ -144,14 +148,15 @@ def _typed(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _evaluations(rows: Rows) -> "pd.DataFrame":
-    more = sorted({name for row in rows for name in row} - {*COLUMNS, *OF_EXPERIMENT})
+    """Returns the table of rows, each result once, with the column `GAME_NUMBERS`."""
+    more = sorted({name for row in rows for name in row} - {*COLUMNS, *OF_EXPERIMENT, GAME_NUMBERS})
     experiments = OF_EXPERIMENT if any(row["record"] in ("mixture", "diagram") for row in rows) else ()
-    frame = _typed(pd.DataFrame(rows, columns=[*COLUMNS, *experiments, *more]))
+    frame = _typed(pd.DataFrame(rows, columns=[*COLUMNS, *experiments, *more, GAME_NUMBERS]))
     numbers = [*frame.select_dtypes("float")]
     frame[numbers] = frame[numbers].map(lambda value: float(f"{value:.{DIGITS}g}"))
     key = [name for name in KEY if name in frame]
     frame = frame.iloc[np.argsort(frame.status == "done", kind="stable")]  # of two rows the last one stays
-    told = frame[frame.duplicated(key, keep=False) & frame.status.isin(("done", ""))].drop(columns="folder")
+    told = frame[frame.duplicated(key, keep=False) & frame.status.isin(("done", ""))].drop(columns=["folder", GAME_NUMBERS])
     for names, same in told.groupby(key, dropna=False):
         if len(same.drop_duplicates()) > 1:
             what = " ".join(str(name) for name in names if not pd.isna(name) and name != "")
@@ -178,6 +183,35 @@ def _curves(rows: Rows, points: Rows) -> "pd.DataFrame":
     return found.drop_duplicates(["run", "seed", "env_steps"], keep="last").sort_values(["run", "seed", "env_steps"], ignore_index=True)
 
 
+def _read_all(folders: Iterable[str | Path]) -> Found:
+    """Reads folders, and names runs apart whose seeds of one number started from different policies.
+
+    Elsewhere seeds that each started from a policy of their own count as trained the same.
+    """
+    rows, points = _read_each(folders)
+    starts = {(row["run"], row["seed"], row[START]) for row in rows if START in row}
+    several = {run for (run, _), number in Counter(key[:2] for key in starts).items() if number > 1}
+    short = short_names(start for run, _, start in starts if run in several)
+    renamed: dict[str, str] = {}  # folder of a seed -> its run
+    for row in rows:
+        start = row.pop(START, None)
+        if start is not None and row["run"] in several:
+            row["run"] += f"-{sha256(start.encode()).hexdigest()[:4]}"
+            row["settings"] = _compact(json.loads(row["settings"]) | {"init_from": short[start]})
+            renamed[row["folder"]] = row["run"]
+    return rows, [point | {"run": renamed.get(point["folder"], point["run"])} for point in points]
+
+
+def _read_each(folders: Iterable[str | Path]) -> Found:
+    rows: Rows = []
+    points: Rows = []
+    for folder in folders:
+        found, curve = _read(Path(folder))
+        rows += found
+        points += curve
+    return rows, points
+
+
 def _warn(text: str) -> None:
     warnings.warn(text, ResultsWarning, stacklevel=2)
 
@@ -188,16 +222,10 @@ def _read(path: Path) -> Found:
     reader = _reader(path)
     if reader is not None:
         return reader(path)
-    rows: Rows = []
-    points: Rows = []
     inside = [part for part in sorted(path.iterdir()) if _reader(part) is not None] if path.is_dir() else []
-    for part in inside:
-        found, more = _read(part)
-        rows += found
-        points += more
     if not inside:
         raise ResultsError(f"`{path}` holds no results; name {KINDS}")
-    return rows, points
+    return _read_each(inside)
 
 
 def _reader(path: Path) -> Callable[[Path], Found] | None:
@@ -227,7 +255,8 @@ def _stored(path: Path) -> Found:
             raise ResultsError(f"{path / RESULTS}: `settings` must be JSON with names, not `{settings[:80]}`")
     tables = [frame.assign(hash=frame.hash.map(current_hash)), read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None]
     rows, points = ([] if table is None else table.assign(folder=str(path)).to_dict("records") for table in tables)
-    return [{name: value for name, value in row.items() if not pd.isna(value)} for row in rows], points
+    known = [{name: value for name, value in row.items() if not pd.isna(value)} for row in rows]
+    return [row | {GAME_NUMBERS: stored_numbers(row)} if row["record"] == "seed" else row for row in known], points
 
 
 def _is_table(text: str) -> bool:
@@ -304,9 +333,10 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
     """
     game, config = manifest["game"], manifest["config"]
     made = manifest.get("provenance") or {}
-    way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith("checkpoint_")}
+    way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith(CHECKPOINTS)}
     way = {key: value for key, value in way.items() if key not in FORMER_VALUES and (key not in AS_EVER or value != AS_EVER[key])}
-    if way.get("init_from"):  # seeds that each started from their own policy count as trained the same
+    start = way.get("init_from")
+    if start:
         way["init_from"] = "a policy"
     if earlier:
         way["stages"] = [_stage(one, config) for one in earlier]
@@ -321,6 +351,7 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
         "hash": game["hash"],
         "variant": made.get("variant") or "",
         "params": " ".join(_numbers(game, made)),
+        GAME_NUMBERS: numbers_of(game, flat_numbers(made.get("params") or {})),
         "map": Path(made["map"]).name if isinstance(made.get("map"), str) else "own" if made.get("map") else "",
         "num_agents": game["num_agents"],
         "run": f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
@@ -340,7 +371,11 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
     usual = stored_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
     columns = {*WAY} - ({"svo_angle"} if reward == "svo" and "svo_angle" not in ids else set())
     own = {key: value for key, value in sorted(way.items()) if key not in columns and value != usual.get(key)}
-    return ids | {"settings": json.dumps(own, separators=(",", ":"))}
+    return ids | {"settings": _compact(own)} | ({START: str(start)} if start else {})
+
+
+def _compact(settings: Mapping[str, Any]) -> str:
+    return json.dumps(settings, separators=(",", ":"))
 
 
 def _stage(manifest: Mapping[str, Any], last: Mapping[str, Any]) -> dict[str, Any]:
@@ -368,9 +403,9 @@ def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
     """
     if "game" not in made:
         return other_numbers(game)
-    asked = {**(made.get("params") or {}), **({} if made.get("num_agents") is None else {"num_agents": made["num_agents"]})}
+    asked = flat_numbers(made.get("params") or {}) | ({} if made.get("num_agents") is None else {"num_agents": made["num_agents"]})
     variant = made.get("variant") or ""
-    return [f"{name}={value}" for name, value in sorted(asked.items()) if not is_usual(game["name"], variant, name, value)]
+    return [as_assignment(name, value) for name, value in sorted(asked.items()) if not is_usual(game["name"], variant, name, value)]
 
 
 def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
@@ -440,13 +475,13 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
         how = "isn't finished" if status == "running" else f"ended early ({status})"
         _warn(f"`{path}` {how}: it is left out. Resume it with `sjdsl train --resume {path}`")
     done = [row for row in rows if row["status"] == "done"]
-    for row in rows:
-        if row["status"] == "failed":
-            _warn(f"seed {row['seed']} of `{path}` diverged (non-finite loss): nothing is averaged with it")
+    failed = [row["seed"] for row in rows if row["status"] == "failed"]
+    if failed:
+        _warn(f"{seeds_in_words(failed)} of `{path}` diverged (non-finite loss): this run has no mean")
     wanting = [row for row in done if "collective_return" not in row]
     damaged = [row for row in wanting if not (Path(row["folder"]) / POLICIES).is_dir()]
-    for row in damaged:
-        _warn(f"`{row['folder']}` is incomplete, as it has no `{POLICIES}`: it is left out")
+    if damaged:
+        _warn(f"left out of `{path}`: {seeds_in_words(row['seed'] for row in damaged)}, without `{POLICIES}`")
     if len(wanting) > len(damaged):
         _warn(f"`{path}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {path}`")
     few = [row["episodes"] for row in done if "collective_return" in row and row["episodes"] < EPISODES]

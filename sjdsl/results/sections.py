@@ -1,10 +1,11 @@
 """The sections of a report: each is a function of the table of results, and makes its tables and pictures."""
 
-import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import groupby
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,14 +15,18 @@ from sjdsl.results.figures import Cell, Figure, Table, counted, interval, of_cel
 from sjdsl.results.loading import CONTRASTS
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_of
+from sjdsl.results.settings import as_written, differing, settings_of
 from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
+from sjdsl.short_paths import short_names
 from sjdsl.trainers.estimates import estimate
+from sjdsl.trainers.own_settings import OWN
 from sjdsl.trainers.panels import Line, draw_panels, split_lines
 
 if TYPE_CHECKING:
     import pandas as pd
 
 BEHIND = "seeds, steps, preset, hardware"
+SHORT_NAMES = "A policy's name is the part of its path that tells it apart in its game; the CSV has whole paths."
 OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing about other training seeds
 Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
 Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]  # game -> way of training -> its cell, and the scores of its seeds
@@ -33,10 +38,18 @@ def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
     for words, seeds in sorted(runs, key=lambda pair: (pair[0].casefold(), pair[1].iloc[0].run)):
         own = seeds.iloc[0]
         others = [other.iloc[0] for name, other in runs if name == words and other.iloc[0].run != own.run]
-        settings = [json.loads(row.settings) | {"total_timesteps": int(row.total_timesteps)} for row in (own, *others)]
-        apart = sorted({key for one in settings for key in one if any(other.get(key) != settings[0].get(key) for other in settings)})
-        said = ", ".join(f"{key} {settings[0].get(key, 'default')}" for key in apart) or (own.run[-8:] if others else "")
+        settings = [_all_settings(row) for row in (own, *others)]
+        apart = [name for name in differing(settings) if name in settings[0] or name.startswith(OWN)]
+        values = [as_written(settings[0].get(name, "default")) or "none" for name in apart]
+        said = ", ".join(f"{name} {value}" for name, value in zip(apart, values, strict=True))
+        if others and not said:
+            said = own.run[-8:]
         yield words + (f" ({said})" if said else ""), seeds
+
+
+def _all_settings(row: Any) -> dict[str, Any]:
+    """Returns the settings of a seed that `in_words` doesn't say."""
+    return settings_of(row) | {"network": row.network, "total_timesteps": int(row.total_timesteps)}
 
 
 def returns(frame: "pd.DataFrame") -> Section:
@@ -181,11 +194,12 @@ def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
 
 def diagrams(frame: "pd.DataFrame") -> Section:
     """Returns the section on the contrasts and the verdict of each Schelling diagram."""
-    rows = [diagram_row(row) for row in of_record(frame, "diagram")]
+    rows = diagram_rows(of_record(frame, "diagram"))
     text = [
         "A: all cooperate minus all defect. B: cooperating together minus cooperating alone. Fear: defecting minus cooperating while the "
         "others defect. Greed: the same while the others cooperate.",
         "The four intervals hold jointly at 95 %. In a dilemma, A and B are above 0, and so is fear or greed.",
+        SHORT_NAMES,
         *(f"{setting_of(row).label}: {row.caution}" for row in of_record(frame, "diagram") if row.caution),
     ]
     headings = ("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "over")
@@ -198,12 +212,33 @@ def of_record(frame: "pd.DataFrame", record: str) -> Iterator[Any]:
     return (row for _, row in frame[frame.record == record].iterrows())
 
 
-def diagram_row(row: Any) -> tuple[str | Figure, ...]:
-    """Returns the table cells of a diagram."""
+def diagram_rows(diagrams: Iterable[Any]) -> list[tuple[str | Figure, ...]]:
+    """Returns the table cells of diagrams, with short names of the policies of each game."""
+    rows: list[tuple[str | Figure, ...]] = []
+    for _, of_game in groupby(diagrams, attrgetter("game")):
+        found = list(of_game)
+        names = short_names(name for row in found for name in (row.cooperators, row.defectors))
+        rows += [_diagram_row(row, names) for row in found]
+    return rows
+
+
+def _diagram_row(row: Any, names: Mapping[str, str]) -> tuple[str | Figure, ...]:
     contrasts = (interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS)
     shape = " and ".join(name for name in ("fear", "greed") if row[name])
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
-    return setting_of(row).label, f"`{row.cooperators}`", f"`{row.defectors}`", *contrasts, verdict, _sample_text(row)
+    policies = (_named(names[name], name) for name in (row.cooperators, row.defectors))
+    return setting_of(row).label, *policies, *contrasts, verdict, _sample_text(row)
+
+
+def _renamed(text: str, names: Mapping[str, str]) -> str:
+    """Returns a text with other names in place of those in it."""
+    known = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
+    return re.sub(known, lambda match: names[match[0]], text)
+
+
+def _named(short: str, name: str) -> Figure:
+    """Returns the cell of a policy: its short name on the page, and its whole one in the CSV."""
+    return Figure(f"`{short}`", {"": f"`{name}`"})
 
 
 def _sample_text(row: Any) -> str:
@@ -212,14 +247,17 @@ def _sample_text(row: Any) -> str:
 
 def cross_play(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return of an agent of each policy in each mixture."""
-    found = list(of_record(frame, "mixture"))
-    rows = [
-        (setting_of(row).label, row.mixture, f"`{row.policy}`", interval(row["mean"], row.low, row.high), _sample_text(row))
-        for row in found
-    ]
+    rows: list[tuple[str | Figure, ...]] = []
+    for _, of_game in groupby(of_record(frame, "mixture"), attrgetter("game")):
+        found = list(of_game)
+        names = short_names(row.policy for row in found)
+        for row in found:
+            mixture = Figure(_renamed(row.mixture, names), {"": row.mixture})
+            earned = interval(row["mean"], row.low, row.high)
+            rows.append((setting_of(row).label, mixture, _named(names[row.policy], row.policy), earned, _sample_text(row)))
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
     table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, rows, 3)
-    return Section("Cross-play", (), (table,) if rows else ())
+    return Section("Cross-play", (SHORT_NAMES,), (table,) if rows else ())
 
 
 def report_sections(frame: "pd.DataFrame", curves: "pd.DataFrame") -> list[Section]:

@@ -1,4 +1,4 @@
-"""Processes of this machine that run cells side by side, each with its share of the cores.
+"""Processes of this machine that run cells side by side, each with its share of the cores, and of the GPUs.
 
 XLA starts a thread for every core that a process may use. Two processes with a thread on each core wait for one another at every
 operation that is divided among threads; with cores of its own each waits for nobody (docs/sweeps.md has the measurement).
@@ -13,24 +13,27 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from sjdsl.sweeps.gpus import variables_of_workers, with_variables
 from sjdsl.sweeps.work import REFUSALS, Watch, run_cell
 from sjdsl.termination import TERMINATED, Terminated, raising_on_sigterm
 
 
 @raising_on_sigterm()
-def run_in_processes(folders: Sequence[Path], workers: int, run: Callable[[Path, Watch], Any] = run_cell) -> bool:
+def run_in_processes(folders: Sequence[Path], workers: int, gpus: Sequence[str] = (), run: Callable[[Path, Watch], Any] = run_cell) -> bool:
     """Runs the cells in these folders in processes that share them: each goes through all, and runs those that nobody runs or has run.
 
     Their lines go to standard error. Returns whether all came to the end; one that is killed, or whose disk is full, leaves its cell stopped.
     """
     spawn = multiprocessing.get_context("spawn")
-    shares = shares_of(_usable_cores(), min(workers, len(folders)))
+    number = min(workers, len(folders))
+    shares = shares_of(_usable_cores(), number)
     processes = [spawn.Process(target=_run_all, args=(run, folders, cores), daemon=True) for cores in shares]
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # they inherit this: Ctrl-C is for this process, which then ends them
     try:
         try:
-            for process in processes:
-                process.start()
+            for process, variables in zip(processes, variables_of_workers(gpus, number), strict=True):
+                with with_variables(variables):  # they are set before JAX is imported there
+                    process.start()
         finally:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         for process in processes:

@@ -10,6 +10,7 @@ import sjdsl
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec
 from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, read_sweep, retry, run_dir, write_sweep
+from sjdsl.sweeps.gpus import describe_shares, gpus_for_workers
 from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.sweeps.processes import run_in_processes
@@ -47,7 +48,8 @@ def sweep(
       spec: what to train. Values that the folder doesn't have yet are added to it.
       folder: of the sweep; new, empty, or of the same sweep.
       describe: returns the arguments of an environment, its name and its hash; None: by `sjdsl.make`.
-      workers: processes on this machine, at most; 1: this one.
+      workers: processes on this machine, at most; 1: this one. If it has NVIDIA GPUs, each of several has one of them, or shares it, and
+        this process computes on the CPU from then on.
       again: whether to try failed cells again.
       watch: shows the progress of runs in this process, and gets a line for each event; other processes write theirs to standard error.
     Raises:
@@ -55,14 +57,17 @@ def sweep(
       the same call resumes the sweep.
     """
     path = Path(folder).resolve()
+    gpus = gpus_for_workers(workers)
     cells = _prepared(spec, path, describe)
+    if gpus:
+        watch.tell(describe_shares(gpus, min(workers, len(cells))))
     for cell in cells if again else ():
         if progress_of(path, cell, spec.episodes).state == "failed" and (lock := take(path, cell.name)) is not None:
             try:
                 retry(path, cell)
             finally:
                 lock.release()
-    _run(path, cells, spec.episodes, workers, watch)
+    _run(path, cells, spec.episodes, workers, gpus, watch)
     write_results(path, read_sweep(path))
     states = {cell.name: progress_of(path, cell, spec.episodes) for cell in cells}
     return Outcome(
@@ -118,15 +123,15 @@ def describe_with_make(
     return provenance, env.name, env.hash
 
 
-def _run(folder: Path, cells: Sequence[Cell], episodes: int, workers: int, watch: Watch) -> None:
+def _run(folder: Path, cells: Sequence[Cell], episodes: int, workers: int, gpus: Sequence[str], watch: Watch) -> None:
     """Runs cells until each is done or has failed, in this process or another; or until a process that it has started was killed."""
     reported: set[str] = set()
     while True:
         states = {cell.name: progress_of(folder, cell, episodes).state for cell in cells}
         left = [run_dir(folder, cell) for cell in cells if states[cell.name] in ("waiting", "stopped")]
         running = [name for name, state in states.items() if state == "running"]
-        if workers > 1 and len(left) > 1:
-            if not run_in_processes(left, workers):
+        if workers > 1 and len(left) > (0 if gpus else 1):
+            if not run_in_processes(left, workers, gpus):
                 return
         elif left:
             for path in left:

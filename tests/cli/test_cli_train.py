@@ -162,16 +162,31 @@ def test_a_resumed_run_keeps_its_episodes_and_loggers(sjdsl: Sjdsl, monkeypatch:
     assert asked == [7, 7, 2, 2], "and the last that was asked for stays"
 
 
-def test_the_end_says_which_seed_stopped(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_end_says_which_seeds_stopped(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     from sjdsl.cli.train import _finish
     from sjdsl.trainers import Result, make_config
 
     (tmp_path / "metrics.jsonl").write_text('{"env_steps": 40960, "seconds": 4.0}\n')
-    _finish(Result(tmp_path, None, 5, {3: 4}, (tmp_path,) * 2, 0.0, 1.0, 1.0), None, make_config(seed=2, seeds=2), 0)  # type: ignore[arg-type]
+    diverged = {3: 4, 4: 5, 5: 4}
+    _finish(Result(tmp_path, None, 5, diverged, (tmp_path,) * 4, 0.0, 1.0, 1.0), None, make_config(seed=2, seeds=4), 0)  # type: ignore[arg-type]
     said = capsys.readouterr().out
-    assert "seed 3 diverged (non-finite loss) in update 4; its policy is that of update 3" in said
-    assert "81,920 environment steps in 4.0 s: 20,480 steps a second" in said
+    assert "seeds 3 and 5 diverged (non-finite loss) in update 4; the policy of update 3 is kept" in said
+    assert "seed 4 diverged (non-finite loss) in update 5; the policy of update 4 is kept" in said
+    assert "163,840 environment steps in 4.0 s: 40,960 steps a second" in said
     assert "no learning curve was drawn, as no episode ended within the 640 steps of each environment" in said
+
+
+def test_an_evaluation_notes_once_how_the_training_of_its_seeds_ended(tmp_path: Path) -> None:
+    from sjdsl.cli.evaluate import notes_on_training
+
+    diverged = [{"seed": seed, "update": 2} for seed in (0, 2)]
+    for state, said in (
+        ({"status": "interrupted"}, "{} may not have finished its training: interrupted"),
+        ({"diverged": diverged}, "seeds 0 and 2 of {} diverged (non-finite loss) in update 2; played is the policy from before that"),
+    ):
+        (tmp_path / "manifest.json").write_text(json.dumps(state))
+        assert list(notes_on_training(tmp_path, "last")) == [said.format(tmp_path)]
+    assert list(notes_on_training(tmp_path, 1)) == []
 
 
 def test_a_total_below_one_update_is_said_before(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,8 @@ from stored_policies import store, store_pool
 
 from sjdsl.experiments import ExperimentError, cross_play, schelling_diagram
 from sjdsl.experiments.lineups import play_key
+from sjdsl.experiments.mixtures import report_of
+from sjdsl.experiments.pictures import draw_matrix
 from sjdsl.experiments.summaries import crossplay_text
 from sjdsl.trainers import evaluate, find_policy
 from tests.trainers.probes import constant, hidden, recalled
@@ -99,6 +101,20 @@ def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path
     # Student's t at 97.5 % with 23 degrees of freedom, from a printed table: 2.069.
     assert figure.high - figure.mean == pytest.approx(2.069 * played.std(ddof=1) / 24**0.5, rel=1e-3)
     assert "over 3 training seeds; of mixtures without a trained policy over 24 episodes" in crossplay_text(found)
+
+
+def test_tables_name_policies_in_short_and_say_once_what_they_are(tmp_path: Path) -> None:
+    env = matrix_game()
+    first, second = (str(store(tmp_path / name / "trained", env, 0)) for name in ("envious", "calm"))
+    found = cross_play(env, policies=[first, second, "stay"], mix="pairs", episodes=2)
+    lines = [line.split() for line in crossplay_text(found).splitlines()]
+    assert ["1", "x", "envious,", "1", "x", "calm"] in [line[:6] for line in lines]
+    assert lines[-3:] == [["the", "policies"], ["envious", first], ["calm", second]]
+    assert crossplay_text(found).count(str(tmp_path)) == 2
+    assert [tick.get_text() for tick in draw_matrix(found).axes[0].get_xticklabels()] == ["envious", "calm", "stay"]
+    assert report_of(found)["mixtures"][1]["mixture"] == f"1 x {first}, 1 x {second}", "the files keep the paths"
+    unchanged = cross_play(env, policies=["stay", OTHER], episodes=2)
+    assert "the policies" not in crossplay_text(unchanged)
 
 
 def test_a_given_line_up_stays_as_it_is() -> None:

@@ -41,7 +41,7 @@ def test_a_run_of_several_seeds_is_a_pool(tmp_path: Path) -> None:
 def test_seeds_that_diverged_are_left_out_and_named(tmp_path: Path) -> None:
     env = matrix_game()
     folder = store_pool(tmp_path / "run", env, (0, 1, 2), diverged=(1,))
-    with pytest.warns(UserWarning, match="seed 1 of .* is left out: it diverged \\(non-finite loss\\) in update 3"):
+    with pytest.warns(UserWarning, match=r"left out of .*: seed 1, which diverged \(non-finite loss\) in update 3"):
         pool = find_pool(folder, env)
     assert [player.seed for player in pool.players] == [0, 2]
     assert len(pool.notes) == 1
@@ -132,6 +132,20 @@ def test_another_form_of_the_game_is_noted(tmp_path: Path) -> None:
     assert described["notes"] == list(pool.notes), "it is in the files, too"
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_what_is_true_of_several_seeds_is_noted_once(tmp_path: Path) -> None:
+    env = matrix_game()
+    one, two = store_pool(tmp_path / "one", env, range(6), diverged=(1, 2)), store_pool(tmp_path / "two", env, range(6))
+    for seed in (0, 4, 5):
+        store(one / f"seed_{seed}", env, seed, game={"hash": "0123456789abcdef"})
+    _, notes = played_together(one, two)
+    assert [note.split(", not ")[0] for note in notes] == [
+        "left out of one: seeds 1 and 2, which diverged (non-finite loss) in update 3",
+        "seeds 0, 4 and 5: one was trained on another form of the game: matrix_game 0123456789abcdef",
+        "left out of two: seeds 1 and 2, which another pool lacks",
+    ]
+
+
 def test_unequal_pools_are_refused(tmp_path: Path) -> None:
     env = public_goods(3)
     two, three = (find_pool(store_pool(tmp_path / str(n), env, range(n)), env) for n in (2, 3))
@@ -156,14 +170,14 @@ def test_seeds_of_one_number_play_together(tmp_path: Path) -> None:
     """A seed that diverged in one pool is left out of the other: it does not shift those that follow."""
     env = matrix_game()
     one, two = store_pool(tmp_path / "one", env, range(5), diverged=(1,)), store_pool(tmp_path / "two", env, range(5), diverged=(3,))
-    with pytest.warns(UserWarning, match="is left out, as that of another pool is"):
+    with pytest.warns(UserWarning, match="which another pool lacks"):
         pairs, notes = played_together(one, two)
     assert pairs == [(0, 0), (2, 2), (4, 4)]
     assert notes == [
-        "seed 1 of one is left out: it diverged (non-finite loss) in update 3",
-        "seed 3 of one is left out, as that of another pool is",
-        "seed 3 of two is left out: it diverged (non-finite loss) in update 3",
-        "seed 1 of two is left out, as that of another pool is",
+        "left out of one: seed 1, which diverged (non-finite loss) in update 3",
+        "left out of one: seed 3, which another pool lacks",
+        "left out of two: seed 3, which diverged (non-finite loss) in update 3",
+        "left out of two: seed 1, which another pool lacks",
     ]
     shifted = store_pool(tmp_path / "shifted", env, range(2, 7))
     with (
@@ -179,7 +193,7 @@ def test_single_policies_play_together_whatever_their_seeds(tmp_path: Path) -> N
     assert [pool.seeds for pool in alone] == [(0,), (2,), (0,)]
 
 
-@pytest.mark.filterwarnings("ignore:seed")
+@pytest.mark.filterwarnings("ignore:left out")
 def test_too_few_seeds_of_one_number_are_refused(tmp_path: Path) -> None:
     env = matrix_game()
     seeds = range(3)

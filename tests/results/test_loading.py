@@ -3,6 +3,7 @@
 import json
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -15,6 +16,7 @@ from sjdsl.results.bundled import other_numbers, variant_now
 from sjdsl.results.loading import COLUMNS, POINTS, ids_of, load_both, write_frame
 from sjdsl.results.sections import diagrams
 from sjdsl.results.selecting import in_words
+from sjdsl.results.settings import column_of, differing
 
 NONE = pytest.approx(float("nan"), nan_ok=True)
 DIAGRAM = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 9.0), "fear": (-4.0, -5.0, -3.0), "greed": (2.0, 1.0, 3.0)}
@@ -69,7 +71,7 @@ def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
     found = read(folder)
     assert earned(found) == {0: 3.0, 1: None, 2: 4.0}
     assert found.notes == (
-        f"`{folder}/seed_1` is incomplete, as it has no `policies`: it is left out",
+        f"left out of `{folder}`: seed 1, without `policies`",
         f"`{folder}` was evaluated in 2 episodes a seed, others in 30: run `sjdsl evaluate {folder}`",
     )
 
@@ -128,6 +130,8 @@ def test_a_seed_that_has_failed(tmp_path: Path) -> None:
     assert [(row.seed, row.status) for row in found.rows("seed")] == [(0, "done"), (1, "failed")]
     assert set(found.curves.seed) == {0}
     assert "seed 1" in found.notes[0]
+    several = read(write_run(tmp_path / "several", "coins", (1.0, 2.0, 3.0, 4.0), diverged=[0, 1, 3], reward="common"))
+    assert several.notes == (f"seeds 0, 1 and 3 of `{tmp_path / 'several'}` diverged (non-finite loss): this run has no mean",)
     alone = read(write_run(tmp_path / "alone", "coins", (1.0,), status="failed: the loss became nan", diverged=[0]))
     assert [row.status for row in alone.rows("seed")] == ["failed"]
 
@@ -196,7 +200,9 @@ def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.Monk
     found = read(tmp_path)
     assert found.frame.record.to_list() == ["diagram", "mixture"]  # what a random policy earns says nothing of the game as it is
     assert set(found.frame.params) == {"harm=-3.0"}
-    assert diagrams(found.frame).tables[0].rows[0][:2] == ("coins, harm=-3.0", "`runs/coins_common`")
+    (table,) = diagrams(found.frame).tables
+    (record,) = table.records
+    assert (record["game"], record["cooperators"]) == ("coins, harm=-3.0", "`runs/coins_common`")
 
 
 def test_which_variant_of_a_bundled_game_rules_are_of() -> None:
@@ -298,3 +304,131 @@ def test_a_run_in_stages_is_marked(tmp_path: Path) -> None:
     manifest = json.loads((tmp_path / "run/stages/1/manifest.json").read_text())
     assert ids_of(manifest | {"stage": 1})["reward"] == "individual"
     assert ids_of(manifest | {"stage": 2})["reward"] == "individual from stages"
+
+
+# Settings in which runs differ.
+
+
+def columns_of(frame: pd.DataFrame) -> list[str]:
+    """Returns the columns of settings, between two that are always there."""
+    names = list(frame)
+    return names[names.index("settings") + 1 : names.index("preset")]
+
+
+def test_a_swept_setting_is_a_column_with_its_type(tmp_path: Path) -> None:
+    ways: list[dict[str, Any]] = [
+        {
+            "learning_rate": 1e-3,
+            "num_envs": 10,
+            "anneal_learning_rate": True,
+            "memory": "none",
+            "convolution_sides": [5, 3],
+            "network": "cnn",
+        },
+        {"learning_rate": 5e-4, "num_envs": 20, "anneal_learning_rate": False, "memory": "gru", "convolution_sides": [3], "network": "cnn"},
+    ]
+    for number, way in enumerate(ways):
+        write_run(tmp_path / f"runs/{number}", "coins", (3.0, 5.0), **way)
+    write_cross_play(tmp_path / "runs/met", "coins", {"stay": (0.0, None, None)})
+    frame = load(tmp_path / "runs")
+    names = ["anneal_learning_rate", "convolution_sides", "learning_rate", "memory", "num_envs"]
+    assert columns_of(frame) == names
+    assert [str(frame[name].dtype) for name in names] == ["boolean", "object", "float64", "object", "Int64"]
+    seeds = frame[frame.record == "seed"]
+    for way in ways:
+        found = seeds[seeds.learning_rate == way["learning_rate"]]
+        sides = ",".join(map(str, way["convolution_sides"]))
+        assert (
+            found[names].to_numpy().tolist()
+            == [[way["anneal_learning_rate"], sides, way["learning_rate"], way["memory"], way["num_envs"]]] * 2
+        )
+    assert seeds.groupby(["learning_rate", "memory"]).seed.count().to_dict() == {(1e-3, "none"): 2, (5e-4, "gru"): 2}
+    assert frame[frame.record == "mixture"][names].isna().to_numpy().tolist() == [[True, False, True, False, True]]
+    assert columns_of(load(tmp_path / "runs/0")) == []
+
+
+def test_a_setting_is_empty_where_nothing_reads_it(tmp_path: Path) -> None:
+    for number, way in enumerate(({"reward": "inequity", "inequity_envy": 3.0}, {"reward": "inequity"}, {"reward": "individual"})):
+        write_run(tmp_path / str(number), "coins", (3.0,), **way)
+    write_run(tmp_path / "vdn", "coins", (3.0,), algorithm="vdn")
+    frame = load(tmp_path)
+    envy = frame.set_index(["algorithm", "reward"]).inequity_envy
+    assert envy[("ippo", "inequity")].to_list() in ([3.0, 5.0], [5.0, 3.0])
+    assert envy[[("ippo", "individual"), ("vdn", "common")]].isna().all()
+    assert "num_epochs" not in frame, "VDN has no such setting, and the others have the same"
+    assert frame.set_index("algorithm").learning_rate["vdn"] == 7e-5, "its own default"
+
+
+def test_a_swept_number_of_a_game_is_a_column(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    harms = (-2.0, -3.0, -0.0005000000237487257)  # as float32 has it
+    for number, harm in enumerate(harms):
+        monkeypatch.setattr("report_folders.described", lambda *game, harm=harm: describe(*game) | {"params": {"harm": harm, "length": 9}})
+        asked = {} if harm == -2.0 else {"harm": f"{harm:.1g}"}  # the first has that of its game
+        write_run(tmp_path / f"coins{number}", "coins", (1.0,), rules="own", provenance={"params": asked})
+    for value in (4, 5):
+        table = {"payoff": {"defect": {"coop": value}}}
+        write_run(tmp_path / f"pd{value}", "pd_arena", (1.0,), rules="own", provenance={"params": table})
+    frame = load(tmp_path)
+    assert columns_of(frame) == ["param.harm", "param.payoff[defect][coop]"]
+    assert sorted(frame[frame.game == "coins"]["param.harm"]) == [-3.0, -2.0, -0.0005]
+    assert frame[frame.game == "pd_arena"].set_index("params")["param.payoff[defect][coop]"].to_dict() == {
+        "payoff[defect][coop]=4": 4,
+        "payoff[defect][coop]=5": 5,
+    }
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data/results.csv").write_text(write_frame(load_both([tmp_path / "pd4", tmp_path / "pd5"])[0]))
+    assert load(tmp_path / "data")["param.payoff[defect][coop]"].to_list() == [4, 5]
+
+
+def test_settings_of_stored_results_are_columns_too(tmp_path: Path) -> None:
+    runs = [write_run(tmp_path / str(rate), "coins", (3.0,), learning_rate=rate) for rate in (0.5, 0.25)]
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data/results.csv").write_text(write_frame(load_both(runs)[0]))
+    assert sorted(load(tmp_path / "data").learning_rate) == [0.25, 0.5]
+    again = load(tmp_path / "data", write_run(tmp_path / "usual", "coins", (3.0,), seed=7))
+    assert sorted(again.learning_rate) == [5e-4, 0.25, 0.5]
+
+
+def test_angles_of_agents_that_differ_are_told_apart(tmp_path: Path) -> None:
+    for number, angles in enumerate(([45, 90], [0, 90], [90])):
+        write_run(tmp_path / str(number), "coins", (3.0,), reward="svo", svo_angle=angles)
+    frame = load(tmp_path)
+    assert {(row.svo_angles, None if pd.isna(row.svo_angle) else row.svo_angle) for row in frame.itertuples()} == {
+        ("45,90", None),
+        ("0,90", None),
+        ("", 90.0),
+    }
+
+
+def test_seeds_that_started_from_different_policies_are_told_apart_where_they_have_one_number(tmp_path: Path) -> None:
+    for name, earned in (("calm", 3.0), ("envious", 5.0)):
+        (tmp_path / name).mkdir()
+        write_run(tmp_path / f"from_{name}", "coins", (earned,), init_from=str(tmp_path / name))
+    frame = load(tmp_path / "from_calm", tmp_path / "from_envious")
+    assert sorted(zip(frame.init_from, frame.collective_return, strict=True)) == [("calm", 3.0), ("envious", 5.0)]
+    curves = load_curves(tmp_path / "from_calm", tmp_path / "from_envious")
+    assert curves.groupby("run").collective_return.max().to_dict() == dict(zip(frame.run, frame.collective_return, strict=True))
+    write_run(tmp_path / "from_envious", "coins", (5.0,), first=1, init_from=str(tmp_path / "envious"))
+    frame = load(tmp_path / "from_calm", tmp_path / "from_envious")
+    assert (frame.run.nunique(), "init_from" in frame) == (1, False), "each seed may have its own"
+
+
+@pytest.mark.parametrize(
+    ("values", "sort", "column"),
+    [
+        ([1, None, 2], "Int64", [1, pd.NA, 2]),
+        ([1, 0.5, None], "float64", [1.0, 0.5, NONE]),
+        ([True, None], "boolean", [True, pd.NA]),
+        ([[45.0, 90.0], "a", None, True], "object", ["45,90", "a", "", "true"]),
+        ([[[1, "random"], [2, "stay"]]], "object", ["1=random,2=stay"]),
+        ([10**400, 0.5], "object", [f"1{'0' * 400}", "0.5"]),
+    ],
+)
+def test_the_type_of_a_column(values: list[Any], sort: str, column: list[Any]) -> None:
+    made = column_of(values)
+    assert (str(made.dtype), made.to_list()) == (sort, column)
+
+
+def test_a_setting_of_ones_own_that_a_run_leaves_out_differs() -> None:
+    assert differing([{"own.bonus": 1, "gamma": 0.9}, {"gamma": 0.9}]) == ["own.bonus"]
+    assert differing([{"num_epochs": 2}, {"batch_size": 8}]) == []

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from report_folders import read, write_diagram, write_everything, write_run
+from report_folders import read, write_cross_play, write_diagram, write_everything, write_run
 
 from sjdsl.cli import run
 from sjdsl.results import ResultsError, load_curves, write_report
 from sjdsl.results.page import Section, page_text
-from sjdsl.results.sections import chosen_games, learning_curves, returns
+from sjdsl.results.sections import chosen_games, cross_play, learning_curves, returns
 
 COMMAND = "sjdsl report runs"
 CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5))
@@ -33,6 +33,15 @@ def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None
     assert texts(found) == [["coins", "IPPO, common", "155 [142.6, 167.4]", "3 seeds, 400 steps, unnamed CPU"]]
 
 
+def test_policies_have_short_names_on_the_page_and_whole_ones_in_the_csv(tmp_path: Path) -> None:
+    paths = ["/far/away/runs/envious/cells/a", "/far/away/runs/calm/cells/a"]
+    write_cross_play(tmp_path / "met", "coins", dict.fromkeys([*paths, "random"], (1.0, 0.5, 1.5)))
+    section = cross_play(read(tmp_path / "met").frame)
+    assert [row[1:3] for row in texts(section)] == [["2 x calm", "`calm`"], ["2 x envious", "`envious`"], ["2 x random", "`random`"]]
+    assert [row["policy"] for row in section.tables[0].records] == [f"`{name}`" for name in (*sorted(paths), "random")]
+    assert [row["mixture"] for row in section.tables[0].records] == [f"2 x {name}" for name in (*sorted(paths), "random")]
+
+
 def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
     from sjdsl.trainers import load_preset
 
@@ -42,6 +51,17 @@ def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
     write_run(tmp_path / "b", "pd_arena", (10.0, 12.0), **{**kept, "learning_rate": 0.3})
     assert sorted(read(tmp_path).frame.preset.unique()) == ["", "two_cores"]
     assert "2 seeds, 256k steps, two_cores, unnamed CPU" in {row[3] for row in texts(returns(read(tmp_path).frame))}
+
+
+def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path: Path) -> None:
+    write_run(tmp_path / "usual", "coins", (10.0, 12.0))
+    write_run(tmp_path / "fast", "coins", (10.0, 12.0), learning_rate=0.01, init_from=str(tmp_path))
+    write_run(tmp_path / "deep", "coins", (10.0, 12.0), network="cnn", convolution_sides=[3, 3])
+    assert {row[1] for row in texts(returns(read(tmp_path).frame))} == {
+        "IPPO, individual (init_from none, learning_rate 0.0005, network cnn)",
+        "IPPO, individual (init_from a policy, learning_rate 0.01, network mlp)",
+        "IPPO, individual (init_from none, learning_rate 0.0005, network mlp)",
+    }
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sjdsl.cli import run
 from sjdsl.render.plot_style import apart
 from sjdsl.trainers import RunError
 from sjdsl.trainers.curves import curve_line, draw_curves, figures, in_words, read_seeds
@@ -48,6 +49,13 @@ def test_runs_of_several_seeds_are_drawn(tmp_path: Path) -> None:
     assert [seed.shape for seed in read_seeds(tmp_path / "run", "collective_return")] == [(2, 3), (2, 3)]
     draw_curves([("a", tmp_path / "run")], "collective_return", tmp_path / "curve.png")
     assert (tmp_path / "curve.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_runs_whose_folders_have_the_same_name_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[str] = []
+    monkeypatch.setattr("sjdsl.trainers.curves.draw_curves", lambda named, *_: drawn.extend(name for name, _ in named))
+    assert run(["plot", "slow/cells/coins", "fast/cells/coins/", "c=elsewhere", "-o", str(tmp_path / "curves.png")]) == 0
+    assert drawn == ["slow", "fast", "c"]
 
 
 @pytest.mark.parametrize(

@@ -176,7 +176,7 @@ def test_several_seeds_that_all_diverge(tmp_path: Path, monkeypatch: pytest.Monk
     """The run stops as the last of them does, and names them all."""
     monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=None))
     run_dir = tmp_path / "run"
-    with pytest.raises(RunError, match=r"in update 10 of seed 5; .* in update 10 of seed 6; .* smaller learning_rate"):
+    with pytest.raises(RunError, match=r"in update 10 of seeds 5 and 6; the policy of update 9 is kept. Try a smaller learning_rate"):
         train(matching(), CONFIG.model_copy(update={"seeds": 2}), run_dir, "none")
     assert str(read_manifest(run_dir)["status"]).startswith("failed: the loss became nan")
     for seed in ("seed_5", "seed_6"):
@@ -225,6 +225,14 @@ def test_the_bar_of_a_terminal_says_the_same(capsys: pytest.CaptureFixture[str])
     assert said.endswith(
         "1,333 steps/s 00:00 collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004, acting 25 % of the time, learning 75 %"
     )
+
+
+@pytest.mark.thorough
+def test_what_is_wrong_with_several_seeds_is_said_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    train(constant(0.0), CONFIG.model_copy(update={"seeds": 3}), tmp_path / "run", "lines")
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("warning")]
+    assert line.startswith("warning: seeds 5 to 7: no agent has been rewarded yet")
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["warnings"] == [line.removeprefix("warning: ")]
 
 
 @pytest.mark.thorough

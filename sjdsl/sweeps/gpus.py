@@ -1,0 +1,87 @@
+"""The GPUs of this machine, shared out among the processes of a sweep.
+
+Left to itself, JAX would give each process all GPUs, and reserve most of their memory for the first.
+"""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import jax
+
+from sjdsl.experiments.refusals import ExperimentError
+
+VISIBLE = "CUDA_VISIBLE_DEVICES"
+RESERVING = "XLA_PYTHON_CLIENT_PREALLOCATE"
+# Variables by which the user has decided how much memory a process takes.
+MEMORY = (RESERVING, "XLA_CLIENT_MEM_FRACTION", "XLA_PYTHON_CLIENT_MEM_FRACTION", "XLA_PYTHON_CLIENT_ALLOCATOR")
+DRIVERS = ("/dev/nvidiactl", "/dev/nvidia0", "/dev/dxg")  # one of them is there if an NVIDIA GPU is; the last under WSL
+COUNT = "import jax; print(sum(device.platform == 'gpu' for device in jax.devices()))"
+
+
+def gpus_for_workers(workers: int) -> list[str]:
+    """Returns the GPUs for so many worker processes, as `CUDA_VISIBLE_DEVICES` names them; none for a single one, which is this process.
+
+    If there are any, this process computes on the CPU from now on: on a GPU, it would take memory from a worker.
+
+    Raises:
+      ExperimentError: JAX doesn't start.
+    """
+    gpus = usable_gpus() if workers > 1 else []
+    if gpus:
+        jax.config.update("jax_platforms", "cpu")
+    return gpus
+
+
+def usable_gpus() -> list[str]:
+    """Returns the GPUs that JAX uses on this machine; none if it has no NVIDIA GPU, or if JAX doesn't use it.
+
+    A process of its own counts them, as JAX takes memory of each GPU where it has started. If the user has listed GPUs, it is these.
+    """
+    if not any(Path(driver).exists() for driver in DRIVERS):
+        return []
+    asked = subprocess.run(
+        [sys.executable, "-c", COUNT], env={**os.environ, RESERVING: "false"}, capture_output=True, text=True, check=False
+    )
+    if asked.returncode:
+        reason = (asked.stderr.strip() or "it was killed").splitlines()[-1]
+        raise ExperimentError(f"JAX doesn't start, so its GPUs can't be counted: {reason}")
+    count = int(asked.stdout.split()[-1])
+    listed = os.environ.get(VISIBLE)
+    if listed is None:
+        return [str(number) for number in range(count)]
+    names = [name.strip() for name in listed.split(",")]
+    parts_of_gpus = count == 1 and names[0].startswith("MIG-")  # of these, a process sees only the first
+    return names if parts_of_gpus else names[:count]
+
+
+def variables_of_workers(gpus: Sequence[str], workers: int) -> list[dict[str, str]]:
+    """Returns the environment variables of each worker: a GPU of its own, or one shared with others, dealt out in turn; none without GPUs."""
+    if not gpus:
+        return [{} for _ in range(workers)]
+    shared = workers > len(gpus)
+    memory = {RESERVING: "false"} if shared and not any(name in os.environ for name in MEMORY) else {}
+    return [{VISIBLE: gpus[number % len(gpus)], **memory} for number in range(workers)]
+
+
+def describe_shares(gpus: Sequence[str], workers: int) -> str:
+    """Returns how workers share GPUs, in words."""
+    if workers > len(gpus):
+        return f"{workers} processes share {len(gpus)} GPU{'s' * (len(gpus) > 1)}"
+    idle = len(gpus) - workers
+    return f"{workers} processes have a GPU each" + (f"; {idle} more {'are' if idle > 1 else 'is'} not used" if idle else "")
+
+
+@contextmanager
+def with_variables(variables: Mapping[str, str]) -> Iterator[None]:
+    """Sets environment variables, for processes that start in the block."""
+    before = dict(os.environ)
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
