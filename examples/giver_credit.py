@@ -7,7 +7,7 @@ from sjdsl.trainers import Step
 CREATED = 2  # tokens by a gift that is refined: three for one
 
 
-def giver_credit(step: Step, *, credit: float = 2.0):
+def giver_credit(step: Step, *, credit: float = 1.0):
     """Returns `[N]`: what an agent consumes, and `credit` for each token that its gifts create; those of the finest create none."""
     before, after, events = step.state.agent_bag, step.next_state.agent_bag, step.events
     received = sum(events[f"received[{level}]"] for level in ("raw", "cut", "fine"))
