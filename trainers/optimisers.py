@@ -14,8 +14,10 @@ def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:
     """Returns the learning rate as a function of the gradient steps taken."""
     if not config.anneal_learning_rate:
         return optax.constant_schedule(config.learning_rate)
-    replays = isinstance(config, VDNConfig) and config.replay == "buffer"
-    steps = config.gradient_steps if replays else config.num_epochs * config.num_minibatches
+    if isinstance(config, VDNConfig) and config.replay == "buffer":
+        steps = config.gradient_steps
+    else:
+        steps = config.num_epochs * config.num_minibatches
     return optax.linear_schedule(config.learning_rate, 0.0, config.num_updates * steps)
 
 

@@ -240,7 +240,7 @@ def take_epochs(
         return learner.apply_gradients(grads=gradients), losses
 
     if config.normalise_values:
-        learner = learner.replace(params=follow_targets(learner.params, batch.target[..., agents], learner.step == 0))
+        learner = learner.replace(params=follow_targets(learner.params, batch.target[..., agents], jnp.equal(learner.step, 0)))
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
     return learner, jax.tree.map(jnp.mean, losses)
 

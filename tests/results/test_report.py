@@ -50,7 +50,7 @@ def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
     write_run(tmp_path / "a", "pd_arena", (10.0, 12.0), **kept)
     write_run(tmp_path / "b", "pd_arena", (10.0, 12.0), **{**kept, "learning_rate": 0.3})
     assert sorted(read(tmp_path).frame.preset.unique()) == ["", "two_cores"]
-    assert "2 seeds, 256k steps, two_cores, unnamed CPU" in {row[3] for row in texts(returns(read(tmp_path).frame))}
+    assert "2 seeds, 32k steps, two_cores, unnamed CPU" in {row[3] for row in texts(returns(read(tmp_path).frame))}
 
 
 def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path: Path) -> None:
