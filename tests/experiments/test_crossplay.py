@@ -164,12 +164,12 @@ def test_files_have_every_episode_and_slot(tmp_path: Path) -> None:
 def test_pools_play_seed_by_seed(tmp_path: Path) -> None:
     """A diagram of two pools: each replicate is what its two policies make alone."""
     env = hidden()
-    ours, theirs = (store_pool(tmp_path / name, env, seeds) for name, seeds in (("ours", (0, 1)), ("theirs", (2, 3))))
+    ours, theirs = (store_pool(tmp_path / name, env, seeds) for name, seeds in (("ours", (0, 1)), ("theirs", (0, 1))))
     found = schelling_diagram(env, str(ours), str(theirs), episodes=8)
     assert found.returns.cooperators.shape == (3, 2, 8)
     assert (found.returns.unit, found.units, found.population) == ("training seed", 2, "2 training seeds")
     for replicate in range(2):
-        mixed = evaluate(env, find_policy(str(theirs / f"seed_{2 + replicate}"), env), play_key(0, replicate), 8)
+        mixed = evaluate(env, find_policy(str(theirs / f"seed_{replicate}"), env), play_key(0, replicate), 8)
         np.testing.assert_array_equal(found.returns.defectors[0, replicate], mixed.returns.mean(axis=1, dtype=np.float64))
 
 
