@@ -34,7 +34,7 @@ init_from loss reward common_reward reward_smoothing svo_angle svo_weight svo_at
 exchange_ratio inequity_envy inequity_guilt inequity_smoothing match_socialjax
 checkpoint_minutes checkpoint_share checkpoint_updates policy_every keep_policies evaluate_every evaluation_episodes
 num_epochs num_minibatches gae_lambda clip_epsilon scale_clip_epsilon clip_value_loss entropy_coefficient value_coefficient
-joint_optimiser spread_starts advantage_floor
+joint_optimiser spread_starts advantage_floor adam_epsilon replay q_lambda
 buffer_size batch_size gradient_steps learning_starts double_q target_update_every target_rate epsilon_start epsilon_fraction
 """
 LEARNING = frozenset(_LEARNING.split())

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sjdsl.results.bundled import rules_now
+from sjdsl.results.bundled import bundled, rules_now
 from sjdsl.results.figures import Cell
 from sjdsl.results.loading import SETTING
 from sjdsl.trainers.extensions import short_name
@@ -30,7 +30,8 @@ class Setting(NamedTuple):
     def label(self) -> str:
         """The game, with its differences from the current bundled one."""
         now = rules_now(self.game, self.variant)
-        other = f"rules {self.hash[:6]}" if now is not None and now[0] != self.hash and not (self.params or self.map) else ""
+        changed = now[0] != self.hash if now is not None else self.game in bundled()  # a variant that is gone has other rules, too
+        other = f"rules {self.hash[:6]}" if changed and not (self.params or self.map) else ""
         agents = f"{self.num_agents} agents" if other and now is not None and now[1] != self.num_agents else ""
         named = (f"variant {self.variant}" if self.variant else "", self.params, f"map {self.map}" if self.map else "")
         return ", ".join(filter(None, (self.game, *named, other, agents)))

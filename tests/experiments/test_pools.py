@@ -15,7 +15,7 @@ from sjdsl.trainers import PolicyError, PPOConfig, VDNConfig
 
 ACTING = {
     *("algorithm", "partners", "agent_id", "mask_actions", "network", "network_width", "convolution_sides", "convolution_channels"),
-    *("precision", "critic", "sharing", "memory", "epsilon_end", "own"),
+    *("precision", "critic", "sharing", "memory", "epsilon_end", "own", "normalise_values", "layer_norm"),
 }
 
 

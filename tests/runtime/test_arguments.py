@@ -137,5 +137,5 @@ def test_a_game_inside_an_archive(tmp_path: Path) -> None:
     archive = tmp_path / "games.zip"
     with zipfile.ZipFile(archive, "w") as file:
         file.write(YARD, "games/yard.sj")
-    with pytest.raises(TypeError, match="part of an archive: unpack it"):
+    with pytest.raises(TypeError, match="is inside an archive, not a file on disk: unpack it"):
         make(zipfile.Path(archive) / "games" / "yard.sj")

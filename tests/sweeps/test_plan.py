@@ -67,9 +67,9 @@ def test_a_setting_of_all_cells_is_for_those_that_read_it() -> None:
     own, exchanged = plan("reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores")
     assert (own.config["exchange_ratio"], exchanged.config["exchange_ratio"]) == (0.5, 0.9)
     for preset in (None, "two_cores"):
-        ippo, vdn = plan("algorithm=ippo,vdn", settings={"num_epochs": 3, "double_q": True, "reward": "common"}, preset=preset)
-        assert (ippo.config["num_epochs"], vdn.config["double_q"]) == (3, True)
-        assert "double_q" not in ippo.config and "num_epochs" not in vdn.config
+        ippo, vdn = plan("algorithm=ippo,vdn", settings={"clip_epsilon": 0.3, "double_q": True, "reward": "common"}, preset=preset)
+        assert (ippo.config["clip_epsilon"], vdn.config["double_q"]) == (0.3, True)
+        assert "double_q" not in ippo.config and "clip_epsilon" not in vdn.config
 
 
 def test_what_no_command_line_can_ask_for_is_refused() -> None:
