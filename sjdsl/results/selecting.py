@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sjdsl.results.bundled import bundled, rules_now
+from sjdsl.library.games_folder import bundled
+from sjdsl.results.bundled import rules_now
 from sjdsl.results.figures import Cell
 from sjdsl.results.loading import SETTING
 from sjdsl.trainers.extensions import short_name
