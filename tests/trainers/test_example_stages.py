@@ -30,8 +30,8 @@ def test_a_giver_is_credited_for_what_can_be_refined() -> None:
     counts = {"given": [1, 0, 1, 1, 0], "consumed": [0, 0, 0, 0, 2], "received[raw]": [0] * 5, "received[cut]": [0, 3, 0, 0, 0]}
     step = SimpleNamespace(
         reward=jnp.array([0.0, 0.0, 0.0, 0.0, 2.0]),
-        state=SimpleNamespace(agent_bag=jnp.array(before)),
-        next_state=SimpleNamespace(agent_bag=jnp.array(after)),
+        state=SimpleNamespace(agent_bag=jnp.array(before, jnp.uint8)),
+        next_state=SimpleNamespace(agent_bag=jnp.array(after, jnp.uint8)),
         events={name: jnp.array(count) for name, count in {**counts, "received[fine]": [0] * 5}.items()},
     )
     giver_credit = find("reward", f"{ROOT}/examples/giver_credit.py:giver_credit")
