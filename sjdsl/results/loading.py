@@ -8,9 +8,8 @@ Columns, in this order:
   return of an agent of a policy in a mixture of cross-play) or `diagram` (a Schelling diagram).
 * `game`, `hash` (of its rules), `variant`, `params` (changed numbers, `a=1 b=2`), `map`, `num_agents`.
 * `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained the same and may be averaged.
-  `algorithm`, `reward` (after stages, that of the last and ` from stages`), `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees;
-  NaN where agents differ), `stage` (of a former sweep of SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the
-  configuration), `settings` (JSON: other settings that aren't the default).
+  `algorithm`, `reward` (after stages, that of the last and ` from stages`), `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of
+  a former sweep of SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that aren't the default).
 * `preset`: the preset of this version with the same settings, or `""`.
 * `seed`, `status` (`done`, `failed`: it diverged, `unfinished`), `steps` (environment steps of its training), `hardware`, `folder`.
 * `episodes`, `collective_return` (mean over the episodes, summed over agents), `low` and `high` (its 95 % interval, in rows without a seed).
