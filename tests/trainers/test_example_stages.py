@@ -42,9 +42,11 @@ def test_a_giver_is_credited_for_what_can_be_refined() -> None:
 
 
 @pytest.mark.thorough
-def test_all_credit_is_for_tokens_that_were_created() -> None:
+def test_all_credit_is_for_tokens_that_were_created(monkeypatch: pytest.MonkeyPatch) -> None:
     """In play: a gift takes a token from one agent and brings some to another, so what all receive and give tells how many it created."""
-    env = sjdsl.make("gift_refinement", variant="socialjax+automatic", num_agents=15, params={"spawn": 0.02})
+    monkeypatch.chdir(ROOT)
+    variant = load_preset("examples/stages_gift_refinement.toml").environment["variant"]
+    env = sjdsl.make("gift_refinement", variant=variant, num_agents=15, params={"spawn": 0.02})
     giver_credit = find("reward", f"{ROOT}/examples/giver_credit.py:giver_credit")
 
     def step(state: Any, key: jax.Array) -> tuple[Any, tuple[jax.Array, jax.Array]]:
