@@ -134,7 +134,7 @@ def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> N
 
 
 def _clear_half_begun(path: Path) -> None:
-    """Removes the files of a run that was stopped before it wrote its manifest: a copy of the policy it starts with, its stages, and its lock.
+    """Removes the files of a run that was stopped before it wrote its manifest: the policy it starts with, its stages and its lock.
 
     Raises ExperimentError if there are other files; they stay.
     """
