@@ -7,7 +7,7 @@ from sjdsl.trainers import Step
 CREATED = 2  # tokens by a gift that is refined: three for one
 
 
-def giver_credit(step: Step, *, credit: float = 1.0):
+def giver_credit(step: Step, *, credit: float = 2.0):
     """Returns `[N]`: what an agent consumes, and `credit` for each token that its gifts create; those of the finest create none."""
     before, after = (state.agent_bag.astype(jnp.int32) for state in (step.state, step.next_state))  # stored as bytes
     events = step.events

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-ELSEWHERE = ("ppo_single_file", "sweep_ray", "sweep_slurm")  # sweeps: test_sweep_clusters.py
+# Tested in tests/trainers (a reward has no `main`) and in test_sweep_clusters.py.
+ELSEWHERE = ("giver_credit", "ppo_single_file", "sweep_ray", "sweep_slurm")
 EXAMPLES = sorted(path for path in (Path(__file__).parents[2] / "examples").glob("*.py") if path.stem not in ELSEWHERE)
 
 

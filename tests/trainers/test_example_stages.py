@@ -37,7 +37,7 @@ def test_a_giver_is_credited_for_what_can_be_refined() -> None:
         events={name: jnp.array(count) for name, count in {**counts, "received[fine]": [0] * 5}.items()},
     )
     giver_credit = find("reward", f"{ROOT}/examples/giver_credit.py:giver_credit")
-    assert giver_credit(step).tolist() == [2, 0, 0, 2, 2]
+    assert giver_credit(step).tolist() == [4, 0, 0, 4, 2]
     assert giver_credit(step, credit=5.0).tolist() == [10, 0, 0, 10, 2]
 
 
